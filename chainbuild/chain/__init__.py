@@ -1,0 +1,1 @@
+"""The kinematic chain: the one thing between machine data and everything computed from them."""

@@ -1,0 +1,93 @@
+"""Axis maps: from the axis values a controller shows to joint values and back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.errors import ChainError
+from chainbuild.units import AxisKind, si_factor
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+
+class AxisMap(Protocol):
+    """Joint values from axis values and back.
+
+    Axis values are mm and degrees in channel order; joint values SI in the order of the chain's joints.
+    """
+
+    def q(self, axes: Vector) -> Vector:
+        """Return the joint values (n_q,) of axis values (n_axes,)."""
+        ...
+
+    def axes(self, q: Vector) -> Vector:
+        """Return the axis values (n_axes,) of joint values (n_q,)."""
+        ...
+
+    def dq_daxes(self, axes: Vector) -> Matrix:
+        """Return the derivative (n_q, n_axes), SI by SI: metres and radians on both sides."""
+        ...
+
+    def q_bounds(self, lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
+        """Return bounds of the joint values over the box of axis values given in mm and degrees."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AffineMap:
+    """q = A·(axes in SI) + b: sign, zero offset, unit, gear and absolute-angle coupling in one matrix.
+
+    Attributes:
+        A: (n_q, n_axes), SI by SI.
+        b: (n_q,), SI.
+        si_factors: (n_axes,) what axis values are multiplied with to get SI.
+        back: (n_axes, n_q) left inverse of A.
+    """
+
+    A: Matrix
+    b: Vector
+    si_factors: Vector
+    back: Matrix
+
+    @classmethod
+    def of(cls, A: Matrix, b: Vector, kinds: Sequence[AxisKind]) -> AffineMap:
+        """Build the map of a coupling matrix.
+
+        Args:
+            A: (n_q, n_axes), SI by SI.
+            b: (n_q,), SI.
+            kinds: "linear" or "rotary" for each axis.
+
+        Raises:
+            ChainError: two different sets of axis values give the same joint values.
+        """
+        if np.linalg.matrix_rank(A) < A.shape[1]:
+            raise ChainError("the axis map is singular: different axis values would give the same joint values")
+        back = np.linalg.inv(A) if A.shape[0] == A.shape[1] else np.linalg.pinv(A)
+        return cls(A, b, np.array([si_factor(kind) for kind in kinds]), back)
+
+    def q(self, axes: Vector) -> Vector:
+        """Return the joint values of axis values."""
+        result: Vector = self.A @ (axes * self.si_factors) + self.b
+        return result
+
+    def axes(self, q: Vector) -> Vector:
+        """Return the axis values of joint values."""
+        result: Vector = (self.back @ (q - self.b)) / self.si_factors
+        return result
+
+    def dq_daxes(self, axes: Vector) -> Matrix:
+        """Return A: the same everywhere."""
+        return self.A
+
+    def q_bounds(self, lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
+        """Return the joint bounds by interval arithmetic; exact, because the map is affine."""
+        low, high = lower * self.si_factors, upper * self.si_factors
+        positive, negative = np.maximum(self.A, 0.0), np.minimum(self.A, 0.0)
+        return positive @ low + negative @ high + self.b, positive @ high + negative @ low + self.b

@@ -1,0 +1,82 @@
+"""The check of a chain: a tree, unique names, both tips, an axis map of the right shape."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+
+import numpy as np
+
+from chainbuild.chain.elements import BASE_LINK, FRAME_NAMES, Chain
+from chainbuild.errors import ChainError
+
+
+def check_chain(chain: Chain) -> None:
+    """Refuse a chain that contradicts itself.
+
+    Raises:
+        ChainError: a double name, a link with no or two parents, a missing frame, a placement that is no rigid
+            transform, a direction not of length 1, or an axis map of the wrong shape.
+    """
+    _unique("link", (link.name for link in chain.links))
+    _unique("joint", (joint.name for joint in chain.joints))
+    _unique("frame", (frame.name for frame in chain.frames))
+    _unique("axis", (axis.name for axis in chain.axes))
+    _check_tree(chain)
+    _check_placements(chain)
+    _check_axes(chain)
+
+
+def _unique(what: str, names: Iterable[str]) -> None:
+    for name, count in Counter(names).items():
+        if count > 1:
+            raise ChainError(f"{what} {name} stands {count} times in the chain")
+
+
+def _check_tree(chain: Chain) -> None:
+    reached = {BASE_LINK}
+    known = {link.name for link in chain.links}
+    for joint in chain.joints:
+        if joint.parent not in reached:
+            raise ChainError(f"joint {joint.name} hangs on link {joint.parent}, which no earlier joint reaches")
+        if joint.child in reached:
+            raise ChainError(f"link {joint.child} has two parents; a closed loop is a Loop record, not a joint")
+        if joint.child not in known:
+            raise ChainError(f"joint {joint.name} moves the unknown link {joint.child}")
+        reached.add(joint.child)
+    if known - reached:
+        raise ChainError(f"no joint carries link {', '.join(sorted(known - reached))}")
+    named = {frame.name for frame in chain.frames}
+    missing = [name for name in FRAME_NAMES if name not in named]
+    if missing:
+        raise ChainError(f"the chain lacks frame {', '.join(missing)}")
+    for frame in chain.frames:
+        if frame.link not in known:
+            raise ChainError(f"frame {frame.name} sits on the unknown link {frame.link}")
+    for loop in chain.loops:
+        for end in (loop.frame_a, loop.frame_b):
+            if end not in named:
+                raise ChainError(f"loop {loop.name} ends at the unknown frame {end}")
+
+
+def _check_placements(chain: Chain) -> None:
+    placements = [(f"joint {j.name}", j.T_parent_joint) for j in chain.joints]
+    placements += [(f"frame {f.name}", f.T_link_frame) for f in chain.frames]
+    for what, T in placements:
+        rotation = T[:3, :3]
+        rigid = np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-12) and np.linalg.det(rotation) > 0
+        if T.shape != (4, 4) or not np.isfinite(T).all() or not rigid:
+            raise ChainError(f"the placement of {what} is not a finite rigid transform")
+    for joint in chain.joints:
+        if abs(float(np.linalg.norm(joint.direction)) - 1.0) > 1e-12:
+            raise ChainError(f"the direction of joint {joint.name} is not of length 1")
+
+
+def _check_axes(chain: Chain) -> None:
+    middle = np.array([(axis.lower + axis.upper) / 2 for axis in chain.axes])
+    shape = chain.axis_map.dq_daxes(middle).shape
+    if shape != (len(chain.joints), len(chain.axes)):
+        raise ChainError(f"the axis map has shape {shape}, the chain {(len(chain.joints), len(chain.axes))}")
+    for axis in chain.axes:
+        if not axis.lower < axis.upper:
+            raise ChainError(f"axis {axis.name} has the empty range {axis.lower} … {axis.upper}")

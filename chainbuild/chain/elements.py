@@ -1,0 +1,179 @@
+"""What a chain is made of: links, joints, frames, loops, axes. Frozen data, no maths."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.chain.axismap import AxisMap
+from chainbuild.conventions import UsedConvention
+from chainbuild.findings import Finding
+from chainbuild.units import AxisKind, AxisUnit, unit_of
+
+if TYPE_CHECKING:
+    from chainbuild.robot.robot import Robot
+
+Matrix = NDArray[np.float64]
+Vector = NDArray[np.float64]
+
+JointKind = Literal["revolute", "prismatic"]
+Task = Literal["auto", "pose", "direction", "position"]
+
+BASE_LINK = "base"
+FRAME_NAMES = ("base", "flange", "tool", "workpiece")
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A rigid body.
+
+    Attributes:
+        name: Unique name.
+        radius: Radius [m] of the capsule that stands for it, or None for the default rule.
+    """
+
+    name: str
+    radius: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Joint:
+    """One freedom between two links.
+
+    Attributes:
+        name: The controller's axis name.
+        kind: Revolute or prismatic.
+        parent: Name of the link that carries it.
+        child: Name of the link it moves.
+        T_parent_joint: (4, 4) placement at joint value 0 [m].
+        direction: (3,) unit vector of the joint axis in the joint's own frame.
+    """
+
+    name: str
+    kind: JointKind
+    parent: str
+    child: str
+    T_parent_joint: Matrix
+    direction: Vector
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """A named frame fixed to a link: T_link_frame (4, 4) [m]."""
+
+    name: str
+    link: str
+    T_link_frame: Matrix
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """A closure between two frames.
+
+    Attributes:
+        name: Unique name.
+        kind: "ball" (3 equations), "hinge" (5, about the frames' z) or "weld" (6).
+        frame_a: One frame's name.
+        frame_b: The other frame's name.
+    """
+
+    name: str
+    kind: Literal["ball", "hinge", "weld"]
+    frame_a: str
+    frame_b: str
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """An axis as the controller shows it.
+
+    Attributes:
+        name: The controller's name.
+        kind: "linear" or "rotary".
+        unit: "mm" or "deg", also of the limits.
+        lower: Lower software limit.
+        upper: Upper software limit.
+        assumed: True where neither machine data nor overlay give limits.
+        endless: True for an axis that may turn without end.
+        carries: What it moves: the tool or the workpiece.
+        held: True for an input axis that inverse kinematics leaves where it is programmed.
+        max_speed: mm/s or deg/s, where known.
+    """
+
+    name: str
+    kind: AxisKind
+    unit: AxisUnit
+    lower: float
+    upper: float
+    assumed: bool
+    endless: bool = False
+    carries: Literal["tool", "workpiece"] = "tool"
+    held: bool = False
+    max_speed: float | None = None
+
+    @classmethod
+    def unlimited(cls, name: str, kind: AxisKind, carries: Literal["tool", "workpiece"] = "tool") -> Axis:
+        """Build an axis whose limits nobody gave."""
+        from chainbuild import tolerances
+
+        bound = tolerances.ASSUMED_LINEAR_LIMIT_MM if kind == "linear" else tolerances.ASSUMED_ROTARY_LIMIT_DEG
+        return cls(name, kind, unit_of(kind), -bound, bound, True, carries=carries)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain:
+    """One kinematic chain with two tips: frames `tool` and `workpiece` on a tree rooted in link `base`.
+
+    Attributes:
+        name: File-system-safe name, used for URDF.
+        title: Name for people.
+        dialect: "SINUMERIK ROBX" or "TwinCAT CNC".
+        kinematic: "ROBX NR", "KIN_TYP 45", … .
+        links: All links, `base` first.
+        joints: All joints, parents before children.
+        frames: At least base, flange, tool and workpiece.
+        axes: The controller's axes in channel order.
+        axis_map: From axis values to joint values.
+        angle_mode: Name in `frames.ANGLE_MODES` of the pose angles A, B, C.
+        loops: Closures; empty for a tree.
+        task: What inverse kinematics solves for; "auto" finds out from the Jacobian.
+        conventions: What shaped the chain although the manuals leave it open.
+        findings: Findings of the file and of the translation.
+    """
+
+    name: str
+    title: str
+    dialect: str
+    kinematic: str
+    links: tuple[Link, ...]
+    joints: tuple[Joint, ...]
+    frames: tuple[Frame, ...]
+    axes: tuple[Axis, ...]
+    axis_map: AxisMap
+    angle_mode: str
+    loops: tuple[Loop, ...] = ()
+    task: Task = "auto"
+    conventions: tuple[UsedConvention, ...] = ()
+    findings: tuple[Finding, ...] = ()
+
+    def frame(self, name: str) -> Frame:
+        """Return a frame by name."""
+        return next(frame for frame in self.frames if frame.name == name)
+
+    def with_axes(self, axes: tuple[Axis, ...]) -> Chain:
+        """Return the chain with other axis limits."""
+        return replace(self, axes=axes)
+
+    def build(self) -> Robot:
+        """Build the robot: a Pinocchio model with its solvers.
+
+        Raises:
+            ChainError: the chain contradicts itself.
+        """
+        # The one door upwards: pinocchio is imported where it is used, not when machine data are read.
+        from chainbuild.robot.robot import Robot
+
+        return Robot(self)

@@ -1,0 +1,123 @@
+"""Conventions: what the manuals leave open, each with a default, its choices and how to verify it."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import resources
+from typing import Literal
+
+from chainbuild.errors import ConventionError, Span
+
+
+@dataclass(frozen=True, slots=True)
+class Convention:
+    """One open point of a manual.
+
+    Attributes:
+        name: Key for ``--convention name=choice``.
+        applies: Kinematics it concerns: "ROBX", "KIN 59", … .
+        mark: "I" inferred from strong evidence, "?" open.
+        default: The choice taken when none is named.
+        choices: Choice → exact geometric meaning.
+        question: What is open.
+        why: Why the default is the default.
+        verify: What to look at on the controller to decide it.
+        source: Manual section.
+    """
+
+    name: str
+    applies: tuple[str, ...]
+    mark: Literal["I", "?"]
+    default: str
+    choices: Mapping[str, str]
+    question: str
+    why: str
+    verify: str
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class UsedConvention:
+    """A convention that shaped a chain, with the choice taken and who took it."""
+
+    convention: Convention
+    choice: str
+    by_user: bool
+
+
+@cache
+def conventions() -> Mapping[str, Convention]:
+    """Return the register of all conventions by name."""
+    register: dict[str, Convention] = {}
+    folder = resources.files("chainbuild").joinpath("data")
+    for entry in sorted(folder.iterdir(), key=lambda item: item.name):
+        if not (entry.name.startswith("conventions_") and entry.name.endswith(".toml")):
+            continue
+        for name, row in tomllib.loads(entry.read_text("utf-8")).items():
+            if name in register:
+                raise ConventionError(f"convention {name} is defined twice")
+            row["applies"] = tuple(row["applies"])
+            register[name] = Convention(name=name, **row)
+    return register
+
+
+def check_choice(name: str, choice: str, span: Span | None = None) -> None:
+    """Refuse an unknown convention or an unknown choice.
+
+    Raises:
+        ConventionError: with the list of what is known.
+    """
+    known = conventions().get(name)
+    if known is None:
+        raise ConventionError(f"unknown convention '{name}'", span=span, permitted=", ".join(sorted(conventions())))
+    if choice not in known.choices:
+        raise ConventionError(
+            f"convention {name} has no choice '{choice}'",
+            span=span,
+            parameter=name,
+            permitted=", ".join(known.choices),
+        )
+
+
+@dataclass(slots=True)
+class Choices:
+    """The user's choices while a chain is built; remembers which conventions were asked for.
+
+    Attributes:
+        chosen: Convention name → choice named by the user; the others take their defaults.
+    """
+
+    chosen: Mapping[str, str] = field(default_factory=dict)
+    _used: dict[str, UsedConvention] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name, choice in self.chosen.items():
+            check_choice(name, choice)
+
+    def __getitem__(self, name: str) -> str:
+        """Return the choice in force and note that it shapes the chain."""
+        convention = conventions()[name]
+        choice = self.chosen.get(name, convention.default)
+        self._used[name] = UsedConvention(convention, choice, name in self.chosen)
+        return choice
+
+    def sign(self, name: str) -> int:
+        """Return +1 for the choice `plus`, -1 for `minus`."""
+        return 1 if self[name] == "plus" else -1
+
+    def used(self) -> tuple[UsedConvention, ...]:
+        """Return the conventions asked for so far, in the order of their names."""
+        return tuple(self._used[name] for name in sorted(self._used))
+
+    def unused(self) -> tuple[str, ...]:
+        """Return the names the user chose that had no bearing on the chain."""
+        return tuple(sorted(set(self.chosen) - set(self._used)))
+
+
+def applying_to(kinematics: Iterable[str]) -> tuple[Convention, ...]:
+    """Return the conventions that concern any of the named kinematics ("ROBX", "KIN 59", …)."""
+    wanted = set(kinematics)
+    return tuple(c for c in conventions().values() if wanted & set(c.applies))

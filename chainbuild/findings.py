@@ -1,0 +1,100 @@
+"""Numbered findings of a machine file and the collector that gathers or raises them."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import resources
+from typing import Literal
+
+from chainbuild.errors import ChainbuildError, MachineDataError, Span
+
+Severity = Literal["info", "warning", "error"]
+
+
+@dataclass(frozen=True, slots=True)
+class FindingKind:
+    """What a finding's number stands for: severity and a title without particulars."""
+
+    code: str
+    severity: Severity
+    title: str
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One remark on a file: number, severity, text, place and what to do about it."""
+
+    code: str
+    severity: Severity
+    text: str
+    span: Span | None = None
+    hint: str | None = None
+    parameter: str | None = None
+    permitted: str | None = None
+    alarm: int | None = None
+
+    def __str__(self) -> str:
+        where = f"{self.span}: " if self.span else ""
+        more = f" (controller alarm {self.alarm})" if self.alarm else ""
+        hint = f" — {self.hint}" if self.hint else ""
+        return f"{where}{self.code} {self.severity}: {self.text}{more}{hint}"
+
+
+@cache
+def finding_kinds() -> Mapping[str, FindingKind]:
+    """Return the register of all finding numbers."""
+    raw = tomllib.loads(resources.files("chainbuild").joinpath("data/findings.toml").read_text("utf-8"))
+    return {code: FindingKind(code, row["severity"], row["title"]) for code, row in raw.items()}
+
+
+@dataclass(slots=True)
+class Collector:
+    """Gathers findings; the strict door raises at the first error, the lenient one goes on.
+
+    Attributes:
+        strict: True: an error is raised. False: it is kept as a finding and reading goes on.
+        findings: What was found, in order.
+    """
+
+    strict: bool = True
+    findings: list[Finding] = field(default_factory=list)
+
+    def add(
+        self,
+        code: str,
+        text: str,
+        *,
+        span: Span | None = None,
+        hint: str | None = None,
+        parameter: str | None = None,
+        permitted: str | None = None,
+        alarm: int | None = None,
+        error: type[ChainbuildError] = MachineDataError,
+    ) -> None:
+        """Record a finding under its number; its severity comes from the register.
+
+        Raises:
+            ChainbuildError: the class given by `error`, where the number is an error and the door is strict.
+        """
+        severity = finding_kinds()[code].severity
+        if severity == "error" and self.strict:
+            raise error(text, span=span, hint=hint, parameter=parameter, permitted=permitted, alarm=alarm, code=code)
+        self.findings.append(Finding(code, severity, text, span, hint, parameter, permitted, alarm))
+
+    def add_error(self, error: ChainbuildError) -> None:
+        """Record an exception that was caught at the lenient door."""
+        self.findings.append(
+            Finding(
+                error.code or "CB001",
+                "error",
+                error.message,
+                error.span,
+                error.hint,
+                error.parameter,
+                error.permitted,
+                error.alarm,
+            )
+        )

@@ -1,0 +1,102 @@
+"""The front door: from a path or a shipped machine's name to a Machine."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from chainbuild import sinumerik, twincat
+from chainbuild.errors import ChainbuildError, FileAccessError, ParseError, Span
+from chainbuild.findings import Collector, Finding
+from chainbuild.machine import Machine
+from chainbuild.machines import shipped, shipped_path
+from chainbuild.overlay import Overlay, find_overlay
+from chainbuild.text import SourceText, read_source
+
+
+def load(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None = None) -> Machine:
+    """Read a machine file of either dialect; the dialect is told by its content.
+
+    Args:
+        path: A file, or the name of a shipped machine; an existing path wins.
+        overlay: An overlay file in place of the one beside the machine file.
+
+    Raises:
+        ChainbuildError: the file cannot be read, or holds a syntax or range error.
+    """
+    return _read(path, overlay, Collector(strict=True))
+
+
+def check(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None = None) -> tuple[Finding, ...]:
+    """Return every finding of a machine file, errors included; never raises on content.
+
+    The file is read to its end and every kinematic it configures is translated.
+
+    Raises:
+        FileAccessError: the file is missing or may not be read.
+    """
+    collector = Collector(strict=False)
+    try:
+        machine = _read(path, overlay, collector)
+        for entry in machine.kinematics():
+            _try_chain(machine, entry.id, entry.channel, collector)
+    except FileAccessError:
+        raise
+    except ChainbuildError as error:
+        collector.add_error(error)
+    return tuple(dict.fromkeys(collector.findings))
+
+
+def _try_chain(machine: Machine, kinematic: int, channel: int, collector: Collector) -> None:
+    try:
+        chain = machine.chain(kinematic=kinematic, channel=channel)
+        collector.findings.extend(chain.findings)
+        chain.build()
+    except ChainbuildError as error:
+        collector.add_error(error)
+
+
+def _read(
+    path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None, collector: Collector
+) -> Machine:
+    file = find_machine(path)
+    source = read_source(file)
+    beside: Overlay = find_overlay(file, Path(overlay) if overlay is not None else None)
+    # The TwinCAT test comes first: its container is XML, whose text could hold anything.
+    if twincat.is_twincat(source.text):
+        return twincat.read_machine(source, file, beside, collector)
+    if sinumerik.is_sinumerik(source.text):
+        return sinumerik.read_machine(source, file, beside, collector)
+    raise ParseError(
+        "neither SINUMERIK machine data nor a TwinCAT channel list",
+        span=_first_line(source),
+        permitted="lines like '$MC_ROBX_…=…' or 'trafo[0].param[6] 8300000'",
+    )
+
+
+def _first_line(source: SourceText) -> Span:
+    for number, line in enumerate(source.lines(), start=1):
+        if line.strip():
+            return Span(source.file, number, 1, line)
+    return Span(source.file)
+
+
+def find_machine(path: str | os.PathLike[str]) -> Path:
+    """Return the file that a path or a shipped machine's name means; an existing path wins.
+
+    Raises:
+        FileAccessError: there is neither.
+    """
+    try:
+        file = Path(path)
+        exists = file.exists()
+    except (TypeError, ValueError, OSError) as error:
+        raise FileAccessError(f"not a path: {error}") from None
+    if exists:
+        return file
+    found = shipped_path(str(path))
+    if found is None:
+        raise FileAccessError(
+            "no such file, nor a shipped machine of that name", span=Span(str(path)), permitted=", ".join(shipped())
+        )
+    return found

@@ -1,0 +1,126 @@
+"""How files leave the package: all or nothing, and with numbers that read the same on every machine.
+
+The last bit of a sine or a matrix product differs between processors and C libraries. Numbers are therefore brought
+to a coarser grid before they are written, and whatever lies within that noise of a short decimal number (a length in
+machine data) or of a short decimal angle in degrees is taken to be exactly that.
+
+>>> number_text(0.1 + 0.2)
+'0.3'
+>>> number_text(-6.1e-17)
+'0'
+>>> angle_text(1.5707963267948963)
+'1.5707963267949'
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Final, TextIO
+
+from chainbuild.errors import FileAccessError, Span
+from chainbuild.units import deg_from_rad, rad_from_deg
+
+_NOISE: Final = 1e-14  # sums and products of a few rounded factors, relative, absolute below 1
+_SHORT_DECIMALS: Final = 11  # 10 pm: finer than any machine datum
+_SHORT_DEGREES: Final = 9  # 1e-9 degrees: finer than any machine datum
+_DECIMALS: Final = 13  # of all other numbers: 0.1 pm, 1e-13 rad is 0.2 pm at 2 m
+
+
+def number_text(value: float) -> str:
+    """Return a number (SI) with at most 15 significant digits and 13 decimals, without signed zero."""
+    short = round(value, _SHORT_DECIMALS)
+    if abs(value - short) > _NOISE * max(1.0, abs(value)):
+        short = round(value, _DECIMALS)
+    return f"{short + 0.0:.15g}"
+
+
+def angle_text(value: float) -> str:
+    """Return an angle in radians like `number_text`, exact to 15 digits where it is a decimal number of degrees."""
+    degrees = deg_from_rad(value)
+    short = round(degrees, _SHORT_DEGREES)
+    if abs(degrees - short) <= deg_from_rad(_NOISE) * max(1.0, abs(value)):
+        return f"{rad_from_deg(short) + 0.0:.15g}"
+    return number_text(value)
+
+
+def numbers_text(values: Iterator[float] | list[float] | tuple[float, ...]) -> str:
+    """Return numbers (SI) separated by single spaces, each as `number_text` writes it."""
+    return " ".join(number_text(float(value)) for value in values)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a UTF-8 text file with LF line ends, all or nothing.
+
+    Raises:
+        FileAccessError: the file cannot be written; what stood there before still stands.
+    """
+    with open_atomic(path) as stream:
+        stream.write(text)
+
+
+def make_folder(path: Path) -> None:
+    """Create a folder and those above it where they are missing.
+
+    Raises:
+        FileAccessError: it cannot be created.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise _refusal(path, error, "the folder cannot be created") from None
+
+
+@contextmanager
+def open_atomic(path: Path) -> Iterator[TextIO]:
+    """Open a UTF-8 text file for writing that appears under its name only when the block ends without an error.
+
+    The text goes to a temporary file in the same folder, which then takes the place of `path`. A path that is no
+    regular file, such as /dev/null or a pipe, is written to directly.
+
+    Raises:
+        FileAccessError: the file cannot be written; what stood there before still stands.
+    """
+    target = Path(os.path.realpath(path))
+    try:
+        if target.exists() and not target.is_file() and not target.is_dir():
+            with target.open("w", encoding="utf-8", newline="\n") as stream:
+                yield stream
+            return
+        with _temporary(target) as stream:
+            yield stream
+    except OSError as error:
+        raise _refusal(path, error, "the file cannot be written") from None
+
+
+@contextmanager
+def _temporary(target: Path) -> Iterator[TextIO]:
+    if target.is_dir():
+        raise IsADirectoryError(21, "this is a folder", str(target))
+    handle, name = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=".part", dir=target.parent)
+    try:
+        with open(handle, "w", encoding="utf-8", newline="\n") as stream:
+            yield stream
+        os.chmod(name, _mode(target))
+        os.replace(name, target)
+    except BaseException:
+        with suppress(OSError):
+            os.unlink(name)
+        raise
+
+
+def _mode(target: Path) -> int:
+    """Return the permissions of the file that is replaced, else those of a new file under the umask."""
+    with suppress(OSError):
+        return stat.S_IMODE(target.stat().st_mode)
+    mask = os.umask(0)
+    os.umask(mask)
+    return 0o666 & ~mask
+
+
+def _refusal(path: Path, error: OSError, text: str) -> FileAccessError:
+    return FileAccessError(f"{text}: {error.strerror or error}", span=Span(str(path)))

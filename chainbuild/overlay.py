@@ -1,0 +1,215 @@
+"""The overlay `NAME.chainbuild.toml` beside a machine file: what machine data cannot say."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from chainbuild.chain.elements import Axis
+from chainbuild.conventions import check_choice
+from chainbuild.errors import FileAccessError, OverlayError, Span
+from chainbuild.text import read_source
+
+SUFFIX = ".chainbuild.toml"
+
+
+@dataclass(frozen=True, slots=True)
+class Overlay:
+    """What an overlay may say; every key is optional.
+
+    Attributes:
+        path: The overlay's file, None where there is none.
+        name: Display name of the machine.
+        source: Where its numbers come from.
+        limits: Axis name → (lower, upper) in mm or degrees.
+        speeds: Axis name → mm/s or deg/s.
+        endless: Names of axes that turn without end.
+        conventions: Convention name → choice.
+        tool_length_mm: Length of the tool in the spindle, added to `tool_length_mm` of `Machine.chain`.
+        tool: ROBX tool data such as `TC_DP3`, names as in the machine data without `$`.
+        axis_lists: Files with TwinCAT axis lists, relative to the overlay.
+        axis_names: Axis names in channel order, in place of the standard ones.
+        kinematic: Default kinematic id, name or transformation number.
+    """
+
+    path: Path | None = None
+    name: str | None = None
+    source: str | None = None
+    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    speeds: Mapping[str, float] = field(default_factory=dict)
+    endless: tuple[str, ...] = ()
+    conventions: Mapping[str, str] = field(default_factory=dict)
+    tool_length_mm: float = 0.0
+    tool: Mapping[str, float | tuple[float, ...]] = field(default_factory=dict)
+    axis_lists: tuple[Path, ...] = ()
+    kinematic: int | str | None = None
+
+    def apply_limits(self, axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
+        """Return the axes with the overlay's limits, speeds and endless axes.
+
+        Raises:
+            OverlayError: the overlay names an axis that the kinematic does not have.
+        """
+        known = {axis.name for axis in axes}
+        for name in (*self.limits, *self.speeds, *self.endless):
+            if name not in known:
+                raise self._error(f"the kinematic has no axis '{name}'", name, ", ".join(a.name for a in axes))
+        return tuple(self._limited(axis) for axis in axes)
+
+    def _limited(self, axis: Axis) -> Axis:
+        if axis.name in self.limits:
+            lower, upper = self.limits[axis.name]
+            axis = replace(axis, lower=lower, upper=upper, assumed=False)
+        if axis.name in self.speeds:
+            axis = replace(axis, max_speed=self.speeds[axis.name])
+        return replace(axis, endless=axis.endless or axis.name in self.endless)
+
+    def _error(self, text: str, parameter: str, permitted: str) -> OverlayError:
+        return OverlayError(text, span=_span(self.path, parameter), parameter=parameter, permitted=permitted)
+
+
+def _span(path: Path | None, key: str) -> Span | None:
+    """Find the line of a key again; tomllib keeps none."""
+    if path is None:
+        return None
+    pattern = re.compile(rf"^\s*\[?\s*[\"']?{re.escape(key)}\b")
+    for number, line in enumerate(read_source(path).lines(), start=1):
+        if pattern.match(line):
+            return Span(str(path), number, 1, line)
+    return Span(str(path))
+
+
+def overlay_path(machine_file: Path) -> Path:
+    """Return where the overlay of a machine file is looked for."""
+    return machine_file.with_name(machine_file.stem + SUFFIX)
+
+
+def read_overlay(path: Path) -> Overlay:
+    """Read an overlay.
+
+    Raises:
+        FileAccessError: the file cannot be read.
+        OverlayError: TOML syntax, an unknown key (the known ones are listed), or a value of the wrong kind.
+    """
+    text = read_source(path).text
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        found = re.search(r"line (\d+)", str(error))
+        raise OverlayError(f"no valid TOML: {error}", span=Span(str(path), int(found[1]) if found else 0)) from None
+    values: dict[str, Any] = {}
+    for key, value in data.items():
+        reader = _READERS.get(key)
+        if reader is None:
+            raise OverlayError(
+                f"unknown key '{key}'", span=_span(path, key), parameter=key, permitted=", ".join(_READERS)
+            )
+        values[key] = reader(path, key, value)
+    return Overlay(path=path, **values)
+
+
+def find_overlay(machine_file: Path, named: Path | None = None) -> Overlay:
+    """Return the overlay named, else the one beside the machine file, else an empty one."""
+    if named is not None:
+        return read_overlay(named)
+    beside = overlay_path(machine_file)
+    try:
+        present = beside.is_file()
+    except OSError as error:
+        raise FileAccessError(f"the overlay cannot be looked for: {error}", span=Span(str(beside))) from None
+    return read_overlay(beside) if present else Overlay()
+
+
+def _refuse(path: Path, key: str, permitted: str) -> OverlayError:
+    return OverlayError(
+        f"the value of '{key}' has the wrong kind", span=_span(path, key), parameter=key, permitted=permitted
+    )
+
+
+def _number(path: Path, key: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e9:
+        raise _refuse(path, key, "a finite number")
+    return float(value)
+
+
+def _text(path: Path, key: str, value: object) -> str:
+    if not isinstance(value, str):
+        raise _refuse(path, key, "a string")
+    return value
+
+
+def _table(path: Path, key: str, value: object) -> dict[str, object]:
+    if not isinstance(value, dict):
+        raise _refuse(path, key, f"a table [{key}]")
+    return value
+
+
+def _limits(path: Path, key: str, value: object) -> dict[str, tuple[float, float]]:
+    result = {}
+    for axis, pair in _table(path, key, value).items():
+        if not isinstance(pair, list) or len(pair) != 2:
+            raise _refuse(path, axis, "[lower, upper] in mm or degrees")
+        lower, upper = _number(path, axis, pair[0]), _number(path, axis, pair[1])
+        if not lower < upper:
+            raise _refuse(path, axis, "lower below upper")
+        result[axis] = (lower, upper)
+    return result
+
+
+def _speeds(path: Path, key: str, value: object) -> dict[str, float]:
+    speeds = {axis: _number(path, axis, speed) for axis, speed in _table(path, key, value).items()}
+    for axis, speed in speeds.items():
+        if speed <= 0:
+            raise _refuse(path, axis, "a speed above 0 in mm/s or deg/s")
+    return speeds
+
+
+def _names(path: Path, key: str, value: object) -> tuple[str, ...]:
+    if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+        raise _refuse(path, key, "a list of strings")
+    return tuple(value)
+
+
+def _conventions(path: Path, key: str, value: object) -> dict[str, str]:
+    chosen = {name: _text(path, name, choice) for name, choice in _table(path, key, value).items()}
+    for name, choice in chosen.items():
+        check_choice(name, choice, _span(path, name))
+    return chosen
+
+
+def _tool(path: Path, key: str, value: object) -> dict[str, float | tuple[float, ...]]:
+    result: dict[str, float | tuple[float, ...]] = {}
+    for name, entry in _table(path, key, value).items():
+        if isinstance(entry, list):
+            result[name] = tuple(_number(path, name, item) for item in entry)
+        else:
+            result[name] = _number(path, name, entry)
+    return result
+
+
+def _files(path: Path, key: str, value: object) -> tuple[Path, ...]:
+    return tuple(path.parent / name for name in _names(path, key, value))
+
+
+def _kinematic(path: Path, key: str, value: object) -> int | str:
+    if isinstance(value, bool) or not isinstance(value, int | str):
+        raise _refuse(path, key, "an id or a name")
+    return value
+
+
+_READERS = {
+    "name": _text,
+    "source": _text,
+    "limits": _limits,
+    "speeds": _speeds,
+    "endless": _names,
+    "conventions": _conventions,
+    "tool_length_mm": _number,
+    "tool": _tool,
+    "axis_lists": _files,
+    "kinematic": _kinematic,
+}

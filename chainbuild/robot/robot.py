@@ -1,0 +1,196 @@
+"""Robot: a chain that moves, in the controller's axis values and in Pinocchio's joint values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild import tolerances
+from chainbuild.chain.check import check_chain
+from chainbuild.chain.elements import Axis, Chain, Task
+from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.robot.kinematics import Kinematics
+from chainbuild.robot.task import choose_task
+
+if TYPE_CHECKING:
+    from chainbuild.solve.result import IkResult
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+
+class Robot:
+    """A built chain: forward and inverse kinematics in the controller's axis values.
+
+    Attributes:
+        chain: What it was built from.
+        model: Pinocchio's model with frames base, flange, tool and workpiece; nq = nv = number of joints.
+        kinematics: The evaluator that solvers use.
+
+    Raises:
+        ChainError: the chain contradicts itself.
+    """
+
+    def __init__(self, chain: Chain) -> None:
+        check_chain(chain)
+        self.chain = chain
+        self.kinematics = Kinematics(chain)
+
+    @property
+    def name(self) -> str:
+        """File-system-safe name."""
+        return self.chain.name
+
+    @property
+    def model(self) -> pin.Model:
+        """Pinocchio's model."""
+        return self.kinematics.model
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """The controller's axes in channel order."""
+        return self.chain.axes
+
+    @cached_property
+    def task(self) -> Task:
+        """What inverse kinematics solves for: "pose", "direction" or "position"."""
+        return choose_task(self.kinematics, np.array([not axis.held for axis in self.axes]))
+
+    def axis_values(self, axes: ArrayLike) -> Vector:
+        """Return axis values as a checked float array (n_axes,), mm and degrees.
+
+        Raises:
+            AxisValueError: wrong count, not numbers, NaN, inf or absurdly large.
+        """
+        names = ", ".join(axis.name for axis in self.axes)
+        try:
+            values = np.asarray(axes, dtype=float)
+        except (TypeError, ValueError):
+            raise AxisValueError("axis values must be numbers", permitted=names) from None
+        if values.shape != (len(self.axes),):
+            raise AxisValueError(
+                f"{len(self.axes)} axis values are due, not an array of shape {values.shape}", permitted=names
+            )
+        huge = ~(np.abs(values) < tolerances.HUGE_AXIS_VALUE)
+        if huge.any():
+            worst = int(np.argmax(huge))
+            raise AxisValueError(
+                f"axis {self.axes[worst].name} has the value {values[worst]}",
+                parameter=self.axes[worst].name,
+                permitted=f"finite numbers below {tolerances.HUGE_AXIS_VALUE:.0e}",
+            )
+        return values
+
+    def q(self, axes: ArrayLike) -> Vector:
+        """Return Pinocchio's joint values (nq,), SI, of axis values (n_axes,), mm and degrees.
+
+        Raises:
+            AxisValueError: wrong count or not finite.
+        """
+        return self.chain.axis_map.q(self.axis_values(axes))
+
+    def axes_from_q(self, q: ArrayLike) -> Vector:
+        """Return axis values (n_axes,), mm and degrees, of Pinocchio's joint values (nq,).
+
+        Raises:
+            AxisValueError: wrong count or not finite.
+        """
+        values = np.asarray(q, dtype=float)
+        if values.shape != (self.model.nq,) or not np.isfinite(values).all():
+            raise AxisValueError(f"{self.model.nq} finite joint values are due")
+        return self.chain.axis_map.axes(values)
+
+    def fk(self, axes: ArrayLike) -> pin.SE3:
+        """Return the tool in the workpiece frame [m] at axis values (n_axes,), mm and degrees.
+
+        Limits are not looked at.
+
+        Raises:
+            AxisValueError: wrong count or not finite.
+            ChainbuildError: the kinematic has no pose there.
+        """
+        T = self.kinematics.pose(self.q(axes))
+        if not np.isfinite(T.translation).all():
+            raise ChainbuildError("the kinematic has no finite pose at these axis values")
+        return T
+
+    def frame_placements(self, axes: ArrayLike) -> dict[str, pin.SE3]:
+        """Return every frame of the model in the base [m] at axis values (n_axes,), mm and degrees."""
+        model, data = self.model, self.kinematics.data
+        pin.framesForwardKinematics(model, data, self.q(axes))
+        return {frame.name: data.oMf[n].copy() for n, frame in enumerate(model.frames)}
+
+    def jacobian(self, axes: ArrayLike) -> Matrix:
+        """Return the Jacobian (6, n_axes) at axis values (n_axes,), mm and degrees.
+
+        Linear rows, then angular; tool relative to workpiece, expressed in the tool frame (Pinocchio's LOCAL);
+        derivative by metres and radians of the axes.
+
+        Raises:
+            AxisValueError: wrong count or not finite.
+        """
+        return self.kinematics.pose_and_jacobian(self.axis_values(axes) * self.kinematics.si_factors)[1]
+
+    def ik(
+        self,
+        T: pin.SE3 | ArrayLike,
+        start: ArrayLike | None = None,
+        held: Mapping[str, float] | Sequence[float] | None = None,
+    ) -> IkResult:
+        """Find axis values that bring the tool to a pose, inside the limits and verified by forward kinematics.
+
+        Args:
+            T: Tool in the workpiece frame [m]: `pin.SE3` or a (4, 4) array.
+            start: Axis values (n_axes,) to start from and stay near; None: the middle of the limits.
+            held: Axis name → value to hold, or one value for each input axis (`Axis.held`) in order. Input axes
+                not named are taken from `start`, else 0.
+
+        Returns:
+            The solution, or the best found with a status that says why it is none.
+
+        Raises:
+            AxisValueError: start or held of wrong count, unknown name or not finite.
+            ChainbuildError: T is no rigid transform.
+        """
+        # Solvers stand above this room; they are reached from here only.
+        from chainbuild.solve.damped import solve
+
+        return solve(self, as_pose(T), start, held)
+
+    def violated_limits(self, axes: ArrayLike) -> tuple[str, ...]:
+        """Return the names of the axes outside their limits."""
+        values = self.axis_values(axes)
+        outside = []
+        for axis, value in zip(self.axes, values, strict=True):
+            slack = 1e-9 * max(1.0, abs(axis.lower), abs(axis.upper))
+            if not axis.endless and not axis.lower - slack <= value <= axis.upper + slack:
+                outside.append(axis.name)
+        return tuple(outside)
+
+
+def as_pose(T: pin.SE3 | ArrayLike) -> pin.SE3:
+    """Return a pose as `pin.SE3`.
+
+    Raises:
+        ChainbuildError: not a rigid 4×4 transform of finite numbers.
+    """
+    if isinstance(T, pin.SE3):
+        matrix = T.homogeneous
+    else:
+        try:
+            matrix = np.asarray(T, dtype=float)
+        except (TypeError, ValueError):
+            raise ChainbuildError("a pose must be pin.SE3 or a 4×4 array of numbers") from None
+    rigid = matrix.shape == (4, 4) and bool(np.isfinite(matrix).all())
+    if rigid:
+        R = matrix[:3, :3]
+        off = float(np.abs(R @ R.T - np.eye(3)).max())
+        rigid = off < tolerances.ROTATION_MATRIX and float(np.linalg.det(R)) > 0.0
+    if not rigid:
+        raise ChainbuildError("a pose must be a rigid 4×4 transform: finite, with a right-handed rotation")
+    return pin.SE3(np.ascontiguousarray(matrix))

@@ -1,0 +1,248 @@
+"""Reader of SINUMERIK machine data: text → assignments with their place in the file."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from dataclasses import dataclass, field
+
+from chainbuild.errors import ChainbuildError, MachineDataError, ParseError, Span
+from chainbuild.findings import Collector
+from chainbuild.sinumerik.catalogue import MachineDatum, catalogue, lookup, lookup_number
+from chainbuild.sinumerik.values import Index, Refusal, Value, check_value, parse_index, parse_value
+from chainbuild.text import SourceText
+
+_SINUMERIK = re.compile(
+    r"\\?\$(?:M[NCA]|S[NCA]|TC|ON)_[A-Z]|^\s*CHANDATA\s*\(|^\s*%_N_\w|^\s*(?:ROBX|TRAFO6)_[A-Z]|^\s*(?:N|MD)\s*62[69]\d\d\b",
+    re.IGNORECASE | re.MULTILINE,
+)
+_HEADER = re.compile(r"\s*%_N_(?:CH(\d{1,2})_)?", re.IGNORECASE)
+_CHANDATA = re.compile(r"\s*(?:N\d+\s*)?CHANDATA\b\s*(.*)$", re.IGNORECASE)
+_ASSIGNMENT = re.compile(
+    r"""\s*(?:(?P<mark>N|MD|SD)\s*(?P<number>\d{1,9})(?!\d)\s*)?
+        (?P<name>\$?[A-Z][A-Z0-9_]*)?\s*
+        (?:\[(?P<index>[^\]]*)(?P<close>\])?)?\s*
+        =?\s*(?P<value>.*?)\s*$""",
+    re.IGNORECASE | re.VERBOSE,
+)
+_OWN_DATUM = re.compile(r"(?:\$MC_)?(?:ROBX|TRAFO6)_[A-Z0-9_]+", re.IGNORECASE)
+_TE4_DATUM = re.compile(r"(?:\$MC_)?TRAFO6_", re.IGNORECASE)
+_ESCAPE = re.compile(r"\\([$_\[\]])")
+_PARSE_CODES = ("CB101", "CB102", "CB103", "CB104")
+_MAX_CHANNEL = 99
+
+
+@dataclass(frozen=True, slots=True)
+class Assignment:
+    """One line that gives a machine datum a value.
+
+    Attributes:
+        datum: Entry of the catalogue.
+        te4: True where the line uses the older package's name or number (TRAFO6_*, MD626xx).
+        index: Element number, axis name in capitals, (tool, edge), or None for a scalar.
+        value: Number or string, checked against the catalogue.
+        channel: Channel the line stands in, 1 where the file names none.
+        span: The place of the value.
+    """
+
+    datum: MachineDatum
+    te4: bool
+    index: Index
+    value: Value
+    channel: int
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What a file assigns.
+
+    Attributes:
+        file: Name for messages.
+        assignments: In file order.
+        channels: Channels that CHANDATA or headers name, in file order; (1,) where none is named.
+        ignored: Number of lines with data this package has no use for.
+        refused: Number of lines that were refused (only at the lenient door).
+    """
+
+    file: str
+    assignments: tuple[Assignment, ...]
+    channels: tuple[int, ...]
+    ignored: int
+    refused: int
+
+
+@dataclass(slots=True)
+class _State:
+    """State while one file is read."""
+
+    file: str
+    collector: Collector
+    assignments: list[Assignment] = field(default_factory=list)
+    channel: int = 1
+    channels: tuple[int, ...] = ()
+    ignored: int = 0
+    refused: int = 0
+
+
+def is_sinumerik(text: str) -> bool:
+    r"""Tell by content whether a text holds SINUMERIK machine data.
+
+    >>> is_sinumerik("N62905 $MC_ROBX_NUM_AXES=6"), is_sinumerik("trafo[0].id 9"), is_sinumerik("MD62905 6")
+    (True, False, True)
+    """
+    return _SINUMERIK.search(text) is not None
+
+
+def read_assignments(source: SourceText, collector: Collector) -> Reading:
+    """Read every assignment of a machine data file.
+
+    Args:
+        source: The text.
+        collector: Takes the findings; a strict one raises at the first error.
+
+    Raises:
+        ParseError: a line with a known datum cannot be read.
+        MachineDataError: an index or value outside what the catalogue permits.
+    """
+    state = _State(source.file, collector)
+    for number, raw in enumerate(source.lines(), start=1):
+        _read_line(state, number, raw)
+    if state.ignored:
+        text = f"{state.ignored} lines that have no bearing on the kinematics were ignored"
+        collector.add("CB110", text, span=Span(source.file))
+    return Reading(source.file, tuple(state.assignments), state.channels or (1,), state.ignored, state.refused)
+
+
+def _read_line(state: _State, number: int, raw: str) -> None:
+    line = _without_comment(raw)
+    if not line.strip():
+        return
+    if match := _HEADER.match(line):
+        _enter_channel(state, int(match[1]) if match[1] else None)
+    elif match := _CHANDATA.match(line):
+        _chandata(state, match[1], Span(state.file, number, raw.find("(") + 2, raw))
+    else:
+        _assignment(state, Span(state.file, number, 1, raw), _ESCAPE.sub(r"\1", line))
+
+
+def _without_comment(line: str) -> str:
+    """Cut a line at the first semicolon outside double quotes."""
+    if '"' not in line:
+        return line.partition(";")[0]
+    quoted = False
+    for position, character in enumerate(line):
+        if character == '"':
+            quoted = not quoted
+        elif character == ";" and not quoted:
+            return line[:position]
+    return line
+
+
+def _chandata(state: _State, rest: str, span: Span) -> None:
+    match = re.fullmatch(r"\(\s*(\d{1,4})\s*\)", rest.strip())
+    channel = int(match[1]) if match else 0
+    if 1 <= channel <= _MAX_CHANNEL:
+        _enter_channel(state, channel)
+        return
+    state.refused += 1
+    text = f"CHANDATA{rest.strip()[:40]} names no channel"
+    permitted = f"CHANDATA(1) to CHANDATA({_MAX_CHANNEL})"
+    state.collector.add("CB112", text, span=span, permitted=permitted, error=ParseError)
+
+
+def _enter_channel(state: _State, channel: int | None) -> None:
+    state.channel = 1 if channel is None else channel
+    if channel is not None and channel not in state.channels:
+        state.channels += (channel,)
+
+
+def _assignment(state: _State, line_span: Span, line: str) -> None:
+    match = _ASSIGNMENT.match(line)
+    datum = _datum(match) if match else None
+    if match is None or datum is None:
+        _not_ours(state, line_span, line)
+        return
+    te4 = bool(_TE4_DATUM.match(match["name"])) if match["name"] else int(match["number"]) == datum.te4_number
+    span = _at(line_span, match["value"])
+    _compare_number(state, match, datum, te4, span)
+    try:
+        index = _index(datum, match)
+        value = parse_value(match["value"])
+        check_value(datum, index if isinstance(index, int) else 0, value)
+    except Refusal as refusal:
+        _refuse(state, refusal, _designation(datum, te4, match["index"]), span)
+        return
+    state.assignments.append(Assignment(datum, te4, index, value, state.channel, span))
+
+
+def _datum(match: re.Match[str]) -> MachineDatum | None:
+    """Find the datum a line assigns: by name, or by number alone after MD or SD."""
+    if match["name"]:
+        datum = lookup(match["name"])
+        # A bare word is a datum only where it cannot be anything else: NC programs stand in archives too.
+        return datum if match["name"].startswith("$") or _OWN_DATUM.fullmatch(match["name"]) else None
+    if match["number"] and match["mark"].upper() != "N":
+        return lookup_number(int(match["number"]))
+    return None
+
+
+def _index(datum: MachineDatum, match: re.Match[str]) -> Index:
+    if match["index"] is not None and match["close"] is None:
+        raise Refusal("CB101", "the bracket of the index is not closed", "NAME[index]=value")
+    return parse_index(datum, match["index"])
+
+
+def _at(line_span: Span, value: str) -> Span:
+    """Return the span of a value in its line, or of the line's first character where there is none."""
+    raw = line_span.text
+    found = raw.find(value, raw.find("]") + 1 or raw.find("=") + 1) if value else -1
+    column = found + 1 if found >= 0 else len(raw) - len(raw.lstrip()) + 1
+    return Span(line_span.file, line_span.line, column, raw)
+
+
+def _designation(datum: MachineDatum, te4: bool, index: str | None) -> str:
+    """Return how a datum is called in messages: number, name and index."""
+    number, name = (datum.te4_number, datum.te4_name) if te4 else (datum.number, datum.name)
+    head = f"MD{number} " if number else ""
+    return f"{head}${datum.prefix}_{name}" + (f"[{index.strip()}]" if index is not None else "")
+
+
+def _refuse(state: _State, refusal: Refusal, parameter: str, span: Span) -> None:
+    state.refused += 1
+    error: type[ChainbuildError] = ParseError if refusal.code in _PARSE_CODES else MachineDataError
+    text = f"{parameter}: {refusal.text}"
+    state.collector.add(
+        refusal.code, text, span=span, parameter=parameter, permitted=refusal.permitted, error=error
+    )
+
+
+def _compare_number(state: _State, match: re.Match[str], datum: MachineDatum, te4: bool, span: Span) -> None:
+    """Warn where the number before a name is another datum's; an N may also be a plain block number."""
+    if not match["name"] or not match["number"]:
+        return
+    number, own = int(match["number"]), datum.te4_number if te4 else datum.number
+    if own is None or number == own or (match["mark"].upper() == "N" and lookup_number(number) is None):
+        return
+    text = f"{match['mark'].upper()}{number} is not the number of {_designation(datum, te4, None)}; the name counts"
+    state.collector.add("CB109", text, span=span)
+
+
+def _not_ours(state: _State, span: Span, line: str) -> None:
+    """Count a line that assigns nothing of use; warn where it names a datum of the transformation all the same."""
+    state.ignored += 1
+    named = _OWN_DATUM.search(line)
+    if named is None:
+        return
+    name = named[0].upper()
+    if lookup(name) is None:
+        known = [datum.te4_name or datum.name if _TE4_DATUM.match(name) else datum.name for datum in _own_data()]
+        close = difflib.get_close_matches(name.removeprefix("$MC_"), known, 1)
+        hint = f"did you mean {close[0]}?" if close else None
+        state.collector.add("CB108", f"{named[0]} is not a known machine datum; it was ignored", span=span, hint=hint)
+    else:
+        state.collector.add("CB111", f"the line names {named[0]} but assigns nothing; it was ignored", span=span)
+
+
+def _own_data() -> list[MachineDatum]:
+    return [datum for datum in catalogue().values() if datum.te4_name]

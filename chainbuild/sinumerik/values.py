@@ -1,0 +1,130 @@
+"""Values and indices of SINUMERIK machine data: what a text may be, and what the catalogue permits it to be."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from chainbuild import tolerances
+from chainbuild.sinumerik.catalogue import MachineDatum
+
+Value = float | str
+Index = int | str | tuple[int, int] | None
+
+_NUMBER = re.compile(r"([+-]?)\s*((?:\d+\.?\d*|\.\d+)(?:EX?[+-]?\d+)?)", re.IGNORECASE)
+_MASK = re.compile(r"'\s*([HB])\s*([0-9A-F]+)\s*'", re.IGNORECASE)
+_STRING = re.compile(r'"([^"]*)"')
+_COMMA = re.compile(r"[+-]?\d*,\d+(?:EX?[+-]?\d+)?", re.IGNORECASE)
+_NOT_FINITE = re.compile(r"[+-]?(?:nan|inf|infinity|1\.#\w+)", re.IGNORECASE)
+_AXIS = re.compile(r"(?:\d+\s*,\s*)?([A-Z_][A-Z0-9_]*)", re.IGNORECASE)
+_TOOL = re.compile(r"(\d{1,9})(?:\s*,\s*(\d{1,9}))?")
+_WORDS = {"TRUE": 1.0, "FALSE": 0.0}
+_BASES = {"H": 16, "B": 2}
+_MASK_BITS = 32
+
+
+class Refusal(Exception):
+    """A value or an index that is refused.
+
+    Args:
+        code: Finding number.
+        text: What is wrong.
+        permitted: What would be accepted.
+    """
+
+    def __init__(self, code: str, text: str, permitted: str) -> None:
+        super().__init__(text)
+        self.code = code
+        self.text = text
+        self.permitted = permitted
+
+
+def parse_value(text: str) -> Value:
+    """Return the number or string that a text stands for.
+
+    >>> parse_value("-1.5e2"), parse_value("'H1F'"), parse_value('"A1"')
+    (-150.0, 31.0, 'A1')
+
+    Raises:
+        Refusal: no value, no number, not finite or a decimal comma.
+    """
+    text = text.strip()
+    if not text:
+        raise Refusal("CB101", "there is no value", "a number")
+    if match := _NUMBER.fullmatch(text):
+        number = float(match[1] + match[2].upper().replace("EX", "E"))
+        if math.isfinite(number):
+            return number
+        raise Refusal("CB103", f"'{text[:40]}' is not finite", "a finite number")
+    if match := _MASK.fullmatch(text):
+        return _mask(text[:40], match[1].upper(), match[2])
+    if match := _STRING.fullmatch(text):
+        return match[1]
+    if text.upper() in _WORDS:
+        return _WORDS[text.upper()]
+    if _COMMA.fullmatch(text):
+        raise Refusal("CB104", f"'{text[:40]}' has a decimal comma", "a decimal point")
+    if _NOT_FINITE.fullmatch(text):
+        raise Refusal("CB103", f"'{text}' is not finite", "a finite number")
+    raise Refusal("CB102", f"'{text[:40]}' is not a number", "a number such as 12.5, -3, 1e-6 or 'H1F'")
+
+
+def _mask(text: str, base: str, digits: str) -> float:
+    try:
+        value = int(digits, _BASES[base])
+    except ValueError:
+        raise Refusal("CB102", f"{text} is not a binary number", "digits 0 and 1 after 'B") from None
+    if value.bit_length() > _MASK_BITS:
+        raise Refusal("CB102", f"{text} has more than {_MASK_BITS} bits", f"at most {_MASK_BITS} bits")
+    return float(value)
+
+
+def parse_index(datum: MachineDatum, text: str | None) -> Index:
+    """Return what stands in brackets behind a datum: element number, axis name, (tool, edge), or None for a scalar.
+
+    Raises:
+        Refusal: a missing index, one outside the dimension, or one of the wrong kind.
+    """
+    if datum.indexed_by == "axis":
+        match = _AXIS.fullmatch((text or "").strip())
+        if match is None:
+            raise Refusal("CB105", f"the index [{text or ''}] names no machine axis", "an axis such as [AX1]")
+        return match[1].upper()
+    if datum.indexed_by == "tool":
+        match = _TOOL.fullmatch((text or "").strip())
+        if match is None:
+            raise Refusal("CB105", f"the index [{text or ''}] names no tool", "[tool, cutting edge] such as [1,1]")
+        return int(match[1]), int(match[2] or 1)
+    return _element(datum, text)
+
+
+def _element(datum: MachineDatum, text: str | None) -> int | None:
+    dimension = datum.dimension
+    permitted = f"[0] to [{dimension - 1}]" if dimension > 1 else "[0] or no index" if dimension else "[0], [1] …"
+    if text is None:
+        if dimension > 1:
+            raise Refusal("CB105", "the index is missing", permitted)
+        return None
+    digits = text.strip()
+    if not re.fullmatch(r"\d{1,9}", digits) or (dimension and int(digits) >= dimension):
+        raise Refusal("CB105", f"the index [{text.strip()[:20]}] lies outside the dimension", permitted)
+    return None if dimension == 1 else int(digits)
+
+
+def check_value(datum: MachineDatum, element: int, value: Value) -> None:
+    """Refuse a value that the catalogue does not permit.
+
+    Raises:
+        Refusal: a string for a number or the reverse, a fraction for an integer, a value out of range.
+    """
+    if isinstance(value, str) or datum.type == "string":
+        if isinstance(value, str) != (datum.type == "string"):
+            kind = "a string in double quotes" if datum.type == "string" else "a number"
+            raise Refusal("CB107", "the value has the wrong type", kind)
+        return
+    if datum.type != "float" and value != int(value):
+        raise Refusal("CB107", f"{value:g} is not an integer", f"an integer: {datum.permitted_text(element)}")
+    if not datum.permits(value, element):
+        raise Refusal("CB106", f"{value:.10g} is out of range", datum.permitted_text(element))
+    if abs(value) > tolerances.HUGE_AXIS_VALUE and datum.type == "float":
+        raise Refusal("CB106", f"{value:.10g} is out of range", f"at most {tolerances.HUGE_AXIS_VALUE:g} in size")

@@ -1,0 +1,1 @@
+"""Solvers: damped inverse kinematics and what stands beside it."""

@@ -1,0 +1,44 @@
+"""Every threshold of the package, named by its reason."""
+
+from __future__ import annotations
+
+from typing import Final
+
+# A pose that a solver returns is verified by forward kinematics against these.
+IK_POSITION_M: Final = 1e-6
+IK_ROTATION_RAD: Final = 1e-6
+
+# Angles this close to a multiple of 90° are taken as exact, so that files written on different machines agree to the last digit.
+RIGHT_ANGLE_DEG: Final = 1e-12
+
+# Below this cosine of the middle angle the first and third pose angle cannot be told apart (gimbal lock).
+GIMBAL_LOCK: Final = 1e-9
+
+# A direction vector shorter than this is taken as zero.
+ZERO_VECTOR: Final = 1e-12
+
+# How far a direction may be from unit length before it counts as not normalised.
+UNIT_VECTOR: Final = 1e-6
+
+# How far R·Rᵀ may be from 1 in a pose given by the user.
+ROTATION_MATRIX: Final = 1e-6
+
+# How far a quaternion's norm may be from 1 in a table: files carry rounded digits.
+QUATERNION_NORM: Final = 1e-3
+
+# Singular values below this share of the largest count as lost freedoms when the task of a chain is chosen.
+RANK: Final = 1e-8
+
+# Limits assumed where neither machine data nor overlay give any (SI).
+ASSUMED_ROTARY_LIMIT_DEG: Final = 360.0
+ASSUMED_LINEAR_LIMIT_MM: Final = 10_000.0
+
+# Larger axis values than this are taken as a mistake: the arithmetic could not keep 1e-6 mm.
+HUGE_AXIS_VALUE: Final = 1e9
+
+# Bounds on what is read, so that a wrong file cannot fill the memory.
+MAX_FILE_BYTES: Final = 64 * 2**20
+MAX_LINE_CHARACTERS: Final = 100_000
+
+# A solver stops when its squared residual (m² and rad²) is below this: three digits better than what is verified.
+IK_RESIDUAL_SQUARED: Final = 1e-18

@@ -1,0 +1,1 @@
+"""TwinCAT CNC: parameter lists and their containers, the catalogue of KIN_TYPs, and the translation to a chain."""

@@ -1,0 +1,204 @@
+"""Parameter lists of TwinCAT CNC: `name value` lines become assignments that know where they stand."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+from chainbuild.errors import ParseError, Span
+from chainbuild.findings import Collector
+from chainbuild.twincat import values
+
+# Structures that say something about kinematics, tools or axes; everything else in a list is counted and left alone.
+ROOTS: Final = frozenset(
+    {
+        "trafo", "kin_step", "kinematik", "trafo_pcs", "wz", "gruppe", "kenngr", "kopf", "kinematik_id",
+        "kinematik_name", "default_id_of_kin_step", "default_name_of_kin_step", "ori_rotation_angle",
+    }
+)  # fmt: skip
+_PART: Final = r"[A-Za-z_]\w*(?:\[[^\]\s]*\])?"
+# The manuals print a blank after a dot in places; it is tolerated.
+_ASSIGNMENT: Final = re.compile(rf"\s*(?P<name>{_PART}(?:\.[ \t]*{_PART})*)(?:[ \t]+(?P<value>.*))?$", re.ASCII)
+_KEY: Final = re.compile(r"([A-Za-z_]\w*)(?:\[([^\]]*)\])?", re.ASCII)
+_ROOT: Final = re.compile(r"\s*([A-Za-z_]\w*)", re.ASCII)
+_INDEX_DIGITS: Final = 4
+
+Key = tuple[str, int | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line of a list: its number in the file and its text."""
+
+    number: int
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Assignment:
+    """One `name value` line.
+
+    Attributes:
+        name: Name as written, without blanks.
+        keys: Name in parts, lower case: (("trafo", 0), ("param", 3)).
+        raw: Everything after the name, comments included.
+        span: Where the name stands.
+        value_column: Column of the value.
+    """
+
+    name: str
+    keys: tuple[Key, ...]
+    raw: str
+    span: Span
+    value_column: int
+
+    def number(self) -> float:
+        """Return the value as a finite number; raises ParseError."""
+        return values.number(self.raw, self.name, self._value_span())
+
+    def integer(self, lowest: int, highest: int) -> int:
+        """Return the value as a whole number within bounds; raises ParseError or MachineDataError."""
+        return values.integer(self.raw, self.name, self._value_span(), lowest, highest)
+
+    def text(self) -> str:
+        """Return the value as a string; raises ParseError."""
+        return values.text(self.raw, self.name, self._value_span())
+
+    def _value_span(self) -> Span:
+        return Span(self.span.file, self.span.line, self.value_column, self.span.text)
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterList:
+    """A list as read.
+
+    Attributes:
+        assignments: Canonical name → the assignment that counts (the last one).
+        ignored: How many entries have nothing to do with kinematics.
+        span: Where the list begins.
+    """
+
+    assignments: Mapping[str, Assignment]
+    ignored: int = 0
+    span: Span | None = None
+
+    def get(self, name: str) -> Assignment | None:
+        """Return an assignment by its canonical name."""
+        return self.assignments.get(name)
+
+    def under(self, root: str) -> list[Assignment]:
+        """Return the assignments whose first key is `root`, in file order."""
+        return [entry for entry in self.assignments.values() if entry.keys[0][0] == root]
+
+
+def canonical(keys: Iterable[Key]) -> str:
+    """Return a name in its one spelling.
+
+    >>> canonical((("param", 3), ("x", None)))
+    'param[3].x'
+    """
+    return ".".join(name if index is None else f"{name}[{index}]" for name, index in keys)
+
+
+@dataclass(slots=True)
+class _Reading:
+    """A list while it is read."""
+
+    file: str
+    collector: Collector
+    found: dict[str, Assignment] = field(default_factory=dict)
+    ignored: int = 0
+    ended: bool = False
+    late: Span | None = None
+
+    def line(self, line: Line) -> None:
+        text = line.text.strip()
+        if not text or text[0] in "#(":
+            return
+        root = _root(line.text)
+        if self.ended:
+            self.late = self.late or (self.span(line) if root in ROOTS else None)
+        elif text.lower() == "ende":
+            self.ended = True
+        elif root in ROOTS:
+            self.assignment(line)
+        else:
+            self.unrelated(line)
+
+    def unrelated(self, line: Line) -> None:
+        if _ASSIGNMENT.match(line.text):
+            self.ignored += 1
+        else:
+            self.collector.add("CB207", f"the line is no parameter: {line.text.strip()[:60]!r}", span=self.span(line))
+
+    def assignment(self, line: Line) -> None:
+        match = _ASSIGNMENT.match(line.text)
+        if match is None:
+            hint = "name and value are separated by blanks, without `=`" if "=" in line.text else None
+            self.collector.add(
+                "CB201", "the line is no `name value` assignment", span=self.span(line), hint=hint, error=ParseError
+            )
+            return
+        written = re.sub(r"\s", "", match["name"])
+        span = self.span(line, match.start("name") + 1)
+        keys = self.keys(written, span)
+        if keys is not None:
+            column = match.start("value") + 1 if match["value"] else match.end("name") + 1
+            self.keep(Assignment(written, keys, (match["value"] or "").strip(), span, column))
+
+    def keys(self, written: str, span: Span) -> tuple[Key, ...] | None:
+        keys: list[Key] = []
+        for part in _KEY.finditer(written):
+            name, index = part.groups()
+            if index is not None and not (index.isascii() and index.isdigit() and len(index) <= _INDEX_DIGITS):
+                self.collector.add(
+                    "CB203", f"the index in {written} is not a plain number", span=span, parameter=written,
+                    permitted="digits, such as [0]", error=ParseError,
+                )  # fmt: skip
+                return None
+            keys.append((name.lower(), None if index is None else int(index)))
+        return tuple(keys)
+
+    def keep(self, entry: Assignment) -> None:
+        keys = entry.keys
+        if keys[0][0] == "trafo":  # trafo[j].* is short for kin_step[0].trafo[j].*
+            keys = (("kin_step", 0), *keys)
+        name = canonical(keys)
+        earlier = self.found.get(name)
+        if earlier is not None:
+            self.collector.add(
+                "CB205", f"{entry.name} stands twice; the later value counts, the one of line {earlier.span.line} does not",
+                span=entry.span, parameter=entry.name,
+            )  # fmt: skip
+        self.found[name] = Assignment(entry.name, keys, entry.raw, entry.span, entry.value_column)
+
+    def span(self, line: Line, column: int = 1) -> Span:
+        return Span(self.file, line.number, column, line.text)
+
+
+def _root(text: str) -> str:
+    match = _ROOT.match(text)
+    return match[1].lower() if match else ""
+
+
+def read_list(lines: Iterable[Line], file: str, collector: Collector) -> ParameterList:
+    """Read a parameter list.
+
+    Args:
+        lines: The list's lines with their numbers in the file.
+        file: File name for messages.
+        collector: Takes findings; strict: the first error is raised.
+
+    Raises:
+        ParseError: a line about kinematics, tools or axes is no assignment, or an index is no number.
+    """
+    reading = _Reading(file, collector)
+    first: Span | None = None
+    for line in lines:
+        first = first or Span(file, line.number)
+        reading.line(line)
+    if reading.late is not None:
+        collector.add("CB208", "the list goes on after `Ende`; nothing behind it is read", span=reading.late)
+    return ParameterList(reading.found, reading.ignored, first)

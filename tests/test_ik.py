@@ -1,0 +1,141 @@
+"""Inverse kinematics: every answer verified, inside limits, near the start; failures say why."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from chainbuild.chain.assemble import Element, linear, mark, rotary, shift
+from chainbuild.errors import AxisValueError
+from chainbuild.robot.robot import Robot
+from tests.test_robot import arm, make_chain, random_axes, table_machine
+
+
+def scara() -> Robot:
+    elements: list[Element] = [
+        rotary("C1", "z"), shift(x=225.0), rotary("C2", "z"), shift(x=175.0), linear("Z", "z"), rotary("C3", "z"),
+        mark("flange"), shift(x=12.0, z=-50.0),
+    ]  # fmt: skip
+    return Robot(make_chain(elements, [], "C1 C2 Z C3"))
+
+
+def three_axes() -> Robot:
+    return Robot(make_chain([linear("X", "x"), linear("Y", "y"), linear("Z", "z")], [], "X Y Z"))
+
+
+def on_track() -> Robot:
+    elements: list[Element] = [linear("X1", "x"), rotary("A1", "z"), rotary("A2", "y"), shift(x=455.0), rotary("A3", "y")]
+    elements += [shift(x=420.0), rotary("A4", "x"), rotary("A5", "y"), rotary("A6", "x"), shift(x=80.0)]
+    return Robot(make_chain(elements, [], "A1 A2 A3 A4 A5 A6 X1", held=("X1",)))
+
+
+@pytest.mark.parametrize("make", [arm, table_machine, scara, three_axes])
+def test_reachable_targets_are_found_inside_limits(make) -> None:
+    robot, rng = make(), np.random.default_rng(7)
+    for _ in range(300):
+        target = robot.fk(random_axes(robot, rng))
+        found = robot.ik(target)
+        assert found.success and found.status == "ok", found
+        reached = robot.fk(found.axes)
+        assert np.linalg.norm(reached.translation - target.translation) < 1e-9
+        assert np.linalg.norm(reached.rotation[:, 2] - target.rotation[:, 2]) < 1e-9
+        if found.task == "pose":
+            assert np.abs(reached.rotation - target.rotation).max() < 1e-9
+        assert robot.violated_limits(found.axes) == ()
+        assert found.position_error < 1e-9
+
+
+def test_the_answer_stays_near_the_start() -> None:
+    robot = arm()
+    start = np.array([10.0, -80.0, 70.0, 20.0, 40.0, 300.0])
+    found = robot.ik(robot.fk(start + 2.0), start)
+    np.testing.assert_allclose(found.axes, start + 2.0, atol=1e-6)
+    assert found.restarts == 0
+
+
+def test_an_array_serves_as_pose() -> None:
+    robot = arm()
+    target = robot.fk([10.0, -80.0, 70.0, 20.0, 40.0, 30.0])
+    np.testing.assert_array_equal(robot.ik(target.homogeneous).axes, robot.ik(target).axes)
+
+
+def test_the_same_call_gives_the_same_answer() -> None:
+    robot, rng = arm(), np.random.default_rng(8)
+    target = robot.fk(random_axes(robot, rng))
+    np.testing.assert_array_equal(robot.ik(target).axes, arm().ik(target).axes)
+
+
+def test_too_far_is_said_at_once() -> None:
+    found = arm().ik(pin.SE3(np.eye(3), np.array([0.5, 0.2, 5.0])))
+    assert (found.success, found.status, found.iterations) == (False, "unreachable", 0)
+    assert "too far" in found.reason
+
+
+def test_unreachable_within_the_bound() -> None:
+    found = arm().ik(pin.SE3(np.eye(3), np.array([0.0, 0.0, 1.37])))
+    assert (found.success, found.status) == (False, "unreachable")
+    assert found.position_error > 1e-6
+
+
+def test_outside_the_limits_is_told_apart_from_unreachable() -> None:
+    robot = arm()
+    behind = robot.fk([0.0, -80.0, 70.0, 20.0, 40.0, 30.0])
+    # A2 at +100°, which the limits forbid, with a forearm that no other branch can replace.
+    found = robot.ik(robot.fk([0.0, 100.0, 0.0, 0.0, 30.0, 0.0]))
+    assert robot.ik(behind).success
+    assert not found.success
+    assert found.status == "limits"
+    assert "A2" in found.reason or "A3" in found.reason
+
+
+def test_input_axes_are_held() -> None:
+    robot = on_track()
+    axes = np.array([10.0, -40.0, 70.0, 20.0, 40.0, 30.0, 250.0])
+    target = robot.fk(axes)
+    assert robot.task == "pose"
+    for held in ({"X1": 250.0}, [250.0]):
+        found = robot.ik(target, held=held)
+        assert found.success
+        assert found.axes[6] == 250.0
+    assert robot.ik(target, start=axes + [1, 1, 1, 1, 1, 1, 0]).axes[6] == 250.0
+    assert robot.ik(target).axes[6] == 0.0
+
+
+def test_other_axes_can_be_held_too() -> None:
+    robot = arm()
+    axes = np.array([10.0, -40.0, 70.0, 20.0, 40.0, 30.0])
+    found = robot.ik(robot.fk(axes), start=axes + 3.0, held={"A4": 20.0})
+    assert found.success
+    np.testing.assert_allclose(found.axes, axes, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("held", "text"),
+    [
+        ({"A9": 1.0}, "no axis 'A9'"),
+        ({"A1": float("nan")}, "axis A1 has the value nan"),
+        ([1.0, 2.0], "2 held values"),
+    ],
+)
+def test_bad_held_values_are_refused(held, text) -> None:
+    with pytest.raises(AxisValueError, match=text):
+        arm().ik(pin.SE3.Identity(), held=held)
+
+
+def test_bad_start_values_are_refused() -> None:
+    with pytest.raises(AxisValueError, match="6 axis values"):
+        arm().ik(pin.SE3.Identity(), start=[0.0])
+
+
+def test_tool_vector_opposite_to_the_start() -> None:
+    robot = table_machine()
+    target = robot.fk([0.0, 0.0, 0.0, 170.0, 10.0])
+    assert robot.ik(target, start=[0.0, 0.0, 0.0, -10.0, 10.0]).success
+
+
+def test_whole_turns_are_chosen_near_the_start() -> None:
+    robot = arm()
+    axes = np.array([10.0, -40.0, 70.0, 20.0, 40.0, 330.0])
+    assert robot.ik(robot.fk(axes), start=axes - 5.0).axes[5] == pytest.approx(330.0)
+    assert robot.ik(robot.fk(axes), start=axes - 5.0 - [0, 0, 0, 0, 0, 300]).axes[5] == pytest.approx(-30.0)

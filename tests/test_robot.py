@@ -1,0 +1,158 @@
+"""The robot: Jacobian by differences, inputs refused, names and bounds, the task a chain can do."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from chainbuild.chain.assemble import Element, assemble, linear, mark, rotary, shift
+from chainbuild.chain.elements import Axis, Chain
+from chainbuild.errors import AxisValueError, ChainbuildError, ChainError
+from chainbuild.robot.robot import Robot
+
+LIMITS = {"A1": (-170, 170), "A2": (-190, 45), "A3": (-120, 156), "A4": (-185, 185), "A5": (-120, 120), "A6": (-350, 350)}
+
+
+def make_chain(tool: list[Element], workpiece: list[Element], names: str, held: tuple[str, ...] = ()) -> Chain:
+    axes = []
+    for name in names.split():
+        kind = "linear" if name[0] in "XYZ" else "rotary"
+        bound = 500.0 if kind == "linear" else 180.0
+        lower, upper = LIMITS.get(name, (-bound, bound))
+        axes.append(Axis(name, kind, "mm" if kind == "linear" else "deg", lower, upper, False, held=name in held))
+    body = assemble(axes, tool, workpiece)
+    return Chain("test", "Test", "test", "test", body.links, body.joints, body.frames, tuple(axes), body.axis_map, "orirpy")
+
+
+def arm_elements() -> list[Element]:
+    return [
+        shift(z=400.0), rotary("A1", "z", sign=-1.0), shift(x=25.0), rotary("A2", "y"), shift(x=455.0),
+        rotary("A3", "y"), shift(z=35.0), rotary("A4", "x", sign=-1.0), shift(x=420.0), rotary("A5", "y"),
+        rotary("A6", "x", sign=-1.0), shift(x=80.0), mark("flange"), shift(x=10.0, y=20.0, z=30.0),
+    ]  # fmt: skip
+
+
+def arm() -> Robot:
+    return Robot(make_chain(arm_elements(), [], "A1 A2 A3 A4 A5 A6"))
+
+
+def table_machine() -> Robot:
+    tool: list[Element] = [linear("X", "x"), linear("Y", "y"), linear("Z", "z"), shift(z=-87.5), mark("flange")]
+    workpiece: list[Element] = [shift(-100.0, 5.0, -30.0), rotary("A", "x", sign=-1.0, offset_deg=12.0), shift(z=50.0), rotary("C", "z")]
+    return Robot(make_chain(tool, workpiece, "X Y Z A C"))
+
+
+def random_axes(robot: Robot, rng: np.random.Generator) -> np.ndarray:
+    lower = np.array([axis.lower for axis in robot.axes])
+    upper = np.array([axis.upper for axis in robot.axes])
+    return lower + (upper - lower) * rng.random(len(lower))
+
+
+@pytest.mark.parametrize("make", [arm, table_machine])
+def test_jacobian_is_the_derivative_of_fk(make) -> None:
+    robot, rng, step = make(), np.random.default_rng(3), 1e-6
+    for _ in range(50):
+        axes = random_axes(robot, rng)
+        J = robot.jacobian(axes)
+        for n, axis in enumerate(robot.axes):
+            change = np.zeros(len(axes))
+            change[n] = np.degrees(step) if axis.unit == "deg" else step * 1000.0
+            twist = pin.log6(robot.fk(axes - change).actInv(robot.fk(axes + change))).vector / (2.0 * step)
+            np.testing.assert_allclose(twist, J[:, n], atol=1e-8)
+
+
+@pytest.mark.parametrize("make", [arm, table_machine])
+def test_axes_and_joint_values_are_inverse(make) -> None:
+    robot, rng = make(), np.random.default_rng(4)
+    for _ in range(20):
+        axes = random_axes(robot, rng)
+        np.testing.assert_allclose(robot.axes_from_q(robot.q(axes)), axes, atol=1e-10)
+
+
+def test_model_has_the_promised_names() -> None:
+    robot = arm()
+    assert [name for name in robot.model.names][1:] == ["A1", "A2", "A3", "A4", "A5", "A6"]
+    for name in ("base", "flange", "tool", "workpiece"):
+        assert robot.model.existFrame(name)
+    assert robot.model.nq == robot.model.nv == 6
+
+
+def test_bounds_follow_a_reversed_axis_and_an_offset() -> None:
+    tool: list[Element] = [rotary("A2", "y", sign=-1.0, offset_deg=90.0), shift(x=100.0)]
+    model = Robot(make_chain(tool, [], "A2")).model
+    np.testing.assert_allclose(np.degrees(model.lowerPositionLimit), [-45.0 + 90.0])
+    np.testing.assert_allclose(np.degrees(model.upperPositionLimit), [190.0 + 90.0])
+
+
+def test_axis_values_are_in_mm_and_degrees() -> None:
+    robot = table_machine()
+    moved = robot.fk([10.0, 0.0, 0.0, -12.0 + 24.0, 0.0]).translation - robot.fk([0.0, 0.0, 0.0, 12.0, 0.0]).translation
+    np.testing.assert_allclose(moved, [0.01, 0.0, 0.0], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("axes", "text"),
+    [
+        ([0.0] * 5, "6 axis values"),
+        ([0.0] * 7, "6 axis values"),
+        (0.0, "6 axis values"),
+        ([[0.0] * 6], "6 axis values"),
+        ([0.0, float("nan"), 0.0, 0.0, 0.0, 0.0], "axis A2 has the value nan"),
+        ([0.0, 0.0, float("inf"), 0.0, 0.0, 0.0], "axis A3 has the value inf"),
+        ([0.0, 0.0, 0.0, -1e12, 0.0, 0.0], "axis A4"),
+        (["a"] * 6, "must be numbers"),
+        (None, "6 axis values|must be numbers"),
+    ],
+)
+def test_bad_axis_values_are_one_error(axes, text) -> None:
+    robot = arm()
+    for call in (robot.fk, robot.jacobian, robot.q):
+        with pytest.raises(AxisValueError, match=text):
+            call(axes)
+
+
+@pytest.mark.parametrize("q", [[0.0] * 5, [0.0, 0.0, float("nan"), 0.0, 0.0, 0.0]])
+def test_bad_joint_values_are_one_error(q) -> None:
+    with pytest.raises(AxisValueError, match="6 finite joint values"):
+        arm().axes_from_q(q)
+
+
+@pytest.mark.parametrize(
+    "T",
+    [
+        np.eye(3),
+        np.diag([1.0, 1.0, -1.0, 1.0]),
+        2.0 * np.eye(4),
+        np.full((4, 4), np.nan),
+        "pose",
+    ],
+)
+def test_a_pose_must_be_rigid(T) -> None:
+    with pytest.raises(ChainbuildError, match="a pose must be"):
+        arm().ik(T)
+
+
+def test_tasks_are_chosen_by_what_a_chain_can_do() -> None:
+    assert arm().task == "pose"
+    assert table_machine().task == "direction"
+    three: list[Element] = [linear("X", "x"), linear("Y", "y"), linear("Z", "z")]
+    assert Robot(make_chain(three, [], "X Y Z")).task == "position"
+    scara: list[Element] = [rotary("C1", "z"), shift(x=225.0), rotary("C2", "z"), shift(x=175.0), linear("Z", "z"), rotary("C3", "z")]
+    assert Robot(make_chain(scara, [], "C1 C2 Z C3")).task == "pose"
+
+
+def test_violated_limits_are_named() -> None:
+    robot = arm()
+    assert robot.violated_limits([170.0, 45.0, 0.0, 0.0, 0.0, 0.0]) == ()
+    assert robot.violated_limits([170.1, 0.0, -121.0, 0.0, 0.0, 0.0]) == ("A1", "A3")
+
+
+def test_a_chain_that_contradicts_itself_is_refused() -> None:
+    tool: list[Element] = [rotary("A1", "z"), shift(x=1.0), rotary("A1", "z")]
+    with pytest.raises(ChainError, match="stands 2 times"):
+        Robot(make_chain(tool, [], "A1"))
+    with pytest.raises(ChainError, match="driven by axis A9"):
+        make_chain([rotary("A1", "z", drive={"A9": 1.0})], [], "A1")
+    with pytest.raises(ChainError, match="axis map is singular"):
+        make_chain([rotary("A1", "z")], [], "A1 A2")
