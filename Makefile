@@ -6,7 +6,7 @@ INSTALLED := $(VENV)/.installed
 INSTALLED_TEST := $(VENV)/.installed-test
 INSTALLED_BENCH := $(VENV)/.installed-bench
 
-.PHONY: demo test lint types test-slow bench chromium clean
+.PHONY: demo test lint types test-slow bench mutants docs chromium clean
 
 demo: $(INSTALLED)
 	$(BIN)/chainbuild demo
@@ -25,7 +25,13 @@ test-slow: $(INSTALLED_TEST) chromium
 	$(BIN)/python -m pytest chainbuild tests -m slow
 
 bench: $(INSTALLED_BENCH)
-	$(BIN)/python -m bench
+	$(BIN)/python -m tests.bench
+
+mutants: $(INSTALLED_TEST)
+	$(BIN)/python -m tests.mutants --minutes 20
+
+docs: $(INSTALLED)
+	$(BIN)/python docs/generate.py
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit("chainbuild needs Python 3.11 or newer") if sys.version_info < (3, 11) else None'

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from chainbuild import sinumerik, twincat
 from chainbuild.errors import ChainbuildError, FileAccessError, ParseError, Span
 from chainbuild.findings import Collector, Finding
 from chainbuild.machine import Machine
@@ -62,9 +61,14 @@ def _read(
     file = find_machine(path)
     source = read_source(file)
     beside: Overlay = find_overlay(file, Path(overlay) if overlay is not None else None)
-    # The TwinCAT test comes first: its container is XML, whose text could hold anything.
+    # A dialect is imported when it is needed: most users have one. TwinCAT comes first: its container is XML, whose
+    # text could hold anything.
+    from chainbuild import twincat
+
     if twincat.is_twincat(source.text):
         return twincat.read_machine(source, file, beside, collector)
+    from chainbuild import sinumerik
+
     if sinumerik.is_sinumerik(source.text):
         return sinumerik.read_machine(source, file, beside, collector)
     raise ParseError(

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.chain.axismap import AxisMap
 from chainbuild.conventions import UsedConvention
@@ -123,6 +123,47 @@ class Axis:
         return cls(name, kind, unit_of(kind), -bound, bound, True, carries=carries)
 
 
+@dataclass(frozen=True, slots=True)
+class AxisSum:
+    """A weighted sum of axis values, such as the absolute angle C of a SCARA: Σ coefficient·axis + offset.
+
+    Attributes:
+        coefficients: One for each axis of the chain, in its order; axes in mm or degrees.
+        offset: mm or degrees, added to the sum.
+    """
+
+    coefficients: tuple[float, ...]
+    offset: float
+
+    def value(self, axes: ArrayLike) -> float:
+        """Return the sum for axis values (n_axes,) in mm and degrees."""
+        return float(np.dot(self.coefficients, np.asarray(axes, dtype=float))) + self.offset
+
+
+@dataclass(frozen=True, slots=True)
+class AxisConstraint:
+    """A limit on a sum of axes, such as the angle of a parallelogram: lower < Σ coefficient·axis + offset < upper.
+
+    Attributes:
+        name: What is limited.
+        sum: The limited value in degrees (mm where the axes are linear).
+        lower: Lower limit.
+        upper: Upper limit.
+        alarm: Alarm the controller raises outside, where it is known.
+    """
+
+    name: str
+    sum: AxisSum
+    lower: float
+    upper: float
+    alarm: int | None = None
+
+    def margin(self, axes: ArrayLike) -> float:
+        """Return the distance to the nearer limit, negative outside, for axis values (n_axes,)."""
+        value = self.sum.value(axes)
+        return min(value - self.lower, self.upper - value)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Chain:
     """One kinematic chain with two tips: frames `tool` and `workpiece` on a tree rooted in link `base`.
@@ -142,6 +183,9 @@ class Chain:
         task: What inverse kinematics solves for; "auto" finds out from the Jacobian.
         conventions: What shaped the chain although the manuals leave it open.
         findings: Findings of the file and of the translation.
+        constraints: Limits on sums of axes.
+        absolute_c: What the controller shows as pose angle C in place of the angle of the pose, where it runs on.
+        tool_axis: Axis of the tool frame that is the tool direction: what a 5-axis chain can point.
     """
 
     name: str
@@ -158,6 +202,9 @@ class Chain:
     task: Task = "auto"
     conventions: tuple[UsedConvention, ...] = ()
     findings: tuple[Finding, ...] = ()
+    constraints: tuple[AxisConstraint, ...] = ()
+    absolute_c: AxisSum | None = None
+    tool_axis: Literal["x", "z"] = "z"
 
     def frame(self, name: str) -> Frame:
         """Return a frame by name."""

@@ -14,10 +14,11 @@ machine data) or of a short decimal angle in degrees is taken to be exactly that
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final, TextIO
@@ -48,7 +49,7 @@ def angle_text(value: float) -> str:
     return number_text(value)
 
 
-def numbers_text(values: Iterator[float] | list[float] | tuple[float, ...]) -> str:
+def numbers_text(values: Iterable[float]) -> str:
     """Return numbers (SI) separated by single spaces, each as `number_text` writes it."""
     return " ".join(number_text(float(value)) for value in values)
 
@@ -100,16 +101,16 @@ def open_atomic(path: Path) -> Iterator[TextIO]:
 @contextmanager
 def _temporary(target: Path) -> Iterator[TextIO]:
     if target.is_dir():
-        raise IsADirectoryError(21, "this is a folder", str(target))
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
     handle, name = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=".part", dir=target.parent)
+    part = Path(name)
     try:
-        with open(handle, "w", encoding="utf-8", newline="\n") as stream:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
             yield stream
-        os.chmod(name, _mode(target))
-        os.replace(name, target)
+        part.chmod(_mode(target))
+        part.replace(target)
     except BaseException:
-        with suppress(OSError):
-            os.unlink(name)
+        part.unlink(missing_ok=True)
         raise
 
 

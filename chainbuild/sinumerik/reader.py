@@ -27,6 +27,7 @@ _ASSIGNMENT = re.compile(
 )
 _OWN_DATUM = re.compile(r"(?:\$MC_)?(?:ROBX|TRAFO6)_[A-Z0-9_]+", re.IGNORECASE)
 _TE4_DATUM = re.compile(r"(?:\$MC_)?TRAFO6_", re.IGNORECASE)
+_PROGRAM_END = re.compile(r"\s*(?:N\d+\s*)?(?:M0?2|M17|M30|RET)\s*", re.IGNORECASE)
 _ESCAPE = re.compile(r"\\([$_\[\]])")
 _PARSE_CODES = ("CB101", "CB102", "CB103", "CB104")
 _MAX_CHANNEL = 99
@@ -109,7 +110,7 @@ def read_assignments(source: SourceText, collector: Collector) -> Reading:
     for number, raw in enumerate(source.lines(), start=1):
         _read_line(state, number, raw)
     if state.ignored:
-        text = f"{state.ignored} lines that have no bearing on the kinematics were ignored"
+        text = f"lines without bearing on the kinematics: {state.ignored}; they were ignored"
         collector.add("CB110", text, span=Span(source.file))
     return Reading(source.file, tuple(state.assignments), state.channels or (1,), state.ignored, state.refused)
 
@@ -122,7 +123,7 @@ def _read_line(state: _State, number: int, raw: str) -> None:
         _enter_channel(state, int(match[1]) if match[1] else None)
     elif match := _CHANDATA.match(line):
         _chandata(state, match[1], Span(state.file, number, raw.find("(") + 2, raw))
-    else:
+    elif not _PROGRAM_END.fullmatch(line):
         _assignment(state, Span(state.file, number, 1, raw), _ESCAPE.sub(r"\1", line))
 
 
@@ -212,9 +213,7 @@ def _refuse(state: _State, refusal: Refusal, parameter: str, span: Span) -> None
     state.refused += 1
     error: type[ChainbuildError] = ParseError if refusal.code in _PARSE_CODES else MachineDataError
     text = f"{parameter}: {refusal.text}"
-    state.collector.add(
-        refusal.code, text, span=span, parameter=parameter, permitted=refusal.permitted, error=error
-    )
+    state.collector.add(refusal.code, text, span=span, parameter=parameter, permitted=refusal.permitted, error=error)
 
 
 def _compare_number(state: _State, match: re.Match[str], datum: MachineDatum, te4: bool, span: Span) -> None:

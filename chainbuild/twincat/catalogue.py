@@ -65,7 +65,7 @@ class KinType:
 
     @property
     def orientation(self) -> str:
-        """ "rtcp": machine angles are programmed; "complete": a pose is."""
+        """Orientation: "rtcp", machine angles are programmed, or "complete", a pose is."""
         return self.data.orientation
 
     @property
@@ -96,7 +96,9 @@ def catalogue() -> Mapping[int, KinType]:
     for module in pkgutil.iter_modules(families.__path__, families.__name__ + "."):
         recipes.update(importlib.import_module(module.name).RECIPES)
     data = type_data()
-    return MappingProxyType({number: KinType(data[number], recipes[number]) for number in sorted(recipes) if number in data})
+    return MappingProxyType(
+        {number: KinType(data[number], recipes[number]) for number in sorted(recipes) if number in data}
+    )
 
 
 def title_of(kin_typ: int) -> str:
@@ -113,7 +115,7 @@ def why_unsupported(kin_typ: int) -> str | None:
     if kin_typ in catalogue():
         return None
     if kin_typ in _TUBE_PROCESSING:
-        return f"KIN_TYP {kin_typ} (tube processing) is not supported: the KIN_TYP manual names it and describes it elsewhere"
+        return f"KIN_TYP {kin_typ} (tube processing) is not supported: the KIN_TYP manual describes it elsewhere"
     if kin_typ in _PARALLEL:
         return f"KIN_TYP {kin_typ} ({title_of(kin_typ)}) is a parallel kinematic, which this version does not build yet"
     if kin_typ in _OTHER_TITLES or kin_typ in type_data():
@@ -131,6 +133,4 @@ def kin_type(kin_typ: int, span: Span | None = None) -> KinType:
     if reason is None:
         return catalogue()[kin_typ]
     known = ", ".join(str(number) for number in catalogue())
-    raise UnsupportedKinematicError(
-        reason, span=span, parameter="type", permitted=f"KIN_TYP {known}", code="CB410"
-    )
+    raise UnsupportedKinematicError(reason, span=span, parameter="type", permitted=f"KIN_TYP {known}", code="CB410")

@@ -112,6 +112,7 @@ class _Reading:
     ignored: int = 0
     ended: bool = False
     late: Span | None = None
+    strange: list[Line] = field(default_factory=list)
 
     def line(self, line: Line) -> None:
         text = line.text.strip()
@@ -131,7 +132,7 @@ class _Reading:
         if _ASSIGNMENT.match(line.text):
             self.ignored += 1
         else:
-            self.collector.add("CB207", f"the line is no parameter: {line.text.strip()[:60]!r}", span=self.span(line))
+            self.strange.append(line)
 
     def assignment(self, line: Line) -> None:
         match = _ASSIGNMENT.match(line.text)
@@ -169,7 +170,7 @@ class _Reading:
         earlier = self.found.get(name)
         if earlier is not None:
             self.collector.add(
-                "CB205", f"{entry.name} stands twice; the later value counts, the one of line {earlier.span.line} does not",
+                "CB205", f"{entry.name} stands twice; this value counts, the one of line {earlier.span.line} does not",
                 span=entry.span, parameter=entry.name,
             )  # fmt: skip
         self.found[name] = Assignment(entry.name, keys, entry.raw, entry.span, entry.value_column)
@@ -199,6 +200,10 @@ def read_list(lines: Iterable[Line], file: str, collector: Collector) -> Paramet
     for line in lines:
         first = first or Span(file, line.number)
         reading.line(line)
+    if reading.strange:
+        line = reading.strange[0]
+        text = f"{len(reading.strange)} line(s) are no parameters, first {line.text.strip()[:60]!r}"
+        collector.add("CB207", text, span=reading.span(line))
     if reading.late is not None:
         collector.add("CB208", "the list goes on after `Ende`; nothing behind it is read", span=reading.late)
     return ParameterList(reading.found, reading.ignored, first)

@@ -163,9 +163,7 @@ class Drive:
         return Drive(-self.sign, -self.offset_deg)
 
 
-def zero_and_sign(
-    choose: Choices, sign: float, zero_deg: float, *, printed: Literal["inside", "outside"]
-) -> Drive:
+def zero_and_sign(choose: Choices, sign: float, zero_deg: float, *, printed: Literal["inside", "outside"]) -> Drive:
     """Return how a direction sign and a zero offset make an internal angle: the one place for it.
 
     inside: sign·(axis - zero); outside: sign·axis - zero. The two part only at a reversed axis with an offset; only
@@ -196,9 +194,7 @@ def driven(name: str, direction: Direction, drive: Drive) -> Move:
     return rotary(name, direction, sign=drive.sign, offset_deg=drive.offset_deg)
 
 
-def head_rotary(
-    choose: Choices, name: str, direction: Direction, *, sign: float = 1.0, zero_deg: float = 0.0
-) -> Move:
+def head_rotary(choose: Choices, name: str, direction: Direction, *, sign: float = 1.0, zero_deg: float = 0.0) -> Move:
     """Return a rotary axis of a head or arm: printed as sign·axis - zero (KIN_TYP 16, 28, 30, 45, 70, 205, 213)."""
     return driven(name, direction, zero_and_sign(choose, sign, zero_deg, printed="outside"))
 

@@ -48,9 +48,10 @@ Rules:
   sign·axis - zero) and ``table_rotary`` (printed sign·(axis - zero), asks `table_rotary_sense`) call;
   ``table_flag`` decodes the flags of 57, 58, 61, 63, 64, 80, 81, 82, 209. Axes without flag use ``driven(name,
   direction, Drive(sign, offset_deg))``: joint = sign·axis + offset.
-- Conventions: ``choose["name"]`` returns the choice and notes the use, ``choose.sign("name")`` +1/-1 for plus/minus. Ask
-  only where the choice can change this chain.
-- ``mark("flange")`` where the tool is clamped, before the tool's own length and offsets; without it it falls on the tool.
+- Conventions: ``choose["name"]`` returns the choice and notes the use, ``choose.sign("name")`` +1/-1 for plus/minus.
+  Ask only where the choice can change this chain.
+- ``mark("flange")`` where the tool is clamped, before the tool's own length and offsets; without it, it falls on the
+  tool.
 - Machines with a nonlinear map return ``Recipe(axis_map=...)``; the map's q is in the order of the joints, tool branch
   first. Lengths there are SI. ``p.axes`` are the type's axes; ``Recipe(axes=...)`` replaces them (`carries`, `held`).
 - Refusing: ``p.refuse(key, "text", "permitted")`` raises MachineDataError CB401 at the line of the HD at the strict

@@ -39,7 +39,9 @@ def kin_45(p: Params, choose: Choices) -> Recipe:
 
     def joint(name: str, direction: str) -> Element:
         key = name.lower()
-        return head_rotary(choose, name, direction, sign=p.direction(f"direction_{key}"), zero_deg=p.deg(f"offset_{key}"))
+        return head_rotary(
+            choose, name, direction, sign=p.direction(f"direction_{key}"), zero_deg=p.deg(f"offset_{key}")
+        )
 
     arm = [
         joint("C1", "z"),
@@ -82,9 +84,9 @@ def _turned(p: Params, choose: Choices) -> Sequence[Element]:
     """Return the rotation of the tool frame and the tool length, in the order the convention says."""
     x, y, z = rot_x(p.deg("tool_rotation_x")), rot_y(p.deg("tool_rotation_y")), rot_z(p.deg("tool_rotation_z"))
     rotation = turn(x @ y @ z if p.flag("tool_rotation_order") else z @ y @ x)
+    direction = _LENGTH_DIRECTIONS.get(p.flag("tool_length_direction"))
     if p.tool_length_mm == 0:
         return [rotation]
-    direction = _LENGTH_DIRECTIONS.get(p.flag("tool_length_direction"))
     if direction is None:
         text = f"the tool length of {p.tool_length_mm:g} mm has no effect, because HD34 is 0"
         p.note("CB407", "tool_length_direction", text, hint="HD34 from 1 to 6 gives the length a direction")

@@ -1,0 +1,54 @@
+"""`chainbuild check`: numbered findings of a file."""
+
+from __future__ import annotations
+
+from chainbuild.cli.show import finding_data, print_findings, print_json
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, all_findings
+from chainbuild.errors import ChainbuildError
+from chainbuild.findings import Collector, Finding
+
+
+def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT_OPTIONS) -> int:
+    """List every finding of a machine file, errors included.
+
+    The file is read to its end and every kinematic in it is translated. Ends with 0 where the machine can be built,
+    also with warnings, and with 1 where the file is refused.
+
+    Args:
+        file: A machine file, or the name of a shipped machine.
+        json: Print JSON.
+        options: Which kinematic.
+    """
+    from chainbuild.loading import check as check_file
+
+    options.choices()
+    findings = check_file(file, overlay=options.overlay)
+    refused = any(finding.severity == "error" for finding in findings)
+    if options.selects and not refused:
+        findings = _with_selection(file, options, findings)
+        refused = any(finding.severity == "error" for finding in findings)
+    if json:
+        print_json({"file": file, "refused": refused, "findings": [finding_data(finding) for finding in findings]})
+    else:
+        print_findings(findings)
+        print(f"{file}: {_verdict(findings, refused)}")
+    return 1 if refused else 0
+
+
+def _with_selection(file: str, options: MachineOptions, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
+    """Return the findings together with those of the kinematic, tool and conventions that the options mean."""
+    collector = Collector(strict=False, findings=list(findings))
+    try:
+        machine = options.machine(file)
+        chain = options.chain(machine)
+        collector.findings.extend(all_findings(machine, chain))
+        chain.build()
+    except ChainbuildError as error:
+        collector.add_error(error)
+    return tuple(dict.fromkeys(collector.findings))
+
+
+def _verdict(findings: tuple[Finding, ...], refused: bool) -> str:
+    counts = {severity: sum(f.severity == severity for f in findings) for severity in ("error", "warning", "info")}
+    told = ", ".join(f"{n} {severity}{'s' * (n != 1 and severity != 'info')}" for severity, n in counts.items() if n)
+    return ("refused" if refused else "accepted") + (f" ({told})" if told else ", no findings")

@@ -1,0 +1,103 @@
+"""Where the command starts and where every error ends: one message on stderr and an exit code.
+
+Exit codes: 0 done, also with warnings; 1 input refused; 2 wrong usage; 3 some rows failed; 130 interrupted;
+141 the reader of the output has gone.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+
+from cyclopts import App, CycloptsError
+
+from chainbuild import __version__
+from chainbuild.cli.check import check
+from chainbuild.cli.demo import demo
+from chainbuild.cli.fk import fk
+from chainbuild.cli.ik import ik
+from chainbuild.cli.info import info
+from chainbuild.cli.inspect import inspect
+from chainbuild.cli.types import types
+from chainbuild.cli.urdf import urdf
+from chainbuild.cli.usage import UsageError
+from chainbuild.errors import ChainbuildError
+
+DONE, REFUSED, WRONG_USAGE, ROWS_FAILED, INTERRUPTED, READER_GONE = 0, 1, 2, 3, 130, 141
+
+_COMMANDS = (info, check, fk, ik, urdf, inspect, demo, types)
+_HELP = """From the machine data of a CNC to a kinematic model.
+
+Reads SINUMERIK ROBX machine data and TwinCAT CNC parameter lists. FILE is a path, or the name of a machine shipped
+with chainbuild.
+"""
+_EPILOGUE = "Exit codes: 0 done, 1 input refused, 2 wrong usage, 3 some rows failed."
+
+
+def build_app() -> App:
+    """Return the command line with all its commands."""
+    app = App(
+        name="chainbuild",
+        help=_HELP,
+        help_epilogue=_EPILOGUE,
+        version=__version__,
+        result_action="return_value",
+        exit_on_error=False,
+        print_error=False,
+        suppress_keyboard_interrupt=False,
+    )
+    for command in _COMMANDS:
+        app.command(command)
+    return app
+
+
+def main(tokens: Sequence[str] | None = None) -> int:
+    """Run a command and return its exit code.
+
+    Args:
+        tokens: Words of the command line; None: those the program was called with.
+    """
+    words = list(sys.argv[1:] if tokens is None else tokens)
+    try:
+        code = build_app()(words)
+        sys.stdout.flush()
+    except (CycloptsError, UsageError) as error:
+        return _fail(f"chainbuild: {error}\nchainbuild {_command_of(words)}--help explains the usage", WRONG_USAGE)
+    except ChainbuildError as error:
+        return _fail(message_of(error), REFUSED)
+    except KeyboardInterrupt:
+        return _fail("chainbuild: interrupted", INTERRUPTED)
+    except BrokenPipeError:
+        _silence_stdout()
+        return READER_GONE
+    except OSError as error:
+        _silence_stdout()
+        return _fail(f"chainbuild: the output cannot be written: {error.strerror or error}", REFUSED)
+    return code if isinstance(code, int) else DONE
+
+
+def message_of(error: ChainbuildError) -> str:
+    """Return the message of an error: ``file:line: what is wrong``, with the line and a mark under the spot."""
+    head = str(error) if error.span else f"chainbuild: {error}"
+    marked = error.marked_line()
+    return f"{head}\n{marked}" if marked else head
+
+
+def _command_of(words: Sequence[str]) -> str:
+    return f"{words[0]} " if words and words[0] in {command.__name__ for command in _COMMANDS} else ""
+
+
+def _fail(message: str, code: int) -> int:
+    with suppress(OSError):
+        print(message, file=sys.stderr)
+    return code
+
+
+def _silence_stdout() -> None:
+    """Point stdout at nothing, so that the interpreter does not fail once more when it ends."""
+    with suppress(OSError, ValueError):
+        nothing = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nothing, sys.stdout.fileno())
+        os.close(nothing)

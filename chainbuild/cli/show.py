@@ -1,0 +1,123 @@
+"""What commands print: tables for people, JSON for programs, warnings and progress on stderr."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, TextIO, TypeVar
+
+from rich import box
+from rich.console import Console
+from rich.table import Table as RichTable
+
+from chainbuild.findings import Finding
+from chainbuild.out.files import open_atomic
+
+if TYPE_CHECKING:
+    from chainbuild.tables.reader import Table
+
+Item = TypeVar("Item")
+
+_WIDTH_WITHOUT_TERMINAL: Final = 160
+_ROWS_BETWEEN_UPDATES: Final = 256
+_COLOURS: Final = {"error": "bold red", "warning": "yellow", "info": "dim"}
+
+
+def console(stream: TextIO | None = None) -> Console:
+    """Return a console that takes text as it is: brackets in machine data are no markup."""
+    target = stream or sys.stdout
+    wide = None if target.isatty() or "COLUMNS" in os.environ else _WIDTH_WITHOUT_TERMINAL
+    return Console(file=target, width=wide, markup=False, highlight=False, emoji=False)
+
+
+def table(title: str, *columns: str) -> RichTable:
+    """Return an empty table whose long cells fold."""
+    result = RichTable(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
+    for column in columns:
+        result.add_column(column, overflow="fold")
+    return result
+
+
+def number(value: float | str | None) -> str:
+    """Return a value of machine data as people write it."""
+    if value is None:
+        return "–"
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+def print_json(data: object) -> None:
+    """Print data as JSON on stdout."""
+    print(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def finding_data(finding: Finding) -> dict[str, Any]:
+    """Return a finding for JSON."""
+    span = finding.span
+    return {
+        "code": finding.code,
+        "severity": finding.severity,
+        "text": finding.text,
+        "file": span.file if span else None,
+        "line": span.line or None if span else None,
+        "column": span.column if span and span.line else None,
+        "parameter": finding.parameter,
+        "permitted": finding.permitted,
+        "alarm": finding.alarm,
+        "hint": finding.hint,
+    }
+
+
+def print_findings(findings: Iterable[Finding]) -> None:
+    """Print findings on stdout, one a line."""
+    out = console()
+    for finding in findings:
+        more = f"; permitted: {finding.permitted}" if finding.permitted else ""
+        out.print(f"{finding}{more}", style=_COLOURS[finding.severity], soft_wrap=True)
+
+
+def warn(findings: Iterable[Finding]) -> None:
+    """Print what is more than information on stderr, one a line."""
+    for finding in findings:
+        if finding.severity != "info":
+            note(str(finding))
+
+
+def note(text: str) -> None:
+    """Print a line on stderr."""
+    print(text, file=sys.stderr)
+
+
+@contextmanager
+def output(path: Path | None) -> Iterator[TextIO]:
+    """Open the output of a command: a file that appears only when all went well, or stdout."""
+    if path is None:
+        yield sys.stdout
+        return
+    with open_atomic(path) as stream:
+        yield stream
+
+
+def with_progress(items: Iterable[Item], source: Table, what: str) -> Iterator[Item]:
+    """Yield the rows of a table and show on stderr how much of it is read, if that is a terminal.
+
+    Args:
+        items: The rows.
+        source: The table they come from.
+        what: What is being done.
+    """
+    if not sys.stderr.isatty():
+        yield from items
+        return
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=source.size or None)
+        for count, item in enumerate(items):
+            if count % _ROWS_BETWEEN_UPDATES == 0:
+                bar.update(task, completed=source.position)
+            yield item

@@ -1,0 +1,49 @@
+"""`chainbuild urdf`: a robot as URDF."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from chainbuild.cli.show import print_json
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions
+
+Folder = Annotated[Path, Parameter(name=["--output", "-o"])]
+
+
+def urdf(
+    file: str,
+    /,
+    *,
+    folder: Folder = Path("urdf_out"),
+    json: Json = False,
+    options: MachineOptions = DEFAULT_OPTIONS,
+) -> int:
+    """Write a machine as URDF.
+
+    The file is FOLDER/NAME/NAME.urdf. Its joint values are Pinocchio's; its head says how they follow from the
+    controller's axis values, which conventions were used and what the file cannot express.
+
+    Args:
+        file: A machine file, or the name of a shipped machine.
+        folder: Folder to write to.
+        json: Print JSON.
+        options: Which kinematic.
+    """
+    from chainbuild.out.urdf import urdf_limitations, write_urdf
+
+    robot = options.robot(file)
+    path = write_urdf(robot, folder)
+    limitations = urdf_limitations(robot.chain)
+    if json:
+        conventions = {used.convention.name: used.choice for used in robot.chain.conventions}
+        print_json({"path": str(path), "not_expressed": list(limitations), "conventions": conventions})
+        return 0
+    print(path)
+    for used in robot.chain.conventions:
+        print(f"  convention {used.convention.name}={used.choice}{'' if used.by_user else ' (default)'}")
+    for limitation in limitations:
+        print(f"  not expressed: {limitation}")
+    return 0

@@ -1,0 +1,97 @@
+"""Options that commands share, and the way from them to a machine, a chain and a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from chainbuild.findings import Finding
+
+if TYPE_CHECKING:
+    from chainbuild.chain.elements import Chain
+    from chainbuild.machine import Machine
+    from chainbuild.robot.robot import Robot
+
+Json = Annotated[bool, Parameter(negative="")]
+Output = Annotated[Path | None, Parameter(name=["--output", "-o"])]
+
+
+class UsageError(Exception):
+    """A command line that cannot be understood, beyond what the parser sees."""
+
+
+@Parameter(name="*", group="Machine")
+@dataclass(frozen=True, slots=True)
+class MachineOptions:
+    """Which kinematic of a machine file is meant, and with which tool and conventions.
+
+    Attributes:
+        kinematic: Configured id or name of the kinematic; for ROBX the number of the transformation. Without it: the
+            file's default.
+        channel: Channel whose kinematic is meant. Without it: the first that has one.
+        tool_length: Millimetres added to the active tool's length.
+        convention: NAME=CHOICE: decides what the manuals leave open; may be repeated. `chainbuild info` lists what
+            a machine uses.
+        overlay: Overlay file (TOML) in place of NAME.chainbuild.toml beside the machine file.
+    """
+
+    kinematic: str | None = None
+    channel: int | None = None
+    tool_length: float = 0.0
+    convention: Annotated[tuple[str, ...], Parameter(negative="", show_default=False)] = ()
+    overlay: Path | None = None
+
+    @property
+    def selects(self) -> bool:
+        """Whether anything but the overlay is given."""
+        return self != MachineOptions(overlay=self.overlay)
+
+    def choices(self) -> dict[str, str]:
+        """Return the conventions chosen.
+
+        Raises:
+            UsageError: an option that is not NAME=CHOICE.
+        """
+        chosen = {}
+        for text in self.convention:
+            name, equals, choice = text.partition("=")
+            if not (name and equals and choice):
+                raise UsageError(f"--convention {text}: NAME=CHOICE is due")
+            chosen[name.strip()] = choice.strip()
+        return chosen
+
+    def machine(self, file: str) -> Machine:
+        """Read a machine file or a shipped machine."""
+        from chainbuild.loading import load
+
+        self.choices()
+        return load(file, overlay=self.overlay)
+
+    def chain(self, machine: Machine) -> Chain:
+        """Translate the kinematic that the options mean."""
+        return machine.chain(self.kinematic, self.channel, self.tool_length, self.choices())
+
+    def robot(self, file: str) -> Robot:
+        """Read a machine file and build the robot; warnings go to stderr."""
+        from chainbuild.cli.show import warn
+
+        machine = self.machine(file)
+        chain = self.chain(machine)
+        warn(all_findings(machine, chain))
+        return chain.build()
+
+
+DEFAULT_OPTIONS = MachineOptions()
+
+
+def all_findings(machine: Machine, chain: Chain | None) -> tuple[Finding, ...]:
+    """Return the findings of reading and of translation, each once, in order."""
+    return _unique((*machine.findings, *(chain.findings if chain else ())))
+
+
+def _unique(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    return tuple(dict.fromkeys(findings))

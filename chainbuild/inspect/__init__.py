@@ -1,0 +1,1 @@
+"""Looking at a robot: a meshcat scene and a self-contained page."""

@@ -1,0 +1,113 @@
+"""One HTML file that shows a robot moving, without network, server or Python."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import string
+from html import escape
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from chainbuild.inspect.panel import panel_html
+from chainbuild.inspect.scene import Scene
+from chainbuild.inspect.sweep import FRAMES_PER_SECOND, Sweep, sweep
+from chainbuild.out.files import write_text
+
+if TYPE_CHECKING:
+    from chainbuild.robot.robot import Robot
+
+# From where the machine is looked at: in front of its right side, a little from above (machine coordinates).
+_VIEW = (1.0, -1.35, 0.75)
+# How far the picture reaches from the machine at rest (0) to everything it sweeps over (1).
+_SWEPT_SHARE = 0.6
+
+
+def export_page(robot: Robot, path: str | os.PathLike[str]) -> Path:
+    """Write one self-contained HTML file with the robot, its frames and a sweep of each axis.
+
+    The file holds the meshcat viewer itself and loads nothing. It is written in one piece or not at all.
+
+    Args:
+        robot: What to show.
+        path: The HTML file; an existing one is replaced.
+
+    Returns:
+        The path written.
+
+    Raises:
+        ChainbuildError: the kinematic has no pose to show, or the file cannot be written.
+    """
+    target = Path(path)
+    write_text(target, page_html(robot))
+    return target
+
+
+def page_html(robot: Robot) -> str:
+    """Return the text of the page; the same robot gives the same text."""
+    from meshcat import Visualizer
+
+    motion = sweep(robot)
+    recorder = _Recorder()
+    scene = Scene(Visualizer(window=recorder), robot)
+    scene.draw(motion.axes[0])
+    scene.animate(motion.q)
+    template = string.Template(_asset("page.html"))
+    return template.substitute(
+        title=escape(robot.chain.title),
+        css=_asset("page.css"),
+        panel=panel_html(robot.chain, scene.grid_cell, motion.held),
+        licences=_viewer_file("main.min.js.LICENSE.txt").replace("--", "- -"),
+        viewer=_viewer_file("main.min.js"),
+        data=_data(robot, scene, motion, recorder),
+        script=_asset("page.js"),
+    )
+
+
+def _data(robot: Robot, scene: Scene, motion: Sweep, recorder: _Recorder) -> str:
+    bounds = np.array(scene.bounds(motion.q))
+    bounds = (1 - _SWEPT_SHARE) * np.array(scene.bounds(motion.q[:1])) + _SWEPT_SHARE * bounds
+    data = {
+        "names": [{"name": axis.name, "unit": "°" if axis.unit == "deg" else "\u00a0mm"} for axis in robot.axes],
+        "axes": motion.axes.round(6).tolist(),
+        "fps": FRAMES_PER_SECOND,
+        "segments": [{"axis": s.axis, "first": s.first, "last": s.last} for s in motion.segments],
+        "bounds": bounds.round(6).tolist(),
+        "view": _VIEW,
+        "commands": [base64.b64encode(command).decode("ascii") for command in recorder.commands],
+    }
+    # No text inside may end the script element.
+    return json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
+
+
+class _Recorder:
+    """Stands where meshcat has its window and keeps the commands that would go to the viewer."""
+
+    def __init__(self) -> None:
+        self.commands: list[bytes] = []
+        self._count = 0
+
+    def send(self, command: Any) -> None:
+        import umsgpack
+
+        # meshcat's own identifiers hold the time and the network card's address.
+        parts = [getattr(command, "object", None)]
+        parts += [getattr(parts[0], name, None) for name in ("geometry", "material")]
+        parts.append(getattr(parts[-1], "map", None))
+        for part in parts:
+            if part is not None:
+                self._count += 1
+                part.uuid = f"{self._count:08x}-0000-4000-8000-000000000000"
+        self.commands.append(umsgpack.packb(command.lower()))
+
+
+def _asset(name: str) -> str:
+    return resources.files("chainbuild.inspect").joinpath("static", name).read_text("utf-8")
+
+
+def _viewer_file(name: str) -> str:
+    return resources.files("meshcat").joinpath("viewer", "dist", name).read_text("utf-8")

@@ -1,0 +1,126 @@
+"""The words beside the picture: axes, frames, conventions, findings, and what the drawing is not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from html import escape
+from pathlib import PurePath
+
+from chainbuild.chain.elements import Axis, Chain
+from chainbuild.conventions import UsedConvention
+from chainbuild.findings import Finding
+from chainbuild.out.bodies import BASE_COLOUR, TOOL_SIDE, WORKPIECE_SIDE, Colour, shown_limits
+
+_MARKS = {"I": "inferred", "?": "open"}
+
+
+def panel_html(chain: Chain, grid_cell: float, stopped: Sequence[str]) -> str:
+    """Return the panel as HTML.
+
+    Args:
+        chain: What is shown.
+        grid_cell: Side of a grid square [m].
+        stopped: Names of axes that stop short of their range for want of a pose.
+    """
+    parts = [
+        f"<p>{escape(chain.dialect)} · {escape(chain.kinematic)}</p>",
+        '<p id="now"></p>',
+        '<div id="controls"><button id="play" type="button">Pause</button>'
+        '<input id="time" type="range" min="0" value="0" step="0.01" aria-label="Time of the sweep in seconds">'
+        '<button id="fit" type="button">Fit view</button></div>',
+        _axes(chain, stopped),
+        _legend(chain, grid_cell),
+        _conventions(chain.conventions),
+        _findings(chain.findings),
+    ]
+    return "\n".join(parts)
+
+
+def _axes(chain: Chain, stopped: Sequence[str]) -> str:
+    rows = [
+        f"<tr><td>{escape(axis.name)}{' *' if axis.assumed else ''}</td><td>{axis.kind}</td>"
+        f'<td class="number">{_number(axis.lower)}</td><td class="number">{_number(axis.upper)}</td>'
+        f'<td>{"°" if axis.unit == "deg" else axis.unit}</td><td class="number value"></td></tr>'
+        for axis in chain.axes
+    ]
+    head = (
+        '<h2>Axes, swept in this order</h2><table id="axes"><thead><tr><th>Axis</th><th>Kind</th>'
+        '<th class="number">Lower</th><th class="number">Upper</th><th></th><th class="number">Now</th></tr></thead>'
+    )
+    notes = "".join(f'<p class="soft">{escape(note)}</p>' for note in _axis_notes(chain, stopped))
+    return f"{head}<tbody>{''.join(rows)}</tbody></table>{notes}"
+
+
+def _axis_notes(chain: Chain, stopped: Sequence[str]) -> Iterable[str]:
+    yield "Each axis moves by itself to its lower limit, its upper limit and back. Click a row to see its sweep."
+    if any(axis.assumed for axis in chain.axes):
+        yield "* The machine data give no limits; those listed are assumed."
+    shortened = [
+        f"{axis.name} {_number(low)} … {_number(high)}{'°' if axis.unit == 'deg' else ' mm'}"
+        for axis, low, high in zip(chain.axes, *shown_limits(chain), strict=True)
+        if not _whole(axis, float(low), float(high))
+    ]
+    if shortened:
+        yield f"Shown over a part of the range only: {', '.join(shortened)}."
+    if stopped:
+        yield f"Waits where the kinematic has no pose: {', '.join(stopped)}."
+
+
+def _whole(axis: Axis, low: float, high: float) -> bool:
+    return low <= axis.lower and high >= axis.upper
+
+
+def _legend(chain: Chain, grid_cell: float) -> str:
+    swatches = [("base", BASE_COLOUR), ("carries the tool", TOOL_SIDE[0])]
+    if any(axis.carries == "workpiece" for axis in chain.axes):
+        swatches.append(("carries the workpiece", WORKPIECE_SIDE[0]))
+    keys = "".join(f'<span class="key"><i style="background:{_css(c)}"></i>{text}</span>' for text, c in swatches)
+    return (
+        "<h2>Drawing</h2><p><strong>The bodies are drawn, not measured.</strong> Machine data hold the place and "
+        "direction of the joints only; cylinders and boxes stand between them, so clearances cannot be read from this "
+        f'page.</p><p class="soft">Frames: x red, y green, z blue. A grid square is {_length(grid_cell)}.</p>'
+        f"<p>{keys}</p>"
+    )
+
+
+def _conventions(used: Sequence[UsedConvention]) -> str:
+    if not used:
+        return "<h2>Conventions</h2><p>The chain rests on no open convention.</p>"
+    rows = [
+        f"<dt>{escape(u.convention.name)} = {escape(u.choice)}</dt>"
+        f"<dd>{escape(u.convention.choices.get(u.choice, ''))} "
+        f'<span class="soft">({_MARKS[u.convention.mark]}; {"chosen by you" if u.by_user else "default"})</span></dd>'
+        for u in used
+    ]
+    return (
+        '<h2>Conventions used</h2><p class="soft">The manuals leave these points open; verify them on the controller '
+        f"(chainbuild info tells how).</p><dl>{''.join(rows)}</dl>"
+    )
+
+
+def _findings(findings: Sequence[Finding]) -> str:
+    if not findings:
+        return ""
+    rows = "".join(f"<li>{escape(_finding(finding))}</li>" for finding in findings)
+    return f"<h2>Findings</h2><ul>{rows}</ul>"
+
+
+def _finding(finding: Finding) -> str:
+    # A page travels: it names the file, not where it lay on the disk of whoever made it.
+    where = ""
+    if finding.span is not None:
+        where = f" ({replace(finding.span, file=PurePath(finding.span.file).name)})"
+    return f"{finding.code} {finding.severity}: {finding.text}{where}"
+
+
+def _number(value: float) -> str:
+    return f"{value:.10g}".replace("-", "\u2212")
+
+
+def _length(value: float) -> str:
+    return f"{value:g}\u00a0m" if value >= 1.0 else f"{1000 * value:g}\u00a0mm"
+
+
+def _css(colour: Colour) -> str:
+    return "rgb({}, {}, {})".format(*(round(255 * part) for part in colour))

@@ -1,0 +1,198 @@
+"""A robot in a meshcat scene: bodies, labelled frames, grid and light, scaled to the machine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from chainbuild import frames
+from chainbuild.chain.elements import BASE_LINK, FRAME_NAMES, Chain, Frame, Matrix, Vector
+from chainbuild.inspect.labels import Side, draw_label
+from chainbuild.inspect.sweep import FRAMES_PER_SECOND, joint_transforms, link_placements
+from chainbuild.out.bodies import Body, Colour, detail_bodies, link_bodies, machine_size
+
+if TYPE_CHECKING:
+    from chainbuild.robot.robot import Robot
+
+BACKGROUND_TOP: Colour = (0.97, 0.98, 0.99)
+BACKGROUND_BOTTOM: Colour = (0.80, 0.84, 0.88)
+GRID_COLOUR: Colour = (0.62, 0.67, 0.72)
+_TRIAD_COLOURS: tuple[Colour, Colour, Colour] = ((0.86, 0.16, 0.16), (0.13, 0.62, 0.20), (0.13, 0.33, 0.87))
+_TRIAD_SHARE = 0.13  # length of a triad's arms over the machine's size
+
+
+class Scene:
+    """Draws one robot into a meshcat visualizer and moves it.
+
+    Args:
+        viewer: `meshcat.Visualizer`; what it already shows outside `robot` stays.
+        robot: What to draw.
+    """
+
+    def __init__(self, viewer: Any, robot: Robot) -> None:
+        self.viewer = viewer
+        self.robot = robot
+        chain = robot.chain
+        self.size = machine_size(chain)
+        self.bodies = (*link_bodies(chain), *detail_bodies(chain))
+        self._paths = _link_paths(chain)
+
+    def draw(self, axes: ArrayLike) -> None:
+        """Draw everything, the robot at axis values (n_axes,), mm and degrees."""
+        q = self.robot.q(axes)
+        self._draw_surroundings(self.floor(q))
+        for n, body in enumerate(self.bodies):
+            self._draw_body(self.viewer[f"{self._paths[body.link]}/{body.part}{n}"], body)
+        for label, frame in labelled_frames(self.robot.chain):
+            self._draw_triad(f"{self._paths[frame.link]}/frame {frame.name}", label, frame.T_link_frame)
+        self._place(q)
+
+    def update(self, axes: ArrayLike) -> None:
+        """Move the robot that was drawn to axis values (n_axes,), mm and degrees."""
+        self._place(self.robot.q(axes))
+
+    def animate(self, q: Matrix) -> None:
+        """Play joint values (n_frames, n_q), SI, `FRAMES_PER_SECOND` apart, over and over."""
+        from meshcat.animation import Animation
+
+        chain = self.robot.chain
+        animation = Animation(default_framerate=FRAMES_PER_SECOND)
+        for k, row in enumerate(q):
+            around = q[max(k - 1, 0) : k + 2]
+            # A joint at rest needs no keys between; the first and the last make all clips equally long.
+            moves = np.ptp(around, axis=0) > 0.0 if 0 < k < len(q) - 1 else np.full(len(row), True)
+            for joint, T, moving in zip(chain.joints, joint_transforms(chain, row), moves, strict=True):
+                if moving:
+                    animation.at_frame(self.viewer[self._paths[joint.child]], k).set_transform(T)
+        self.viewer.set_animation(animation, play=True, repetitions=1_000_000)
+
+    def bounds(self, motion: Iterable[Vector]) -> tuple[Vector, Vector]:
+        """Return the lowest and highest x, y, z [m] that any body reaches over joint values (n_q,) of a motion."""
+        corners = np.array([_corners(body) for body in self.bodies])
+        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        for q in motion:
+            placed = link_placements(self.robot.chain, q)
+            T = np.array([placed[body.link] for body in self.bodies])
+            points = np.einsum("bij,bkj->bki", T[:, :3, :3], corners) + T[:, None, :3, 3]
+            low, high = np.minimum(low, points.min(axis=(0, 1))), np.maximum(high, points.max(axis=(0, 1)))
+        return low, high
+
+    def floor(self, q: Vector) -> float:
+        """Return the height [m] of the grid: the base's origin, or lower where the machine hangs below it."""
+        lowest = float(self.bounds([q])[0][2])
+        return lowest if lowest < -0.15 * self.size else 0.0
+
+    @property
+    def grid_cell(self) -> float:
+        """Side of a grid square [m]: 1, 2 or 5 times a power of ten, about a quarter of the machine."""
+        rough = self.size / 4
+        power = 10.0 ** math.floor(math.log10(rough))
+        return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= rough * 1.001)
+
+    def _place(self, q: Vector) -> None:
+        chain = self.robot.chain
+        for joint, T in zip(chain.joints, joint_transforms(chain, q), strict=True):
+            self.viewer[self._paths[joint.child]].set_transform(T)
+
+    def _draw_body(self, node: Any, body: Body) -> None:
+        from meshcat import geometry
+
+        T = body.T_link_body
+        if body.kind == "box":
+            shape = geometry.Box(list(body.dimensions))
+        elif body.kind == "sphere":
+            shape = geometry.Sphere(body.dimensions[0])
+        else:
+            radius, length = body.dimensions
+            shape = geometry.Cylinder(length, radius)
+            shape.radialSegments = 32
+            # three.js lays cylinders along y.
+            T = T @ frames.transform(frames.rot_x(90.0))
+        node.set_object(shape, geometry.MeshLambertMaterial(color=_hex(body.colour)))
+        node.set_transform(T)
+
+    def _draw_triad(self, path: str, label: str, T: Matrix) -> None:
+        from meshcat import geometry
+
+        length, thickness = _TRIAD_SHARE * self.size, 0.006 * self.size
+        self.viewer[path].set_transform(T)
+        for n, (letter, colour) in enumerate(zip("xyz", _TRIAD_COLOURS, strict=True)):
+            centre = np.eye(3)[n] * length / 2
+            turn = (frames.rot_z(-90.0), np.eye(3), frames.rot_x(90.0))[n]
+            node = self.viewer[f"{path}/{letter}"]
+            node.set_object(geometry.Cylinder(length, thickness), geometry.MeshBasicMaterial(color=_hex(colour)))
+            node.set_transform(frames.transform(turn, centre))
+        side: Side = "left" if label == "flange" else "below" if "base" in label else "right"
+        draw_label(self.viewer[f"{path}/label"], label, side)
+
+    def _draw_surroundings(self, floor: float) -> None:
+        from meshcat import geometry
+
+        viewer, cell = self.viewer, self.grid_cell
+        viewer["/Background"].set_property("top_color", list(BACKGROUND_TOP))
+        viewer["/Background"].set_property("bottom_color", list(BACKGROUND_BOTTOM))
+        viewer["/Grid"].set_property("visible", False)
+        viewer["/Axes"].set_property("visible", False)
+        points = geometry.PointsGeometry(_grid(cell, 2.2 * self.size, floor))
+        viewer["grid"].set_object(geometry.LineSegments(points, geometry.LineBasicMaterial(color=_hex(GRID_COLOUR))))
+        # meshcat's own lamps stand at 2 m and reach 10 m: moved out so that a gantry gets light, too.
+        for lamp, side in (("PointLightNegativeX", 1.0), ("PointLightPositiveX", -1.0)):
+            node = viewer[f"/Lights/{lamp}/<object>"]
+            node.set_property("position", [side * 4 * self.size, side * 3 * self.size, 5 * self.size])
+            node.set_property("distance", 0)
+
+
+def labelled_frames(chain: Chain) -> list[tuple[str, Frame]]:
+    """Return the named frames with their labels; frames in one place share a label: "flange = tool"."""
+    groups: list[list[Frame]] = []
+    for frame in (chain.frame(name) for name in FRAME_NAMES):
+        for group in groups:
+            same = group[0].link == frame.link
+            if same and np.allclose(group[0].T_link_frame, frame.T_link_frame, rtol=0, atol=1e-9):
+                group.append(frame)
+                break
+        else:
+            groups.append([frame])
+    return [(" = ".join(frame.name for frame in group), group[0]) for group in groups]
+
+
+def _link_paths(chain: Chain) -> dict[str, str]:
+    """Return the scene path of every link; children hang on their parents, so that a joint moves one node only."""
+    paths = {BASE_LINK: "robot"}
+    for joint in chain.joints:
+        paths[joint.child] = f"{paths[joint.parent]}/{joint.child.replace('/', '_')}"
+    return paths
+
+
+def _corners(body: Body) -> Matrix:
+    """Return the corners (8, 3) [m] of a box around a body, in its link."""
+    if body.kind == "box":
+        half = np.array(body.dimensions) / 2
+    elif body.kind == "sphere":
+        half = np.full(3, body.dimensions[0])
+    else:
+        radius, length = body.dimensions
+        half = np.array([radius, radius, length / 2])
+    signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, 8).T
+    corners: Matrix = (signs * half) @ body.T_link_body[:3, :3].T + body.T_link_body[:3, 3]
+    return corners
+
+
+def _grid(cell: float, extent: float, height: float) -> Matrix:
+    """Return the ends (3, n) [m] of grid lines at least `extent` either way."""
+    count = math.ceil(extent / cell)
+    edge = count * cell
+    lines = []
+    for k in range(-count, count + 1):
+        lines += [(-edge, k * cell), (edge, k * cell), (k * cell, -edge), (k * cell, edge)]
+    flat = np.array(lines).T
+    return np.vstack([flat, np.full(flat.shape[1], height)]).astype(np.float32)
+
+
+def _hex(colour: Colour) -> int:
+    red, green, blue = (round(255 * part) for part in colour)
+    return red << 16 | green << 8 | blue

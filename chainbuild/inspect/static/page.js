@@ -1,0 +1,116 @@
+// Drives the page: scene commands, camera, the sweep's clock and the axis table.
+// A hash such as #t=3.5 opens the page paused at that second.
+(function () {
+  "use strict";
+  const $ = (id) => document.getElementById(id);
+  const page = JSON.parse($("page-data").textContent);
+  const viewer = new MeshCat.Viewer($("pane"));
+  // The viewer takes the window's height for its own; the pane may be lower.
+  const resize = viewer.set_3d_pane_size.bind(viewer);
+  viewer.set_3d_pane_size = () => resize($("pane").offsetWidth, $("pane").offsetHeight);
+  for (const text of page.commands) {
+    viewer.handle_command_bytearray(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)));
+  }
+
+  // Camera. Machine coordinates have z up, three.js has y up.
+  const raised = ([x, y, z]) => new MeshCat.THREE.Vector3(x, z, -y);
+  let moved = false;
+
+  function fit() {
+    viewer.set_3d_pane_size();
+    const camera = viewer.camera;
+    const [low, high] = page.bounds;
+    const target = raised(low.map((v, n) => (v + high[n]) / 2));
+    const back = raised(page.view).normalize();
+    const right = new MeshCat.THREE.Vector3(0, 1, 0).cross(back).normalize();
+    const up = back.clone().cross(right);
+    camera.fov = 40;
+    const tall = Math.tan((camera.fov * Math.PI) / 360);
+    const wide = tall * camera.aspect;
+    // Near enough that every corner of the swept box is inside the picture, and no nearer.
+    let distance = 0;
+    for (let n = 0; n < 8; n++) {
+      const corner = raised([0, 1, 2].map((k) => ((n >> k) & 1 ? high[k] : low[k]))).sub(target);
+      const across = Math.max(Math.abs(corner.dot(right)) / wide, Math.abs(corner.dot(up)) / tall);
+      distance = Math.max(distance, across + corner.dot(back));
+    }
+    distance *= 1.04;
+    camera.near = distance / 200;
+    camera.far = distance * 50;
+    camera.position.copy(target).addScaledVector(back, distance);
+    camera.updateProjectionMatrix();
+    viewer.controls.target.copy(target);
+    viewer.controls.update();
+    viewer.set_dirty();
+  }
+  viewer.controls.addEventListener("start", () => { moved = true; });
+  window.addEventListener("resize", () => moved || fit());
+  window.addEventListener("load", fit);
+
+  // Clock.
+  const animator = viewer.animator;
+  const duration = (page.axes.length - 1) / page.fps;
+  const rows = Array.from(document.querySelectorAll("#axes tbody tr"));
+  let now = 0;
+
+  const written = (value) => value.toFixed(1).replace("-", "\u2212");
+
+  function show(time) {
+    const place = Math.min(Math.max(time * page.fps, 0), page.axes.length - 1);
+    const before = Math.min(Math.floor(place), page.axes.length - 2);
+    const share = place - before;
+    const values = page.axes[before].map((v, n) => v + share * (page.axes[before + 1][n] - v));
+    const segment = page.segments.find((s) => place < s.last) || page.segments[page.segments.length - 1];
+    rows.forEach((row, n) => {
+      row.classList.toggle("moving", n === segment.axis);
+      row.querySelector(".value").textContent = written(values[n]);
+    });
+    const axis = page.names[segment.axis];
+    $("now").textContent = `Axis ${axis.name} moves: ${written(values[segment.axis])}${axis.unit}`;
+    $("time").value = time;
+  }
+
+  function play() {
+    animator.play();
+    $("play").textContent = "Pause";
+  }
+
+  function pause() {
+    animator.pause();
+    $("play").textContent = "Play";
+  }
+
+  function seek(time) {
+    now = Math.min(Math.max(time, 0), duration);
+    animator.seek(now);
+    show(now);
+  }
+
+  function tick() {
+    if (animator.playing) {
+      now = animator.time;
+      show(now);
+    }
+    requestAnimationFrame(tick);
+  }
+
+  $("time").max = duration;
+  $("time").addEventListener("input", () => { pause(); seek(Number($("time").value)); });
+  $("play").addEventListener("click", () => (animator.playing ? pause() : play()));
+  $("fit").addEventListener("click", () => { moved = false; fit(); });
+  rows.forEach((row, n) => row.addEventListener("click", () => {
+    seek(page.segments.find((s) => s.axis === n).first / page.fps);
+    play();
+  }));
+
+  fit();
+  const asked = /^#t=([0-9.]+)$/.exec(window.location.hash);
+  if (asked) {
+    pause();
+    seek(Number(asked[1]));
+  } else {
+    show(0);
+    play();
+  }
+  tick();
+})();

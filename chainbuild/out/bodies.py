@@ -1,0 +1,237 @@
+"""Primitive bodies that stand for the links of a chain, for drawings and URDF.
+
+Machine data say where the joints are and nothing about the castings between them. The bodies are therefore drawn:
+a cylinder (rotary) or box (linear) from joint to joint, as thick as looks right for a machine of that size.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from chainbuild import frames
+from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint, Matrix, Vector
+
+Colour = tuple[float, float, float]
+Kind = Literal["cylinder", "box", "sphere"]
+Part = Literal["link", "joint", "rail", "flange", "tool", "table"]
+
+# Red, green, blue in 0…1. Warm: what carries the tool. Cool: what carries the workpiece.
+BASE_COLOUR: Colour = (0.29, 0.32, 0.37)
+JOINT_COLOUR: Colour = (0.20, 0.22, 0.26)
+TOOL_COLOUR: Colour = (0.70, 0.73, 0.78)
+TOOL_SIDE: tuple[Colour, Colour] = ((0.95, 0.52, 0.13), (0.98, 0.69, 0.33))
+WORKPIECE_SIDE: tuple[Colour, Colour] = ((0.10, 0.55, 0.55), (0.33, 0.71, 0.69))
+
+# Radius of a link over the size of the machine: at the base and at the tip, where arms are slender.
+_STOUT, _SLENDER = 0.055, 0.032
+# A machine with long strokes and small heads is drawn as thick as an arm of this share of its stroke.
+_STROKE_SHARE = 0.35
+# Where nobody gave limits: the range drawn and swept, as a share of the machine's size, and in degrees.
+_ASSUMED_STROKE_SHARE, _ASSUMED_TURN_DEG = 0.5, 180.0
+# More than one turn either way tells the eye nothing.
+_SHOWN_TURN_DEG = 360.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Body:
+    """A primitive fixed to a link.
+
+    Attributes:
+        link: Name of the link that carries it.
+        part: What it stands for; "link" for the one body that every link has.
+        T_link_body: (4, 4) placement of its centre [m].
+        kind: "cylinder" (along its z), "box" or "sphere".
+        dimensions: (radius, length), (x, y, z) or (radius,) [m].
+        colour: Red, green, blue in 0…1.
+    """
+
+    link: str
+    part: Part
+    T_link_body: Matrix
+    kind: Kind
+    dimensions: tuple[float, ...]
+    colour: Colour
+
+
+def link_bodies(chain: Chain) -> tuple[Body, ...]:
+    """Return exactly one body a link, in the order of the chain's links."""
+    drawing = _Drawing(chain)
+    return tuple(drawing.link_body(link.name) for link in chain.links)
+
+
+def detail_bodies(chain: Chain) -> tuple[Body, ...]:
+    """Return what makes a drawing readable: joint housings, rails, flange, tool and table."""
+    drawing = _Drawing(chain)
+    bodies = [drawing.joint_body(joint, n) for n, joint in enumerate(chain.joints)]
+    return (*bodies, *drawing.tip_bodies())
+
+
+def machine_size(chain: Chain) -> float:
+    """Return the size [m] that drawings are scaled by: the longest arm, or a share of the longest known stroke."""
+    reach = {BASE_LINK: 0.0}
+    for joint in chain.joints:
+        reach[joint.child] = reach[joint.parent] + _length(joint.T_parent_joint)
+    tips = [reach[frame.link] + _length(frame.T_link_frame) for frame in chain.frames]
+    strokes = [(axis.upper - axis.lower) / 1000.0 for axis in chain.axes if axis.kind == "linear" and not axis.assumed]
+    size = max(*tips, *(_STROKE_SHARE * stroke for stroke in strokes), 0.0)
+    return size if size > 1e-6 else 1.0
+
+
+def shown_limits(chain: Chain) -> tuple[Vector, Vector]:
+    """Return the axis range (n_axes,) that is drawn and swept, mm and degrees.
+
+    It is the range of the limits, but: assumed linear limits shrink to the machine's size around 0, assumed and
+    endless rotary axes to half a turn either way, and no rotary axis is shown over more than a turn either way.
+    """
+    size_mm = 1000.0 * machine_size(chain)
+    ranges = [_shown(axis, size_mm) for axis in chain.axes]
+    return np.array([low for low, _ in ranges]), np.array([high for _, high in ranges])
+
+
+def _shown(axis: Axis, size_mm: float) -> tuple[float, float]:
+    if axis.kind == "linear":
+        bound = float(f"{_ASSUMED_STROKE_SHARE * size_mm:.1g}") if axis.assumed else np.inf
+    else:
+        bound = _ASSUMED_TURN_DEG if axis.assumed or axis.endless else _SHOWN_TURN_DEG
+    low, high = max(axis.lower, -bound), min(axis.upper, bound)
+    return (low, high) if low < high else (axis.lower, axis.upper)
+
+
+class _Drawing:
+    """The rule from chain to bodies, with what it needs to look up."""
+
+    def __init__(self, chain: Chain) -> None:
+        self.chain = chain
+        self.size = machine_size(chain)
+        self.carrier = {joint.child: joint for joint in chain.joints}
+        self.children: dict[str, list[Joint]] = {link.name: [] for link in chain.links}
+        depth = {BASE_LINK: 0}
+        for joint in chain.joints:
+            self.children[joint.parent].append(joint)
+            depth[joint.child] = depth[joint.parent] + 1
+        self.depth = depth
+        self.low, self.high = chain.axis_map.q_bounds(*shown_limits(chain))
+        self.workpiece_side = self._path(chain.frame("workpiece").link) - self._path(chain.frame("tool").link)
+        self.given = {link.name: link.radius for link in chain.links}
+
+    def _path(self, link: str) -> set[str]:
+        path = set()
+        while link in self.carrier:
+            path.add(link)
+            link = self.carrier[link].parent
+        return path
+
+    def radius(self, link: str) -> float:
+        """Return the radius [m] of a link's body."""
+        given = self.given[link]
+        if given is not None:
+            return given
+        last = max(*self.depth.values(), 1)
+        return self.size * (_STOUT + (_SLENDER - _STOUT) * self.depth[link] / last)
+
+    def colour(self, link: str) -> Colour:
+        if link == BASE_LINK:
+            return BASE_COLOUR
+        pair = WORKPIECE_SIDE if link in self.workpiece_side else TOOL_SIDE
+        return pair[(self.depth[link] - 1) % 2]
+
+    def end(self, link: str) -> Vector:
+        """Return the point (3,) [m] up to which a link's body reaches from the link's origin."""
+        points = [joint.T_parent_joint[:3, 3] for joint in self.children[link]]
+        if not points:
+            ends = {f.name: f.T_link_frame[:3, 3] for f in self.chain.frames if f.link == link}
+            points = [ends[name] for name in ("flange", "tool", "workpiece") if name in ends][:1]
+        return max(points, key=lambda p: round(float(np.linalg.norm(p)), 9), default=np.zeros(3))
+
+    def link_body(self, link: str) -> Body:
+        """Return the body from a link's origin to its end, or a lump where the two coincide."""
+        joint = self.carrier.get(link)
+        if joint is None:
+            return self._base_body()
+        radius, end, colour = self.radius(link), self.end(link), self.colour(link)
+        length, linear = float(np.linalg.norm(end)), joint.kind == "prismatic"
+        if length > 0.5 * radius:
+            T = _along(end, end / 2)
+            if linear:
+                return _body(link, "link", T, "box", (2.4 * radius, 2.4 * radius, length), colour)
+            return _body(link, "link", T, "cylinder", (radius, length), colour)
+        if linear:
+            edges = (2.4 * radius, 2.4 * radius, 2.8 * radius)
+            return _body(link, "link", _along(joint.direction), "box", edges, colour)
+        return _body(link, "link", frames.shift(*self._below_table(link)), "sphere", (1.25 * radius,), colour)
+
+    def _base_body(self) -> Body:
+        """Return a bed under the table, a column up to the first rotary joint, or a foot at the origin."""
+        radius, colour = self.radius(BASE_LINK), BASE_COLOUR
+        for joint in self.children[BASE_LINK]:
+            if joint.child in self.workpiece_side:
+                side = 6 * radius
+                T = frames.shift(*joint.T_parent_joint[:3, 3]) @ frames.shift(z=-3 * radius)
+                return _body(BASE_LINK, "link", T, "box", (side, side, radius), colour)
+        end = max(
+            (joint.T_parent_joint[:3, 3] for joint in self.children[BASE_LINK] if joint.kind == "revolute"),
+            key=lambda point: round(float(np.linalg.norm(point)), 9),
+            default=np.zeros(3),
+        )
+        length = float(np.linalg.norm(end))
+        if length > 0.5 * radius:
+            return _body(BASE_LINK, "link", _along(end, end / 2), "cylinder", (radius, length), colour)
+        foot = frames.shift(z=-0.4 * radius)
+        return _body(BASE_LINK, "link", foot, "cylinder", (1.5 * radius, 0.8 * radius), colour)
+
+    def joint_body(self, joint: Joint, n: int) -> Body:
+        """Return the housing of a rotary joint or the rail of a linear one."""
+        radius = self.radius(joint.child)
+        if joint.kind == "revolute":
+            dimensions = (1.12 * radius, 2.4 * radius)
+            T = _along(joint.direction, self._below_table(joint.child))
+            return _body(joint.child, "joint", T, "cylinder", dimensions, JOINT_COLOUR)
+        low, high = min(float(self.low[n]), 0.0), max(float(self.high[n]), 0.0)
+        T = joint.T_parent_joint @ _along(joint.direction, joint.direction * (low + high) / 2)
+        edges = (0.9 * radius, 0.9 * radius, high - low + 2 * radius)
+        return _body(joint.parent, "rail", T, "box", edges, JOINT_COLOUR)
+
+    def _below_table(self, link: str) -> Vector:
+        """Return where lumps of a link are centred [m]: its origin, but clear of the top of the table."""
+        workpiece = self.chain.frame("workpiece")
+        down: Vector = -1.45 * self.radius(link) * workpiece.T_link_frame[:3, 2]
+        return down if workpiece.link == link else np.zeros(3)
+
+    def tip_bodies(self) -> list[Body]:
+        chain, bodies = self.chain, []
+        flange, tool, workpiece = (chain.frame(name) for name in ("flange", "tool", "workpiece"))
+        radius = self.radius(flange.link)
+        disc = flange.T_link_frame @ frames.shift(z=-0.15 * radius)
+        bodies.append(_body(flange.link, "flange", disc, "cylinder", (0.9 * radius, 0.3 * radius), JOINT_COLOUR))
+        if tool.link == flange.link:
+            start, end = flange.T_link_frame[:3, 3], tool.T_link_frame[:3, 3]
+            length = float(np.linalg.norm(end - start))
+            if length > 0.05 * radius:
+                T = _along(end - start, (start + end) / 2)
+                bodies.append(_body(tool.link, "tool", T, "cylinder", (0.35 * radius, length), TOOL_COLOUR))
+        if workpiece.link != BASE_LINK:
+            radius = self.radius(workpiece.link)
+            T = workpiece.T_link_frame @ frames.shift(z=-0.2 * radius)
+            dimensions = (3 * radius, 0.4 * radius)
+            bodies.append(_body(workpiece.link, "table", T, "cylinder", dimensions, self.colour(workpiece.link)))
+        return bodies
+
+
+def _body(link: str, part: Part, T: Matrix, kind: Kind, size: tuple[float, ...], colour: Colour) -> Body:
+    # Micrometres are enough for a drawing, and keep written files free of the last bit of a square root.
+    return Body(link, part, T, kind, tuple(round(s, 6) for s in size), colour)
+
+
+def _length(T: Matrix) -> float:
+    return float(np.linalg.norm(T[:3, 3]))
+
+
+def _along(direction: Vector, centre: Vector | None = None) -> Matrix:
+    """Return a frame whose z points along a direction other than zero, with its origin at `centre`."""
+    z = frames.unit(direction)
+    helper = np.eye(3)[int(np.argmin(np.abs(z.round(9))))]
+    x = frames.unit(np.cross(helper, z))
+    return frames.transform(np.column_stack([x, np.cross(z, x), z]), np.zeros(3) if centre is None else centre)

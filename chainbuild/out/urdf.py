@@ -1,0 +1,203 @@
+"""URDF: the tree of a chain with limits and primitive bodies; joint values are Pinocchio's q."""
+
+from __future__ import annotations
+
+import io
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from chainbuild import tolerances
+from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint, Matrix
+from chainbuild.errors import ChainError
+from chainbuild.frames import inverse, shift
+from chainbuild.out import notes
+from chainbuild.out.bodies import (
+    BASE_COLOUR,
+    TOOL_COLOUR,
+    WORKPIECE_SIDE,
+    Body,
+    detail_bodies,
+    link_bodies,
+    machine_size,
+)
+from chainbuild.out.files import angle_text, make_folder, number_text, numbers_text, write_text
+from chainbuild.out.notes import urdf_limitations
+from chainbuild.units import m_from_mm, rad_from_deg, si_factor
+
+if TYPE_CHECKING:
+    from chainbuild.robot.robot import Robot
+
+__all__ = ["urdf_limitations", "urdf_text", "write_urdf"]
+
+# Machine data hold no drive data. Readers demand the numbers, and 0 would stop a simulated joint.
+_DEFAULT_SPEED: Final = {"revolute": math.pi, "prismatic": 1.0}  # rad/s, m/s
+_DEFAULT_EFFORT: Final = {"revolute": 1000.0, "prismatic": 10_000.0}  # N·m, N
+# Which of the drawn details is the body of which tip, and how large the mark is where a drawing shows nothing.
+_TIPS: Final = {"flange": "flange", "tool": "tool", "table": "workpiece"}
+_MARK_SHARE: Final = 0.01
+_POLE: Final = 1e-13  # cosine of the pitch below which yaw is noise
+
+
+def write_urdf(robot: Robot, folder: Path | str = "urdf_out") -> Path:
+    """Write a robot as folder/NAME/NAME.urdf and return that path.
+
+    The same robot gives the same bytes on every machine. Links and joints carry the names of the chain, fixed joints
+    carry the tips `flange`, `tool` and `workpiece`. What the file cannot express, `urdf_limitations` returns and the
+    head comment says.
+
+    Args:
+        robot: The robot.
+        folder: Where the folder NAME is made.
+
+    Raises:
+        FileAccessError: the file cannot be written.
+    """
+    text = urdf_text(robot)
+    place = Path(folder) / robot.name
+    make_folder(place)
+    path = place / f"{robot.name}.urdf"
+    write_text(path, text)
+    return path
+
+
+def urdf_text(robot: Robot) -> str:
+    """Return the URDF of a robot."""
+    chain = robot.chain
+    root = ET.Element("robot", name=chain.name)
+    root.append(ET.Comment(f"\n{notes.header(chain)}\n"))
+    for body in link_bodies(chain):
+        _add_link(root, body.link, body)
+    lower, upper = robot.model.lowerPositionLimit, robot.model.upperPositionLimit
+    for n, (joint, speed) in enumerate(zip(chain.joints, joint_speeds(chain), strict=True)):
+        _add_joint(root, joint, _bound(joint, float(lower[n]), -1.0), _bound(joint, float(upper[n]), 1.0), speed)
+    _add_tips(root, chain)
+    ET.indent(root, "  ")
+    buffer = io.BytesIO()
+    ET.ElementTree(root).write(buffer, encoding="utf-8", xml_declaration=True)
+    return buffer.getvalue().decode("utf-8") + "\n"
+
+
+def joint_speeds(chain: Chain) -> tuple[float, ...]:
+    """Return the speed limit of every joint [m/s, rad/s]: by the axes' speeds where all are known, else a default."""
+    defaults = tuple(_DEFAULT_SPEED[joint.kind] for joint in chain.joints)
+    if not isinstance(chain.axis_map, AffineMap):
+        return defaults
+    speeds = []
+    for factors, default in zip(chain.axis_map.A, defaults, strict=True):
+        driving = [(axis, abs(float(f))) for axis, f in zip(chain.axes, factors, strict=True) if f != 0.0]
+        known = [axis.max_speed * si_factor(axis.kind) * f for axis, f in driving if axis.max_speed is not None]
+        speeds.append(sum(known) if known and len(known) == len(driving) else default)
+    return tuple(speeds)
+
+
+def _bound(joint: Joint, value: float, sign: float) -> float:
+    """Return a joint bound; a nonlinear map may know none, and URDF needs a finite one."""
+    if math.isfinite(value):
+        return value
+    if joint.kind == "revolute":
+        return sign * rad_from_deg(tolerances.ASSUMED_ROTARY_LIMIT_DEG)
+    return sign * m_from_mm(tolerances.ASSUMED_LINEAR_LIMIT_MM)
+
+
+def _add_link(root: ET.Element, name: str, body: Body) -> None:
+    link = ET.SubElement(root, "link", name=name)
+    visual = ET.SubElement(link, "visual")
+    _add_body(visual, body)
+    # A material of its own for each link: some readers know no colours defined elsewhere.
+    material = ET.SubElement(visual, "material", name=f"{name}_colour")
+    ET.SubElement(material, "color", rgba=numbers_text((*body.colour, 1.0)))
+    _add_body(ET.SubElement(link, "collision"), body)
+
+
+def _add_body(parent: ET.Element, body: Body) -> None:
+    T = body.T_link_body
+    xyz, rpy = _drawn(T[:3, 3].tolist()), _drawn(stable_rpy(T[:3, :3]))
+    ET.SubElement(parent, "origin", xyz=xyz, rpy=rpy)
+    geometry = ET.SubElement(parent, "geometry")
+    if body.kind == "box":
+        ET.SubElement(geometry, "box", size=_drawn(body.dimensions))
+    elif body.kind == "cylinder":
+        radius, length = body.dimensions
+        ET.SubElement(geometry, "cylinder", radius=_drawn([radius]), length=_drawn([length]))
+    else:
+        ET.SubElement(geometry, "sphere", radius=_drawn(body.dimensions))
+
+
+def _drawn(values: Iterable[float]) -> str:
+    """Return numbers of a drawing: micrometres are enough, and no noise can show."""
+    return numbers_text(round(value, 6) for value in values)
+
+
+def _add_joint(root: ET.Element, joint: Joint, lower: float, upper: float, speed: float) -> None:
+    element = ET.SubElement(root, "joint", name=joint.name, type=joint.kind)
+    _add_connection(element, joint.T_parent_joint, joint.parent, joint.child)
+    ET.SubElement(element, "axis", xyz=numbers_text(joint.direction.tolist()))
+    write = angle_text if joint.kind == "revolute" else number_text
+    ET.SubElement(
+        element,
+        "limit",
+        lower=write(lower),
+        upper=write(upper),
+        velocity=write(speed),
+        effort=number_text(_DEFAULT_EFFORT[joint.kind]),
+    )
+
+
+def _add_tips(root: ET.Element, chain: Chain) -> None:
+    """Write the frames as links on fixed joints; frame `base` is the root link itself."""
+    links = {link.name for link in chain.links}
+    drawn = {_TIPS[body.part]: body for body in detail_bodies(chain) if body.part in _TIPS}
+    for frame in chain.frames:
+        if frame.name == BASE_LINK:
+            continue
+        if frame.name in links:
+            raise ChainError(f"frame {frame.name} bears the name of a link: a URDF needs both names")
+        _add_link(root, frame.name, _tip_body(chain, frame, drawn.get(frame.name)))
+        element = ET.SubElement(root, "joint", name=f"{frame.name}_fixed", type="fixed")
+        _add_connection(element, frame.T_link_frame, frame.link, frame.name)
+
+
+def _tip_body(chain: Chain, frame: Frame, drawn: Body | None) -> Body:
+    """Return the body of a tip in its own frame: the one that drawings show there, else a small mark."""
+    if drawn is not None and drawn.link == frame.link:
+        return replace(drawn, link=frame.name, T_link_body=inverse(frame.T_link_frame) @ drawn.T_link_body)
+    size = _MARK_SHARE * machine_size(chain)
+    if frame.name == "workpiece":
+        plate = (8.0 * size, 8.0 * size, 0.5 * size)
+        return Body(frame.name, "table", shift(z=-0.25 * size), "box", plate, WORKPIECE_SIDE[0])
+    colour = TOOL_COLOUR if frame.name == "tool" else BASE_COLOUR
+    return Body(frame.name, "tool", shift(), "sphere", (size,), colour)
+
+
+def _add_connection(element: ET.Element, T: Matrix, parent: str, child: str) -> None:
+    rpy = " ".join(angle_text(angle) for angle in stable_rpy(T[:3, :3]))
+    ET.SubElement(element, "origin", xyz=numbers_text(T[:3, 3].tolist()), rpy=rpy)
+    ET.SubElement(element, "parent", link=parent)
+    ET.SubElement(element, "child", link=child)
+
+
+def stable_rpy(R: Matrix) -> tuple[float, float, float]:
+    """Return roll, pitch, yaw [rad] with R = Rz(yaw)·Ry(pitch)·Rx(roll), exact also close to pitch ±90°.
+
+    There roll and yaw are badly determined each, but not together. Yaw is therefore taken as it will be written, and
+    pitch and roll are read off what remains: an error of yaw is made good by roll.
+    """
+    c, s = float(R[0, 0]), float(R[1, 0])
+    yaw = float(angle_text(_folded(math.atan2(s, c)))) if math.hypot(c, s) > _POLE else 0.0
+    cy, sy = math.cos(yaw), math.sin(yaw)
+    rest = np.array([[cy, sy, 0.0], [-sy, cy, 0.0], [0.0, 0.0, 1.0]]) @ R
+    roll = math.atan2(-rest[1, 2], rest[1, 1])
+    pitch = math.atan2(-rest[2, 0], rest[0, 0])
+    return _folded(roll), pitch, yaw
+
+
+def _folded(angle: float) -> float:
+    """Return pi for an angle that noise alone has put at -pi."""
+    return math.pi if angle < _POLE - math.pi else angle

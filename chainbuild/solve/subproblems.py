@@ -1,0 +1,225 @@
+"""Paden–Kahan subproblems: the turns about given axes that bring a vector to a place, all of them.
+
+    1  Rot(k, θ)·p = q                      at most one turn
+    2  Rot(k1, θ1)·Rot(k2, θ2)·p = q        at most two pairs
+    3  |q − Rot(k, θ)·p| = δ                at most two turns
+    4  h·Rot(k, θ)·p = d                    at most two turns
+
+Axes are unit vectors through the origin, angles radians in (−π, π]. Where an angle has no bearing on the equation
+(the vector lies on the axis) it is *free*: the value to keep is returned and the angle is marked.
+
+References: Paden 1986, "Kinematics and Control of Robot Manipulators"; Murray, Li, Sastry 1994, section 3.3;
+the fourth is known from the inverse kinematics of arms with parallel axes.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+# A vector whose part across an axis is below this share of its length lies on the axis: its turn says nothing.
+ON_AXIS: Final = 1e-9
+# How far beyond its range a cosine may be, or a height off its plane, and still count as touching.
+TOUCH: Final = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """A turn about one axis.
+
+    Attributes:
+        angle: Radians; the value to keep where it is free.
+        free: True where every angle does the same.
+        miss: What remains between the turned vector and its goal, in the vectors' unit.
+    """
+
+    angle: float
+    free: bool = False
+    miss: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class TwoTurns:
+    """Turns about two axes, the first one outside."""
+
+    first: float
+    second: float
+    first_free: bool = False
+    second_free: bool = False
+
+
+def half_open(angle: float) -> float:
+    """Return an angle moved by whole turns into (−π, π].
+
+    >>> half_open(-math.pi) == math.pi
+    True
+    """
+    wrapped = math.remainder(angle, math.tau)
+    return math.pi if wrapped == -math.pi else wrapped + 0.0
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """Return a × b; quicker than `np.cross` on single vectors."""
+    ax, ay, az = a
+    bx, by, bz = b
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+
+
+def rotate(k: Vector, angle: float, p: Vector) -> Vector:
+    """Return Rot(k, angle)·p by Rodrigues' formula."""
+    c, s = math.cos(angle), math.sin(angle)
+    result: Vector = c * p + s * cross(k, p) + (1.0 - c) * float(k @ p) * k
+    return result
+
+
+def rotation(k: Vector, angle: float) -> NDArray[np.float64]:
+    """Return the matrix Rot(k, angle)."""
+    x, y, z = k
+    c, s = math.cos(angle), math.sin(angle)
+    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    matrix: NDArray[np.float64] = c * np.eye(3) + s * skew + (1.0 - c) * np.outer(k, k)
+    return matrix
+
+
+def norm(vector: Vector) -> float:
+    """Return the length of a vector."""
+    return math.sqrt(float(vector @ vector))
+
+
+def subproblem_1(k: Vector, p: Vector, q: Vector, keep: float = 0.0) -> Turn:
+    """Return the turn about k that brings p to q, or as near as a turn can.
+
+    >>> subproblem_1(np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0]), np.array([0.0, 2.0, 0.0])).angle
+    1.5707963267948966
+
+    Args:
+        k: (3,) axis.
+        p: (3,) vector that turns.
+        q: (3,) goal.
+        keep: Angle to return where p or q lies on the axis.
+    """
+    height_p, height_q = float(k @ p), float(k @ q)
+    across_p, across_q = p - height_p * k, q - height_q * k
+    radius_p, radius_q = norm(across_p), norm(across_q)
+    miss = math.hypot(height_p - height_q, radius_p - radius_q)
+    scale = max(norm(p), norm(q))
+    if min(radius_p, radius_q) <= ON_AXIS * scale:
+        return Turn(keep, True, miss)
+    return Turn(math.atan2(float(k @ cross(p, q)), float(across_p @ across_q)), False, miss)
+
+
+def subproblem_2(
+    k1: Vector, k2: Vector, p: Vector, q: Vector, keep: tuple[float, float] = (0.0, 0.0)
+) -> tuple[TwoTurns, ...]:
+    """Return the pairs of turns with Rot(k1, θ1)·Rot(k2, θ2)·p = q.
+
+    Args:
+        k1: (3,) outer axis.
+        k2: (3,) inner axis.
+        p: (3,) vector that turns.
+        q: (3,) goal, as long as p.
+        keep: Angles to return where they are free.
+
+    Returns:
+        None, one (touching or singular) or two pairs.
+    """
+    length = max(norm(p), norm(q))
+    if abs(norm(p) - norm(q)) > TOUCH * length:
+        return ()
+    if norm(cross(k1, k2)) <= ON_AXIS:
+        return _parallel_axes(k1, k2, p, q, keep)
+    if norm(cross(k2, p)) <= ON_AXIS * length:
+        turn = subproblem_1(k1, p, q, keep[0])
+        return (TwoTurns(turn.angle, keep[1], turn.free, True),) if turn.miss <= TOUCH * length else ()
+    if norm(cross(k1, q)) <= ON_AXIS * length:
+        turn = subproblem_1(k2, p, q, keep[1])
+        return (TwoTurns(keep[0], turn.angle, True, turn.free),) if turn.miss <= TOUCH * length else ()
+    return _crossing_axes(k1, k2, p, q)
+
+
+def _parallel_axes(k1: Vector, k2: Vector, p: Vector, q: Vector, keep: tuple[float, float]) -> tuple[TwoTurns, ...]:
+    """Return the pair for (anti)parallel axes: only the sum of the turns counts, the inner one is kept."""
+    turn = subproblem_1(k1, rotate(k2, keep[1], p), q, keep[0])
+    if turn.miss > TOUCH * norm(q):
+        return ()
+    return (TwoTurns(turn.angle, keep[1], turn.free, True),)
+
+
+def _crossing_axes(k1: Vector, k2: Vector, p: Vector, q: Vector) -> tuple[TwoTurns, ...]:
+    """Return the pairs by the vector z between the two turns: z = Rot(k2, θ2)·p = Rot(k1, −θ1)·q."""
+    normal = cross(k1, k2)
+    cosine, sine_squared = float(k1 @ k2), float(normal @ normal)
+    along_1, along_2 = float(k1 @ q), float(k2 @ p)
+    alpha = (along_1 - cosine * along_2) / sine_squared
+    beta = (along_2 - cosine * along_1) / sine_squared
+    in_plane = alpha * k1 + beta * k2
+    squared = float(p @ p)
+    gamma_squared = (squared - float(in_plane @ in_plane)) / sine_squared
+    if gamma_squared < -TOUCH * squared:
+        return ()
+    gamma = math.sqrt(max(gamma_squared, 0.0))
+    signs = (1.0, -1.0) if gamma > ON_AXIS * math.sqrt(squared) else (0.0,)
+    pairs = []
+    for sign in signs:
+        z = in_plane + sign * gamma * normal
+        pairs.append(TwoTurns(subproblem_1(k1, z, q).angle, subproblem_1(k2, p, z).angle))
+    return tuple(pairs)
+
+
+def subproblem_3(k: Vector, p: Vector, q: Vector, distance: float, keep: float = 0.0) -> tuple[Turn, ...]:
+    """Return the turns about k that bring p to a given distance from q.
+
+    Args:
+        k: (3,) axis.
+        p: (3,) vector that turns.
+        q: (3,) fixed vector.
+        distance: What |q − Rot(k, θ)·p| shall be.
+        keep: Angle to return where it is free.
+    """
+    height_p, height_q = float(k @ p), float(k @ q)
+    across_p, across_q = p - height_p * k, q - height_q * k
+    radius_p, radius_q = norm(across_p), norm(across_q)
+    scale = max(norm(p), norm(q), distance)
+    flat = distance * distance - (height_p - height_q) ** 2
+    if min(radius_p, radius_q) <= ON_AXIS * scale:
+        reached = math.hypot(height_p - height_q, radius_p - radius_q)
+        return (Turn(keep, True),) if abs(reached - distance) <= TOUCH * scale else ()
+    cosine = (radius_p * radius_p + radius_q * radius_q - flat) / (2.0 * radius_p * radius_q)
+    middle = math.atan2(float(k @ cross(p, q)), float(across_p @ across_q))
+    return _either_side(middle, cosine)
+
+
+def subproblem_4(k: Vector, p: Vector, h: Vector, d: float, keep: float = 0.0) -> tuple[Turn, ...]:
+    """Return the turns about k that bring p to height d along h: h·Rot(k, θ)·p = d.
+
+    Args:
+        k: (3,) axis.
+        p: (3,) vector that turns.
+        h: (3,) unit direction the height is measured along.
+        d: Height.
+        keep: Angle to return where it is free.
+    """
+    along = float(k @ p)
+    across = p - along * k
+    in_phase, quadrature = float(h @ across), float(h @ cross(k, p))
+    amplitude = math.hypot(in_phase, quadrature)
+    rest = d - float(h @ k) * along
+    if amplitude <= ON_AXIS * max(norm(p), abs(d)):
+        return (Turn(keep, True),) if abs(rest) <= TOUCH * max(norm(p), abs(d)) else ()
+    return _either_side(math.atan2(quadrature, in_phase), rest / amplitude)
+
+
+def _either_side(middle: float, cosine: float) -> tuple[Turn, ...]:
+    """Return middle ± acos(cosine); one turn where they coincide, none beyond the cosine's range."""
+    if abs(cosine) > 1.0 + TOUCH:
+        return ()
+    spread = math.acos(max(-1.0, min(1.0, cosine)))
+    if spread in (0.0, math.pi):
+        return (Turn(half_open(middle + spread)),)
+    return Turn(half_open(middle + spread)), Turn(half_open(middle - spread))

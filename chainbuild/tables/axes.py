@@ -1,0 +1,85 @@
+"""Tables of axis values: columns named like the controller's axes, mm and degrees."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Final, TextIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.chain.elements import Axis
+from chainbuild.tables.reader import Chunk, Table
+
+RESULT_COLUMNS: Final = ("status", "position_error_mm", "rotation_error_deg")
+
+
+class AxisTable(Table):
+    """A table of axis values; one column an axis, in any order.
+
+    The result columns that inverse kinematics writes are permitted and not read.
+
+    Args:
+        path: The file.
+        axes: The machine's axes; `Chunk.values` is (n, n_axes) in their order.
+
+    Raises:
+        FileAccessError: the file cannot be read.
+        TableError: the header is missing, or names a column that is unknown, double or not complete.
+    """
+
+    def __init__(self, path: Path, axes: Sequence[Axis]) -> None:
+        names = tuple(axis.name for axis in axes)
+        super().__init__(path, lambda _: (names, (*names, *RESULT_COLUMNS)))
+
+    def rows(self) -> Iterator[tuple[int, NDArray[np.float64]]]:
+        """Read the rows that are left: line number and axis values (n_axes,)."""
+        for chunk in self.chunks():
+            yield from zip(chunk.lines, chunk.values, strict=True)
+
+
+class IkWriter:
+    """Writes axis values with the status and errors of inverse kinematics.
+
+    Args:
+        stream: Where to.
+        axes: The machine's axes, in the order of the columns.
+    """
+
+    def __init__(self, stream: TextIO, axes: Sequence[Axis]) -> None:
+        self._stream = stream
+        self._empty = "," * max(len(axes) - 1, 0)
+        stream.write(",".join([*(axis.name for axis in axes), *RESULT_COLUMNS]) + "\n")
+
+    def write(
+        self,
+        axes: NDArray[np.float64] | None,
+        status: str,
+        position_error_mm: float,
+        rotation_error_deg: float | None,
+    ) -> None:
+        """Write one row.
+
+        Args:
+            axes: (n_axes,) axis values; None for a failed row, whose axes stay empty.
+            status: "ok", "unreachable", "limits" or "stalled".
+            position_error_mm: Distance to the pose.
+            rotation_error_deg: Angle to it; None where the table gave no orientation.
+        """
+        shown = self._empty if axes is None else numbers(axes)
+        angle = "" if rotation_error_deg is None else number(rotation_error_deg)
+        self._stream.write(f"{shown},{status},{number(position_error_mm)},{angle}\n")
+
+
+def number(value: float) -> str:
+    """Return a number that reads back as the same double, without signed zero."""
+    return repr(float(value) + 0.0)
+
+
+def numbers(values: NDArray[np.float64]) -> str:
+    """Return the fields of a row."""
+    return ",".join(map(repr, (values + 0.0).tolist()))
+
+
+__all__ = ["RESULT_COLUMNS", "AxisTable", "Chunk", "IkWriter", "number", "numbers"]

@@ -1,0 +1,225 @@
+"""The reader of CSV tables: header by name, rows in chunks, every fault with its line and column."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild import tolerances
+from chainbuild.errors import FileAccessError, Span, TableError
+
+_CHUNK_ROWS: Final = 1024
+_SEPARATORS: Final = {";": "semicolons", "\t": "tabs"}
+
+# From the column names of a header: the wanted columns in the order they are due, and all that are permitted.
+Choice = tuple[Sequence[str], Sequence[str]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chunk:
+    """Some rows of a table.
+
+    Attributes:
+        lines: (n,) line numbers, from 1.
+        values: (n, columns) numbers of the wanted columns, in the order they were asked for.
+    """
+
+    lines: tuple[int, ...]
+    values: NDArray[np.float64]
+
+
+class Table:
+    """An open CSV table: the header is checked at once, rows are read as they are asked for.
+
+    Args:
+        path: The file.
+        choose: Takes the column names of the header and returns the wanted and the permitted ones.
+
+    Attributes:
+        file: File name for messages.
+        size: Bytes of the file; 0 where it is a pipe.
+        names: Column names of the header.
+        wanted: Column names in the order of `Chunk.values`.
+
+    Raises:
+        FileAccessError: the file cannot be read.
+        TableError: the header is missing, or names a column that is unknown, double or not complete.
+    """
+
+    def __init__(self, path: Path, choose: Callable[[Sequence[str]], Choice]) -> None:
+        self.file = str(path)
+        try:
+            self._bytes = path.open("rb")
+            self.size = path.stat().st_size
+        except (OSError, ValueError) as error:
+            raise _unreadable(error, Span(self.file)) from None
+        self._stream = io.TextIOWrapper(self._bytes, encoding="utf-8-sig")
+        self._lines = self._numbered_lines()
+        try:
+            self.names, self.header_span = self._header()
+            self.wanted, permitted = choose(self.names)
+            self._check_header(permitted)
+        except BaseException:
+            self._stream.close()
+            raise
+        self._places = [self.names.index(name) for name in self.wanted]
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stream.close()
+
+    @property
+    def position(self) -> int:
+        """Bytes read so far; 0 where the file is a pipe."""
+        return self._bytes.tell() if self.size else 0
+
+    def chunks(self) -> Iterator[Chunk]:
+        """Read the rows that are left.
+
+        Raises:
+            TableError: a row is too short or too long, or holds no finite number where one is due.
+        """
+        lines: list[int] = []
+        rows: list[list[float]] = []
+        for number, line in self._lines:
+            if line.strip():
+                lines.append(number)
+                rows.append(self._row(number, line))
+            if len(rows) == _CHUNK_ROWS:
+                yield Chunk(tuple(lines), np.array(rows))
+                lines, rows = [], []
+        if rows:
+            yield Chunk(tuple(lines), np.array(rows))
+
+    def error_at(self, number: int, text: str, permitted: str | None = None) -> TableError:
+        """Return an error that points at a line by its number."""
+        return TableError(text, span=Span(self.file, number), permitted=permitted)
+
+    def _numbered_lines(self) -> Iterator[tuple[int, str]]:
+        limit, number = tolerances.MAX_LINE_CHARACTERS, 0
+        while True:
+            number += 1
+            try:
+                # With a bound, so that a file without line ends cannot fill the memory.
+                line = self._stream.readline(limit + 1)
+            except UnicodeDecodeError:
+                raise TableError("the table is not UTF-8 text", span=Span(self.file, number)) from None
+            except OSError as error:
+                raise _unreadable(error, Span(self.file, number)) from None
+            if not line:
+                return
+            if len(line) > limit:
+                span = Span(self.file, number, 1, line[:80])
+                raise TableError("the line is too long", span=span, permitted=f"at most {limit} characters a line")
+            yield number, line.rstrip("\n")
+
+    def _header(self) -> tuple[tuple[str, ...], Span]:
+        for number, line in self._lines:
+            if not line.strip():
+                continue
+            span = Span(self.file, number, 1, line)
+            for separator, words in _SEPARATORS.items():
+                if separator in line:
+                    raise TableError(f"the columns are separated by {words}", span=span, permitted="commas")
+            return tuple(name.strip() for name in _quoted_fields(line, span)), span
+        raise TableError("the table is empty: its first line must name the columns", span=Span(self.file))
+
+    def _check_header(self, permitted: Sequence[str]) -> None:
+        listed = ", ".join(permitted)
+        for place, name in enumerate(self.names):
+            if name not in permitted:
+                text = f"unknown column '{name}'" if name else f"column {place + 1} has no name"
+                hint = None if _field_fault(name) else "the first line must name the columns"
+                raise TableError(text, span=self._header_spot(place), parameter=name, permitted=listed, hint=hint)
+            if name in self.names[:place]:
+                raise TableError(f"column '{name}' stands twice", span=self._header_spot(place), parameter=name)
+        missing = [name for name in self.wanted if name not in self.names]
+        if missing:
+            text = f"missing column{'s' * (len(missing) > 1)} {', '.join(missing)}"
+            raise TableError(text, span=self.header_span, parameter=missing[0], permitted=listed)
+
+    def _header_spot(self, place: int) -> Span:
+        return _spot(self.header_span, self.header_span.text.split(","), place)
+
+    def _row(self, number: int, line: str) -> list[float]:
+        fields = line.split(",") if '"' not in line else _quoted_fields(line, Span(self.file, number, 1, line))
+        if len(fields) != len(self.names):
+            raise self._wrong_count(Span(self.file, number, 1, line), len(fields))
+        try:
+            values = [float(fields[place]) for place in self._places]
+        except ValueError:
+            values = [math.nan]
+        # float() also reads 1_000, digits of other scripts, nan and infinity: look closer where a row may hold some.
+        if not line.isascii() or "_" in line or not all(abs(v) < tolerances.HUGE_AXIS_VALUE for v in values):
+            self._refuse_faults(Span(self.file, number, 1, line), fields)
+        return values
+
+    def _refuse_faults(self, span: Span, fields: Sequence[str]) -> None:
+        for place in sorted(self._places):
+            fault = _field_fault(fields[place])
+            if fault:
+                raise TableError(
+                    f"column {self.names[place]}: {fault}",
+                    span=_spot(span, fields, place),
+                    parameter=self.names[place],
+                    permitted=f"numbers with a decimal point, below {tolerances.HUGE_AXIS_VALUE:.0e}",
+                )
+
+    def _wrong_count(self, span: Span, count: int) -> TableError:
+        many = count > len(self.names)
+        return TableError(
+            f"the row has {count} value{'s' * (count != 1)}, the header {len(self.names)} columns",
+            span=span,
+            permitted=f"one value each for {', '.join(self.names)}",
+            hint="decimals are written with a point, not with a comma" if many else None,
+        )
+
+
+def _quoted_fields(line: str, span: Span) -> list[str]:
+    try:
+        return next(csv.reader([line], strict=True))
+    except csv.Error as error:
+        raise TableError(f"the line is no valid CSV: {error}", span=span) from None
+
+
+def _field_fault(field: str) -> str:
+    """Return what is wrong with a field that should hold a number, or an empty string."""
+    text = field.strip()
+    if not text:
+        return "no value"
+    if "," in text or ";" in text:
+        return f"'{text[:40]}' is no number: decimals are written with a point, columns are separated by commas"
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+        if not text.isascii() or text.lower().lstrip("+-") != "nan":
+            return f"'{text[:40]}' is no number"
+    if "_" in text or not text.isascii():
+        return f"'{text[:40]}' is no number"
+    if not math.isfinite(value):
+        return f"'{text[:40]}' is not finite"
+    return "" if abs(value) < tolerances.HUGE_AXIS_VALUE else f"{text[:40]} is too large"
+
+
+def _spot(span: Span, fields: Sequence[str], place: int) -> Span:
+    """Return the span of one field of a line."""
+    return Span(span.file, span.line, 1 + sum(len(field) + 1 for field in fields[:place]), span.text)
+
+
+def _unreadable(error: OSError | ValueError, span: Span) -> FileAccessError:
+    reason = error.strerror if isinstance(error, OSError) else None
+    return FileAccessError(f"the table cannot be read: {reason or error}", span=span)

@@ -1,0 +1,103 @@
+"""Write the generated tables of README.md and docs/; `make docs`. A test checks that they have not drifted.
+
+A table stands between `<!-- table: NAME -->` and `<!-- end -->`; everything else of a page is written by hand.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+import chainbuild
+from chainbuild.conventions import conventions
+from chainbuild.findings import finding_kinds
+
+ROOT = Path(__file__).parent.parent
+PAGES = ("README.md", "docs/conventions.md", "docs/kinematics.md", "docs/findings.md", "docs/robx.md")
+_BLOCK = re.compile(r"(<!-- table: (?P<name>[\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Return a Markdown table."""
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    lines += ["| " + " | ".join(str(cell).replace("|", "\\|").replace("\n", " ") for cell in row) + " |" for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def machines() -> str:
+    """Return the table of shipped machines."""
+    rows = []
+    for name in chainbuild.shipped():
+        machine = chainbuild.load(name)
+        entry = machine.kinematics()[0]
+        axes = " ".join(axis.name for axis in machine.chain().axes)
+        rows.append((f"`{name}`", machine.title, entry.type, axes))
+    return table(("name", "machine", "kinematic", "axes"), rows)
+
+
+def types() -> str:
+    """Return the table of KIN_TYPs."""
+    rows = [
+        (number, entry.title, entry.family, " ".join(a.name for a in entry.axes), entry.orientation, entry.manual)
+        for number, entry in sorted(chainbuild.catalogue().items())
+    ]
+    return table(("KIN_TYP", "title", "family", "axes in channel order", "orientation", "source"), rows)
+
+
+def type_parameters() -> str:
+    """Return one table of parameters for each KIN_TYP."""
+    parts = []
+    for number, entry in sorted(chainbuild.catalogue().items()):
+        rows = [(f"HD{r.n}", f"`{r.name}`", r.unit or r.kind, f"{r.default:g}", r.effect, r.meaning) for r in entry.hd]
+        parts.append(f"\n### KIN_TYP {number}: {entry.title}\n\n{entry.summary}\n")
+        if rows:
+            parts.append(table(("HD", "name", "unit", "default", "acts on", "meaning"), rows))
+    return "\n".join(parts)
+
+
+def convention_table() -> str:
+    """Return every convention with its choices."""
+    parts = []
+    for name, c in sorted(conventions().items()):
+        choices = "\n".join(
+            f"- `{choice}`{' (default)' if choice == c.default else ''}: {meaning}" for choice, meaning in c.choices.items()
+        )
+        mark = "inferred" if c.mark == "I" else "open"
+        parts.append(
+            f"### `{name}`\n\n{c.question} ({mark}; {', '.join(c.applies)}; {c.source})\n\n{choices}\n\n"
+            f"Why the default: {c.why}\n\nHow to verify: {c.verify}\n"
+        )
+    return "\n".join(parts)
+
+
+def findings() -> str:
+    """Return the register of findings."""
+    return table(("number", "severity", "meaning"), ((k.code, k.severity, k.title) for k in finding_kinds().values()))
+
+
+TABLES: dict[str, Callable[[], str]] = {
+    "machines": machines,
+    "types": types,
+    "type-parameters": type_parameters,
+    "conventions": convention_table,
+    "findings": findings,
+}
+
+
+def filled(text: str) -> str:
+    """Return a page with its tables made anew."""
+    return _BLOCK.sub(lambda match: match[1] + "\n" + TABLES[match["name"]]() + "\n" + match[3], text)
+
+
+def main() -> int:
+    """Write all pages."""
+    for page in PAGES:
+        path = ROOT / page
+        path.write_text(filled(path.read_text("utf-8")), "utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

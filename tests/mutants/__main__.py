@@ -1,0 +1,180 @@
+"""Run the mutants: `python -m tests.mutants [--minutes N] [part of a path …]`.
+
+Each mutant lives in a forked process in which one module of the translators is replaced; the tests that concern it
+run until the first failure. A mutant that no test fails survives and is listed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import importlib.abc
+import importlib.util
+import io
+import os
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from pathlib import Path
+
+from tests.mutants.mutations import Mutant, mutants_of
+
+ROOT = Path(__file__).parent.parent.parent
+SECONDS_A_MUTANT = 90
+
+
+@dataclass(frozen=True)
+class Job:
+    """A mutant with its file and the tests that should fail on it."""
+
+    path: Path
+    mutant: Mutant
+    tests: tuple[str, ...]
+
+
+TWINCAT_SHARED = ("tests/twincat", "-k", "hand or reference or arm45 or families")
+SINUMERIK = ("tests/sinumerik",)
+
+
+def targets() -> dict[Path, tuple[str, ...]]:
+    """Return the translators' files and the tests of each."""
+    package = ROOT / "chainbuild"
+    files = {path: TWINCAT_SHARED for path in sorted((package / "twincat/families").glob("[a-z]*.py"))}
+    files |= {path: TWINCAT_SHARED for path in sorted((package / "twincat").glob("maps*.py"))}
+    files |= {package / "twincat" / name: TWINCAT_SHARED for name in ("parts.py", "recipe.py", "translate.py")}
+    names = ("translate", "main_axes", "wrist", "tool", "extra_axes", "internal_axes", "gripper", "parallelogram")
+    files |= {package / f"sinumerik/{name}.py": SINUMERIK for name in names}
+    return {path: tests for path, tests in files.items() if path.exists()}
+
+
+def types_in(path: Path) -> tuple[int, ...]:
+    """Return the KIN_TYPs that a family file registers."""
+    numbers = {
+        key.value
+        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(node, ast.Dict)
+        for key in node.keys
+        if isinstance(key, ast.Constant) and isinstance(key.value, int)
+    }
+    return tuple(sorted(numbers))
+
+
+def tests_for(path: Path, mutant: Mutant, default: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the pytest arguments for a mutant: its own type where it lies in one recipe."""
+    if path.parent.name != "families":
+        return default
+    number = mutant.function.removeprefix("kin_")
+    types = (int(number),) if number.isdigit() else types_in(path)
+    if not types:
+        return default
+    return ("tests/twincat", f"--mutant-types={','.join(map(str, types))}")
+
+
+class MutatedLoader(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Loads one module from mutated source, everything else as usual."""
+
+    def __init__(self, module: str, path: Path, source: str) -> None:
+        self.module, self.path, self.source = module, path, source
+
+    def find_spec(self, fullname, path=None, target=None):  # noqa: ANN001, ANN201
+        if fullname == self.module:
+            return importlib.util.spec_from_file_location(fullname, self.path, loader=self)
+        return None
+
+    def create_module(self, spec):  # noqa: ANN001, ANN201
+        return None
+
+    def exec_module(self, module) -> None:  # noqa: ANN001
+        exec(compile(self.source, str(self.path), "exec"), module.__dict__)  # noqa: S102
+
+
+class TypeFilter:
+    """Pytest plugin: keep the tests of some KIN_TYPs only."""
+
+    def __init__(self, types: set[int]) -> None:
+        self.types = types
+
+    def pytest_collection_modifyitems(self, items) -> None:  # noqa: ANN001
+        def concerned(item) -> bool:  # noqa: ANN001
+            spec = getattr(item, "callspec", None)
+            number = spec.params.get("kin") if spec else None
+            return number in self.types or (number is None and "bad" not in item.nodeid)
+
+        items[:] = sorted((i for i in items if concerned(i)), key=lambda i: "hand_formulas" not in i.nodeid)
+
+
+def survives(job: Job) -> bool:
+    """Run a mutant's tests in a fork; True where none fails."""
+    child = os.fork()
+    if child == 0:
+        os._exit(_run_tests(job))
+    deadline = time.monotonic() + SECONDS_A_MUTANT
+    while True:
+        done, status = os.waitpid(child, os.WNOHANG)
+        if done:
+            return os.waitstatus_to_exitcode(status) == 0
+        if time.monotonic() > deadline:
+            os.kill(child, 9)
+            os.waitpid(child, 0)
+            return False  # a mutant that hangs is noticed
+        time.sleep(0.02)
+
+
+def _run_tests(job: Job) -> int:
+    import pytest
+
+    module = ".".join(job.path.relative_to(ROOT).with_suffix("").parts)
+    sys.meta_path.insert(0, MutatedLoader(module, job.path, job.mutant.source))
+    plugins: list[object] = []
+    arguments = []
+    for argument in job.tests:
+        if argument.startswith("--mutant-types="):
+            plugins.append(TypeFilter({int(n) for n in argument.partition("=")[2].split(",")}))
+        else:
+            arguments.append(argument)
+    with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+        try:
+            return int(pytest.main([*arguments, "-x", "-q", "-p", "no:cacheprovider", "--rootdir", str(ROOT)], plugins))
+        except BaseException:  # noqa: BLE001 - whatever a mutant breaks counts as noticed
+            return 1
+
+
+def main() -> int:
+    """Run all mutants within the time and list the survivors."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--minutes", type=float, default=20.0)
+    parser.add_argument("only", nargs="*", help="parts of paths")
+    options = parser.parse_args()
+    os.chdir(ROOT)
+    import pinocchio  # noqa: F401 - shared by all forks
+
+    jobs = [
+        Job(path, mutant, tests_for(path, mutant, tests))
+        for path, tests in targets().items()
+        if not options.only or any(part in str(path) for part in options.only)
+        for mutant in mutants_of(path.read_text("utf-8"))
+    ]
+    start, survivors, done = time.monotonic(), [], 0
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+
+        def judge(job: Job) -> None:
+            nonlocal done
+            if time.monotonic() - start > options.minutes * 60.0:
+                return
+            if survives(job):
+                survivors.append(job)
+            done += 1
+            if sys.stderr.isatty():
+                print(f"\r{done}/{len(jobs)} mutants, {len(survivors)} survive", end="", file=sys.stderr, flush=True)
+
+        list(pool.map(judge, jobs))
+    print(f"\n{done} of {len(jobs)} mutants run in {(time.monotonic() - start) / 60.0:.1f} min, {len(survivors)} survive")
+    for job in sorted(survivors, key=lambda j: (str(j.path), j.mutant.line)):
+        print(f"  {job.path.relative_to(ROOT)}:{job.mutant.line} {job.mutant.function}: {job.mutant.what}")
+    return 0 if done == len(jobs) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

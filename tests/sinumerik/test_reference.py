@@ -1,0 +1,33 @@
+"""Published robots as ROBX: every row of the reference poses, position and rotation."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from chainbuild.findings import Collector
+from chainbuild.overlay import Overlay
+from chainbuild.sinumerik import is_sinumerik, read_machine
+from chainbuild.text import read_source
+
+FILES = sorted((Path(__file__).parents[1] / "data" / "reference").glob("robx_*.tea"))
+
+
+def test_there_are_reference_files():
+    assert len(FILES) >= 3
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_reference_poses(path):
+    source = read_source(path)
+    assert is_sinumerik(source.text)
+    robot = read_machine(source, path, Overlay(), Collector()).chain().build()
+    reference = json.loads(path.with_suffix(".json").read_text())
+    assert reference["rows"]
+    for row in reference["rows"]:
+        pose = robot.fk(row["axes"])
+        assert np.abs(pose.translation * 1000 - row["p"]).max() <= 1e-6
+        assert np.abs(pose.rotation - row["R"]).max() <= 1e-9

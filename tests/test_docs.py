@@ -1,0 +1,57 @@
+"""Generated tables have not drifted, and what the README shows works."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+
+
+def generator():
+    spec = importlib.util.spec_from_file_location("docs_generate", ROOT / "docs/generate.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+GENERATE = generator()
+
+
+@pytest.mark.parametrize("page", GENERATE.PAGES)
+def test_tables_are_up_to_date(page: str) -> None:
+    text = (ROOT / page).read_text("utf-8")
+    assert GENERATE.filled(text) == text, f"{page} has drifted: run `make docs`"
+
+
+def readme_python() -> str:
+    return "\n".join(re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL))
+
+
+def test_the_python_of_the_readme_runs(tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, "-c", readme_python()], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def readme_commands() -> list[str]:
+    blocks = re.findall(r"```console\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+    lines = [line[2:] for block in blocks for line in block.splitlines() if line.startswith("$ ")]
+    return [line for line in lines if line.startswith("chainbuild ")]
+
+
+def test_the_commands_of_the_readme_run(tmp_path: Path) -> None:
+    commands = readme_commands()
+    assert len(commands) >= 4
+    (tmp_path / "axes.csv").write_text("A1,A2,A3,A4,A5,A6\n0,-90,90,0,0,0\n10,-80,70,20,40,30\n")
+    for command in commands:
+        arguments = shlex.split(command, comments=True)[1:]
+        done = subprocess.run(
+            [sys.executable, "-m", "chainbuild.cli", *arguments], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, f"{command}: {done.stderr}"
