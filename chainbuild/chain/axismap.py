@@ -70,7 +70,8 @@ class AffineMap:
         if np.linalg.matrix_rank(A) < A.shape[1]:
             raise ChainError("the axis map is singular: different axis values would give the same joint values")
         back = np.linalg.inv(A) if A.shape[0] == A.shape[1] else np.linalg.pinv(A)
-        return cls(A, b, np.array([si_factor(kind) for kind in kinds]), back)
+        factors = np.array([si_factor(kind) for kind in kinds])
+        return cls(A, b, factors, back.astype(np.float64))
 
     def q(self, axes: Vector) -> Vector:
         """Return the joint values of axis values."""

@@ -52,10 +52,12 @@ def info(
 
 
 def _chain(machine: Machine, options: MachineOptions) -> tuple[Chain | None, ChainbuildError | None]:
-    """Return the chain, or why there is none: what was read is shown all the same."""
+    """Return the chain, or why the file gives none: what was read is shown all the same."""
     try:
         return options.chain(machine), None
     except ChainbuildError as error:
+        if options.selects:
+            raise  # the fault may lie in the options; the file as such is not in question
         return None, error
 
 
@@ -63,7 +65,7 @@ def _parameters(machine: Machine, options: MachineOptions) -> tuple[ParameterRow
     try:
         return machine.parameters(options.kinematic, options.channel)
     except ChainbuildError:
-        return ()  # the kinematic asked for does not exist; its refusal is reported by the chain
+        return ()  # a kinematic without a table of parameters; the chain's refusal says why
 
 
 def _print(machine: Machine, chain: Chain | None, options: MachineOptions, defaults: bool) -> None:

@@ -1,7 +1,8 @@
 """A chain unrolled for closed forms: one row of screws from the workpiece to the tool.
 
-Seen from the workpiece, T_workpiece_tool = exp(s1·q1) · … · exp(sn·qn) · M. The joints of the workpiece branch come first,
-outermost last in the tree, with their directions reversed; joints that stay where they are, are part of the constants.
+Seen from the workpiece, T_workpiece_tool = exp(s1·q1) · … · exp(sn·qn) · M. The joints of the workpiece branch come
+first, the one next to the workpiece leading, with their directions reversed; joints that do not move are part of the
+constants.
 """
 
 from __future__ import annotations
@@ -143,15 +144,16 @@ def _driven(robot: Robot) -> NDArray[np.bool_]:
     """Return (n_q, n_axes): True where a joint depends on an axis."""
     axis_map = robot.chain.axis_map
     if isinstance(axis_map, AffineMap):
-        return axis_map.A != 0.0
+        driven: NDArray[np.bool_] = axis_map.A != 0.0
+        return driven
     rng = np.random.default_rng(0)
     lower = np.array([max(axis.lower, -100.0) for axis in robot.axes])
     upper = np.array([min(axis.upper, 100.0) for axis in robot.axes])
-    driven = np.zeros((len(robot.chain.joints), len(robot.axes)), dtype=bool)
+    seen = np.zeros((len(robot.chain.joints), len(robot.axes)), dtype=bool)
     for share in np.linspace(0.1, 0.4, _SAMPLES):
         values = lower + (upper - lower) * (0.5 + share * (rng.random(len(lower)) - 0.5))
-        driven |= axis_map.dq_daxes(values) != 0.0
-    return driven
+        seen |= axis_map.dq_daxes(values) != 0.0
+    return seen
 
 
 def _path(chain: Chain, frame: str) -> frozenset[str]:

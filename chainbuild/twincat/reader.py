@@ -23,7 +23,7 @@ _PART: Final = r"[A-Za-z_]\w*(?:\[[^\]\s]*\])?"
 _ASSIGNMENT: Final = re.compile(rf"\s*(?P<name>{_PART}(?:\.[ \t]*{_PART})*)(?:[ \t]+(?P<value>.*))?$", re.ASCII)
 _KEY: Final = re.compile(r"([A-Za-z_]\w*)(?:\[([^\]]*)\])?", re.ASCII)
 _ROOT: Final = re.compile(r"\s*([A-Za-z_]\w*)", re.ASCII)
-_INDEX_DIGITS: Final = 4
+_INDEX_DIGITS: Final = 9
 
 Key = tuple[str, int | None]
 
@@ -156,7 +156,7 @@ class _Reading:
             if index is not None and not (index.isascii() and index.isdigit() and len(index) <= _INDEX_DIGITS):
                 self.collector.add(
                     "CB203", f"the index in {written} is not a plain number", span=span, parameter=written,
-                    permitted="digits, such as [0]", error=ParseError,
+                    permitted=f"at most {_INDEX_DIGITS} digits, such as [0]", error=ParseError,
                 )  # fmt: skip
                 return None
             keys.append((name.lower(), None if index is None else int(index)))

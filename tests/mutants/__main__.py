@@ -44,7 +44,7 @@ def targets() -> dict[Path, tuple[str, ...]]:
     files = {path: TWINCAT_SHARED for path in sorted((package / "twincat/families").glob("[a-z]*.py"))}
     files |= {path: TWINCAT_SHARED for path in sorted((package / "twincat").glob("maps*.py"))}
     files |= {package / "twincat" / name: TWINCAT_SHARED for name in ("parts.py", "recipe.py", "translate.py")}
-    names = ("translate", "main_axes", "wrist", "tool", "extra_axes", "internal_axes", "gripper", "parallelogram")
+    names = ("translate", "main_axes", "wrist", "tool", "extra_axes", "internal_axes", "pose_data")
     files |= {package / f"sinumerik/{name}.py": SINUMERIK for name in names}
     return {path: tests for path, tests in files.items() if path.exists()}
 

@@ -348,3 +348,16 @@ def test_absolute_angle_c(main: str, c_sum: str, c_offset: str, tmp_path: Path) 
         for _ in range(10):
             axes = [4.0 * value for value in random_axes(md, rng)]  # over several turns
             assert absolute_c.value(axes) == pytest.approx(scara_c_deg(md, axes, conv), abs=1e-9)
+
+
+@pytest.mark.parametrize("direction", [-1, 0, 1])
+def test_tool_length_adds_to_length_1(direction: int, tmp_path: Path) -> None:
+    rng = np.random.default_rng(seed_of("length", direction))
+    md = six_axis(rng, "NR", 2) | tool_data(rng, 1) | {"TOOL_DIR": direction, "G_PLANE": 17}
+    path = tmp_path / "machine.tea"
+    path.write_text(text_of(md))
+    (tmp_path / "machine.chainbuild.toml").write_text(tool_overlay(md))
+    robot = chainbuild.load(path).chain(tool_length_mm=123.4).build()
+    axes = random_axes(md, rng)
+    wanted = pose_mm(md | {"TC_DP3": md["TC_DP3"] + 123.4}, axes)
+    np.testing.assert_allclose(robot.fk(axes).translation * 1000.0, wanted[:3, 3], atol=POSITION_MM)

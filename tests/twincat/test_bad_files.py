@@ -48,6 +48,8 @@ BAD = [
     Bad("bracket_negative", "trafo[-1].id 45", ("not a plain number",), 1),
     Bad("bracket_decimal", "trafo[0.5].id 45", ("not a plain number",), 1),
     Bad("index_of_ten_digits", ARM + "trafo[0].param[1000000000] 5", ("not a plain number",), 2),
+    Bad("index_of_five_digits", ARM + "trafo[0].param[10000] 5", ("has the index 10000", "[0] to [74]"), 2),
+    Bad("tool_65536", ARM + "wz[65536].laenge 5", ("has the index 65536", "[0] to [65535]"), 2),
     Bad("index_missing", "trafo.id 45", ("trafo.id has no index", "[0] to [9]"), 1),
     Bad("param_index_missing", ARM + "trafo[0].param 5", ("trafo[0].param has no index", "[0] to [74]"), 2),
     Bad("name_incomplete", "trafo[0] 45", ("trafo[0] is not a complete name", "NAME"), 1),

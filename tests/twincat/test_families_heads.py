@@ -119,7 +119,9 @@ def test_the_tool_length_follows_the_tool_vector(kin: int) -> None:
 SWITCHES = {(59, 19), (59, 20), (59, 21), (60, 21)}
 
 
-@pytest.mark.parametrize(("kin", "n"), [(k, row.n) for k in HEADS for row in type_data()[k].hd if (k, row.n) not in SWITCHES])
+@pytest.mark.parametrize(
+    ("kin", "n"), [(k, row.n) for k in HEADS for row in type_data()[k].hd if (k, row.n) not in SWITCHES]
+)
 def test_every_parameter_does_what_its_row_says(kin: int, n: int) -> None:
     row, hd = type_data()[kin].row(n), generic_hd(kin)
     if kin == 5:

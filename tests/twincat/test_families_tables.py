@@ -179,6 +179,6 @@ def test_reference_poses(name: str) -> None:
 
 
 def test_98_is_refused_by_name() -> None:
-    with pytest.raises(UnsupportedKinematicError, match="KIN_TYP 98.*neither its axes nor its chain"):
+    with pytest.raises(UnsupportedKinematicError, match=r"KIN_TYP 98.*neither its axes nor its chain"):
         build(98)
     assert issubclass(UnsupportedKinematicError, ChainbuildError)

@@ -140,7 +140,7 @@ def test_pivot_to_slide_effect(kin: int, head: str) -> None:
 
 @pytest.mark.parametrize(("kin", "head", "table"), [(61, "B", "A"), (63, "A", "B")])
 def test_the_axes_of_61_and_63_meet_at_the_ideal_zero(kin: int, head: str, table: str) -> None:
-    built = build(kin, {n: 17.0 for n in (1, 2, 3, 10, 11, 12, 17, 18, 19)})
+    built = build(kin, dict.fromkeys((1, 2, 3, 10, 11, 12, 17, 18, 19), 17.0))
     assert built.base_mm(head, built.zeros()) == pytest.approx(built.base_mm(table, built.zeros()), abs=1e-12)
 
 
@@ -166,7 +166,15 @@ def test_table_slide_order(kin: int, rotary: str) -> None:
 
 
 def test_workpiece_slides_run_against_the_axis() -> None:
-    for kin, name, n in ((1, "X", 0), (1, "Y", 1), (23, "X", 0), (34, "X", 0), (52, "Z", 2), (61, "Y", 1), (63, "X", 0)):
+    for kin, name, n in (
+        (1, "X", 0),
+        (1, "Y", 1),
+        (23, "X", 0),
+        (34, "X", 0),
+        (52, "Z", 2),
+        (61, "Y", 1),
+        (63, "X", 0),
+    ):
         built = build(kin)
         moved = built.base_mm("workpiece", axes_with(kin, **{name: 100.0}))
         assert moved == pytest.approx(-100.0 * np.eye(3)[n])
@@ -266,7 +274,7 @@ def test_every_convention_of_a_type_is_asked_somewhere(kin: int) -> None:
     asked: set[str] = set()
     hd = generic_hd(type_data()[kin])
     flags = [row.n for row in type_data()[kin].hd if row.kind in {"flag", "sign"}]
-    for value in ({}, {n: 1.0 for n in flags}, {n: -1.0 for n in flags}, {n: 0.0 for n in flags}):
+    for value in ({}, dict.fromkeys(flags, 1.0), dict.fromkeys(flags, -1.0), dict.fromkeys(flags, 0.0)):
         changed = {**hd, **value}
         if kin == 205:
             changed.update({17: 1.0, 16: 0.0} if value and changed[17] else {17: 0.0, 16: 0.0})

@@ -35,6 +35,10 @@ def test_tool_list() -> None:
     assert (tools[8].kin_id, tools[8].length_mm) == (6, 0)
 
 
+def test_large_tool_numbers() -> None:
+    assert read_tools(parameters("wz[65535].laenge 10000"), Collector())[65535].length_mm == 1
+
+
 def test_an_active_tool_adds_to_the_channel_parameters() -> None:
     text = kin_45({1: 100000, 2: 200000, 34: 4}, "wz[1].kinematic.param[0] 50000\nwz[1].laenge 30000\nwz[2].laenge 1")
     bare = pose(machine(text).chain(), [0] * 6)

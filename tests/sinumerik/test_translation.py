@@ -1,0 +1,343 @@
+"""Translation: worked numbers of the manuals, arrangements and wrists, sequence, zeros, additional axes, gripper."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.sinumerik.robx_files import NR6, F, R, T, chain_of, close, pose_of, read, robx_text
+
+# The worked example of the older package's manual: a 4-axis articulated arm.
+TE4_ARM = {
+    "KINCLASS": 1,
+    "NUM_AXES": 4,
+    "MAIN_AXES": 3,
+    "WRIST_AXES": 1,
+    "A4PAR": 1,
+    "AXES_TYPE": (3, 3, 3, 3),
+    "MAIN_LENGTH_AB": (300, 300),
+    "TIRORO_POS": (0, 0, 500),
+    "TX3P3_POS": (300, 0, 0),
+    "TX3P3_RPY": (0, 0, -90),
+    "TFLWP_POS": (200, 0, 0),
+    "TFLWP_RPY": (0, -90, 180),
+}
+
+
+@pytest.mark.parametrize("package", ["ROBX", "TRAFO6"])
+@pytest.mark.parametrize(
+    ("axes", "position"),
+    [
+        ((0, 0, 0, 0), (1100, 0, 500)),
+        ((0, -90, 90, 0), (800, 0, 800)),
+        ((30, -60, 45, 20), (813.212306, 469.508344, 820.022186)),
+    ],
+)
+def test_worked_four_axis_arm(package, axes, position):
+    pose = pose_of(chain_of(TE4_ARM, package=package), axes)
+    assert np.abs(pose[:3, 3] - position).max() < 1e-6
+    # At zero X of the flange points along Y, Y along Z, Z along X; A4 is parallel to A3 and adds to the pitch.
+    at_zero = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    turned = R("z", axes[0]) @ R("y", axes[1] + axes[2] + axes[3])
+    assert np.abs(pose[:3, :3] - turned[:3, :3] @ at_zero).max() < 1e-12
+
+
+def test_robot_and_elementary_matrices_agree():
+    chain = chain_of(NR6)
+    axes = (10, -50, 40, 30, 20, -70)
+    pose = chain.build().fk(axes)
+    expected = pose_of(chain, axes)
+    assert np.abs(pose.translation * 1000 - expected[:3, 3]).max() < 1e-9
+    assert np.abs(pose.rotation - expected[:3, :3]).max() < 1e-12
+
+
+def test_manual_example_of_rpy():
+    # A = -90, B = 90, C = -90: X4 = -Z1, Y4 = Y1, Z4 = X1.
+    frame = F((0, 0, 0), (-90, 90, -90))
+    assert np.allclose(frame[:3, :3], [[0, 0, 1], [0, 1, 0], [-1, 0, 0]], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("axes", "upper_arm", "forearm"),
+    [((0, 0, 0), (0, 0, 1), (1, 0, 0)), ((0, 90, 0), (1, 0, 0), (0, 0, -1)), ((0, 0, 90), (0, 0, 1), (0, 0, -1))],
+)
+def test_manual_example_of_zero_points(axes, upper_arm, forearm):
+    """Mechanical zero: upper arm upright, forearm level. MAMES = +90, -90 (ROBX manual 5.3.17)."""
+    chain = chain_of({**NR6, "MAMES": (0, 90, -90, 0, 0, 0)})
+    wrist = (*axes, 0, 0, 0)
+    tip = pose_of(chain, wrist)[:3, 3]
+    elbow_to_tip = 795 + 85
+    expected = np.array((150, 0, 445)) + 700 * np.array(upper_arm) + elbow_to_tip * np.array(forearm)
+    height = 115 * np.cross(forearm, (0, 1, 0))  # Z of P3: the offset of the forearm
+    assert np.abs(tip - expected - height).max() < 1e-9
+
+
+BASIC = {
+    1: lambda q, *_: T(*q),
+    2: lambda q, a, b: T(y=q[0]) @ T(x=a) @ R("y", q[1]) @ T(x=b) @ R("y", q[2]),
+    3: lambda q, a, b: R("z", q[0]) @ T(x=a) @ R("y", q[1]) @ T(x=b) @ R("y", q[2]),
+    4: lambda q, a, _: T(z=q[0]) @ T(y=q[1]) @ T(x=a) @ R("y", q[2]),
+    5: lambda q, a, _: R("z", q[0]) @ T(x=a) @ R("y", q[1]) @ T(x=q[2]),
+    6: lambda q, a, _: R("z", q[0]) @ T(z=q[1]) @ T(x=a + q[2]),
+    7: lambda q, a, b: R("z", q[0]) @ T(x=a) @ R("y", q[1]) @ T(x=b) @ R("z", q[2]),
+}
+
+
+@pytest.mark.parametrize("wrist", [2, 3, 5, 6])
+@pytest.mark.parametrize("main", sorted(BASIC))
+def test_six_axes(main, wrist):
+    a45, d45 = ((40, 55), (0, 70)) if wrist > 3 else ((0, 0), (0, 0))
+    alpha = (-90, 90) if wrist in (2, 5) else (-70, 55)
+    data = {
+        **NR6,
+        "MAIN_AXES": main,
+        "WRIST_AXES": wrist,
+        "MAIN_LENGTH_AB": (130, 420),
+        "TROWO_POS": (11, -22, 33),
+        "TROWO_RPY": (15, 25, -35),
+        "TIRORO_RPY": (20, -30, 40),
+        "TX3P3_POS": (300, 21, 32),
+        "TX3P3_RPY": (10, 70, -25),
+        "TFLWP_POS": (5, 6, 95),
+        "TFLWP_RPY": (35, -45, 55),
+        "TTCFL_POS": (7, 8, 9),
+        "TTCFL_RPY": (-15, 5, 65),
+        "DHPAR4_5A": a45,
+        "DHPAR4_5D": d45,
+        "DHPAR4_5ALPHA": alpha,
+        "MAMES": (5, -6, 7, -8, 9, -10),
+        "AXES_DIR": (-1, 1, -1, 1, -1, -1),
+    }
+    axes = np.array((31, -47, 53, 71, -37, 113), dtype=float)
+    q = axes * data["AXES_DIR"] - data["MAMES"]
+    expected = (
+        F((11, -22, 33), (15, 25, -35))
+        @ F((0, 0, 445), (20, -30, 40))
+        @ BASIC[main](q[:3], 130, 420)
+        @ F((300, 21, 32), (10, 70, -25))
+        @ (R("z", q[3]) @ T(a45[0], 0, d45[0]) @ R("x", alpha[0]))
+        @ (R("z", q[4]) @ T(a45[1], 0, d45[1]) @ R("x", alpha[1]))
+        @ R("z", q[5])
+        @ F((5, 6, 95), (35, -45, 55))
+        @ F((7, 8, 9), (-15, 5, 65))
+    )
+    chain = chain_of(data)
+    assert close(pose_of(chain, axes), expected)
+    assert [axis.name for axis in chain.axes] == ["A1", "A2", "A3", "A4", "A5", "A6"]
+
+
+@pytest.mark.parametrize("main", sorted(BASIC))
+def test_five_axes(main):
+    data = {
+        **NR6,
+        "MAIN_AXES": main,
+        "NUM_AXES": 5,
+        "TX3P3_POS": (300, 21, 32),
+        "TFLWP_POS": (0, 0, 95),
+        "TFLWP_RPY": (35, 0, 0),
+    }
+    axes = np.array((31, -47, 53, 71, -37), dtype=float)
+    expected = (
+        F((0, 0, 445))
+        @ BASIC[main](axes[:3], 150, 700)
+        @ F((300, 21, 32), (0, 90, 0))
+        @ (R("z", 71) @ R("x", -90) @ R("z", -37))
+        @ F((0, 0, 95), (35, 0, 0))
+    )
+    chain = chain_of(data)
+    assert close(pose_of(chain, axes), expected)
+    assert (chain.task, chain.tool_axis) == ("direction", "x")
+
+
+@pytest.mark.parametrize("main", sorted(BASIC))
+def test_four_axes(main):
+    data = {**TE4_ARM, "MAIN_AXES": main, "TX3P3_POS": (300, 21, 32), "TX3P3_RPY": (0, 90, 0)}
+    axes = np.array((31, -47, 53, 71), dtype=float)
+    expected = (
+        F((0, 0, 500))
+        @ BASIC[main](axes[:3], 300, 300)
+        @ F((300, 21, 32), (0, 90, 0))
+        @ R("z", 71)
+        @ F((200, 0, 0), (0, -90, 180))
+    )
+    chain = chain_of(data)
+    assert close(pose_of(chain, axes), expected)
+    assert len(chain.axes) == 4
+    assert chain.task == "pose"
+
+
+CC4 = {
+    "MAIN_AXES": 2,
+    "NUM_AXES": 4,
+    "WRIST_AXES": 1,
+    "A4PAR": 1,
+    "AXES_TYPE": (1, 3, 3, 3, 3, 3),
+    "MAIN_LENGTH_AB": (150, 250),
+    "TIRORO_RPY": (0, 0, 90),
+    "TX3P3_POS": (220, 0, 0),
+    "TX3P3_RPY": (0, 0, -90),
+    "TFLWP_RPY": (0, -90, 180),
+    "AXES_DIR": (1, -1, 1, -1),
+    "MAMES": (10, 20, -30, 40),
+}
+
+
+@pytest.mark.parametrize("sequence", [(4, 1, 2, 3), (2, 1, 3, 4), (3, 1, 2, 4)])
+def test_manual_examples_of_axis_sequence(sequence):
+    """CC arms whose lift is another input axis (ROBX manual 5.3.15, examples 1 and 2): only the names move."""
+    plain = chain_of(CC4)
+    changed = chain_of({**CC4, "AXIS_SEQ": sequence})
+    internal = (120, 35, -25, 15)
+    machine = [0.0] * 4
+    for value, number in zip(internal, sequence, strict=True):
+        machine[number - 1] = value
+    assert close(pose_of(changed, machine), pose_of(plain, internal))
+    assert [joint.name for joint in changed.joints] == [f"A{number}" for number in sequence]
+    assert [axis.name for axis in changed.axes] == ["A1", "A2", "A3", "A4"]
+    assert [axis.kind for axis in changed.axes].index("linear") == sequence[0] - 1
+
+
+def test_base_axes_move_the_whole_robot():
+    data = {
+        **NR6,
+        "TROWO_POS": (0, 0, 50),
+        "TROWO_RPY": (90, 0, 0),
+        "EXT_AXIS_VECTOR_1": (1, 0, 0),
+        "EXT_AXIS_VECTOR_3": (0, 0.6, 0.8),
+        "EXT_AX_OFFSET": (100, 7, 20),
+    }
+    chain = chain_of(data, axes_in=(1, 2, 3, 4, 5, 6, 7, 0, 8))
+    assert [axis.name for axis in chain.axes][6:] == ["EX1", "EX3"]
+    assert [(axis.kind, axis.held) for axis in chain.axes][6:] == [("linear", True), ("linear", True)]
+    robot = (10, -80, 60, 20, 30, 40)
+    still = pose_of(chain_of({**NR6, "TROWO_POS": (0, 0, 50), "TROWO_RPY": (90, 0, 0)}), robot)
+    moved = pose_of(chain, (*robot, 500, 220))
+    assert close(moved, T(400, 200 * 0.6, 200 * 0.8) @ still)
+
+
+def test_programmed_height_is_split_between_track_and_robot():
+    """Z1000 with Z_EXT = 800 leaves 200 to the robot (ROBX manual 8.1.3)."""
+    data = {**NR6, "EXT_AXIS_VECTOR_1": (0, 0, 1)}
+    axes = (10, -20, 60, 20, 30, 40)
+    target = pose_of(chain_of(data, axes_in=(1, 2, 3, 4, 5, 6, 7)), (*axes, 800))
+    robot_alone = pose_of(chain_of(NR6), axes)
+    assert target[2, 3] - 800 == pytest.approx(robot_alone[2, 3])
+
+
+def workpiece_of(chain, axes):
+    """Return the workpiece frame in WO, from the pose of a robot that stands still."""
+    still = pose_of(chain_of(NR6), axes[:6])
+    return still @ np.linalg.inv(pose_of(chain, axes))
+
+
+TABLE = {
+    **NR6,
+    "EXT_ROT_AX_VECTOR_1": (0, 0, 1),
+    "EXT_ROT_AX_VECTOR_2": (0, 1, 0),
+    "EXT_ROT_JOINT_OFFSET_1": (30, 0, 0),
+    "EXT_ROT_BASE_OFFSET": (900, 0, 200),
+    "EXT_ROT_PART_OFFSET": (0, 0, 40),
+}
+
+
+def test_manual_example_of_table_axes():
+    """Rotary and swivel axis (ROBX manual 8.2.3) with L1 = 900, L2 = 200, L3 = 30, L4 = 40."""
+    chain = chain_of(TABLE, axes_in=(1, 2, 3, 4, 5, 6, 0, 0, 0, 7, 8))
+    robot = (10, -80, 60, 20, 30, 40)
+    assert [axis.name for axis in chain.axes][6:] == ["EW1", "EW2"]
+    assert [axis.carries for axis in chain.axes][6:] == ["workpiece", "workpiece"]
+    assert close(workpiece_of(chain, (*robot, 0, 0)), T(930, 0, 240))
+    turned = T(900, 0, 200) @ R("z", 25) @ T(30) @ R("y", -35) @ T(z=40)
+    assert close(workpiece_of(chain, (*robot, 25, -35)), turned)
+
+
+def test_three_table_axes_with_offsets():
+    data = {
+        **TABLE,
+        "EXT_ROT_JOINT_OFFSET_2": (1, 2, 3),
+        "EXT_ROT_AX_VECTOR_3": (1, 0, 0),
+        "EXT_ROT_AX_OFFSET": (5, 6, 7),
+    }
+    chain = chain_of(data, axes_in=(1, 2, 3, 4, 5, 6, 0, 0, 0, 7, 8, 9))
+    expected = T(900, 0, 200) @ R("z", 20) @ T(30) @ R("y", 30) @ T(1, 2, 3) @ R("x", 40) @ T(z=40)
+    assert close(workpiece_of(chain, (10, -80, 60, 20, 30, 40, 25, 36, 47)), expected)
+
+
+FLANGE = {
+    **NR6,
+    "EXT_FL_ROT_AX_VECTOR_1": (0, 0, 1),
+    "EXT_FL_ROT_AX_VECTOR_2": (0, 1, 0),
+    "EXT_FL_ROT_JOINT_OFF_1": (60, 0, -70),
+    "EXT_FL_ROT_BASE_OFFSET": (50, 0, 0),
+    "TTCFL_POS": (0, 0, -80),
+    "TTCFL_RPY": (0, 90, 0),
+}
+
+
+def test_manual_example_of_flange_axes():
+    """Two axes behind the flange (ROBX manual 8.3.3) with L1 = 50, L2 = 60, L3 = 70, L4 = 80."""
+    chain = chain_of(FLANGE, axes_in=(1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0, 7, 8))
+    robot = (10, -80, 60, 20, 30, 40)
+    flange = pose_of(chain_of(NR6), robot)
+    at_zero = np.linalg.inv(flange) @ pose_of(chain, (*robot, 0, 0))
+    assert np.abs(at_zero[:3, 3] - (110, 0, -150)).max() < 1e-9
+    assert np.abs(at_zero[:3, 2] - (1, 0, 0)).max() < 1e-12
+    turned = T(50) @ R("z", 25) @ T(60, 0, -70) @ R("y", -35) @ F((0, 0, -80), (0, 90, 0))
+    assert close(pose_of(chain, (*robot, 25, -35)), flange @ turned)
+    assert [axis.name for axis in chain.axes][6:] == ["EF1", "EF2"]
+    assert all(axis.held for axis in chain.axes[6:])
+
+
+def test_gripper_referred_motion_exchanges_world_and_flange():
+    data = {**NR6, "TROWO_POS": (900, 50, -200), "TROWO_RPY": (20, 30, 40)}
+    axes = (10, -80, 60, 20, 30, 40)
+    plain = chain_of(data)
+    gripper = chain_of(data, kinematic="gripper", extra="$TC_DP3[1,1]=120\n$TC_DP4[1,1]=13")
+    assert close(pose_of(gripper, axes), np.linalg.inv(pose_of(plain, axes)) @ T(0, 13, 120))
+    assert {axis.carries for axis in gripper.axes} == {"workpiece"}
+    assert gripper.name != plain.name
+    assert [entry.name for entry in read(robx_text(data)).kinematics()] == ["ROBX", "gripper"]
+
+
+def test_gripper_referred_motion_with_a_track():
+    data = {**NR6, "TROWO_POS": (900, 50, -200), "EXT_AXIS_VECTOR_1": (1, 0, 0), "EXT_AX_OFFSET": (10, 0, 0)}
+    chain = chain_of(data, kinematic="gripper", axes_in=range(1, 8))
+    axes = (10, -80, 60, 20, 30, 40)
+    robot = pose_of(chain_of(data), axes)
+    assert close(pose_of(chain, (*axes, 310)), np.linalg.inv(T(300) @ robot))
+
+
+def test_parallelogram_keeps_the_forearm_while_the_shoulder_moves():
+    data = {**NR6, "SPECIAL_KIN": 2, "AXES_DIR": (1, 1, -1, 1, 1, 1), "MAMES": (0, 90, 90, 0, 0, 0)}
+    chain = chain_of(data)
+    axes = np.array((25, 10, -40, 0, 0, 0), dtype=float)
+    q2, q3 = axes[1] - 90, -axes[2] - 90
+    expected = (
+        F((0, 0, 445))
+        @ R("z", 25)
+        @ T(150)
+        @ R("y", q2)
+        @ T(700)
+        @ R("y", q3 - q2)
+        @ F((795, 0, 115), (0, 90, 0))
+        @ T(z=85)
+    )
+    assert close(pose_of(chain, axes), expected)
+    shoulder = axes + np.array((0, 17, 0, 0, 0, 0))
+    assert np.abs(pose_of(chain, shoulder)[:3, :3] - expected[:3, :3]).max() < 1e-12
+
+
+def test_angle_modes_and_tool_axis_follow_tool_dir():
+    for tool_dir, mode, axis in ((0, "orirpy", "x"), (-1, "orirpy", "x"), (1, "orirpy2", "z")):
+        chain = chain_of({**NR6, "TOOL_DIR": tool_dir})
+        assert (chain.angle_mode, chain.tool_axis) == (mode, axis)
+
+
+def test_frames_of_the_chain():
+    chain = chain_of({**NR6, "TTCFL_POS": (1, 2, 3)})
+    frames = {frame.name: frame for frame in chain.frames}
+    assert set(frames) == {"base", "flange", "tool", "workpiece"}
+    assert frames["flange"].link == frames["tool"].link == "A6_link"
+    assert frames["flange"].T_link_frame[:3, 3] == pytest.approx((0, 0, 0.085))
+    assert frames["tool"].T_link_frame[:3, 3] == pytest.approx((0.001, 0.002, 0.088))
+    assert frames["workpiece"].link == "base"
