@@ -85,7 +85,7 @@ BAD = {
     "hex": ("A1,A2,X\n0x10,2,3\n", 2, "'0x10' is no number"),
     "nul": (b"A1,A2,X\n1,\x00,3\n", 2, "is no number"),
     "open_quote": ('A1,A2,X\n1,"2,3\n', 2, "no valid CSV"),
-    "latin_1": (b"A1,A2,X\n1,2,3\n1,\xe4,3\n", 1, "not UTF-8"),
+    "latin_1": (b"A1,A2,X\n1,2,3\n1,\xe4,3\n", 3, "not UTF-8"),
     "utf_16": ("A1,A2,X\n1,2,3\n".encode("utf-16"), 1, "not UTF-8"),
     "long_line": ("A1,A2,X\n" + "1" * 200_000, 2, "too long"),
 }

@@ -22,14 +22,16 @@ def demo(
     from chainbuild.machines import shipped
     from chainbuild.out.urdf import write_urdf
 
-    shown = table("Written", "Machine", "Kinematic", "Axes", "URDF", "Look at it")
-    for name in shipped() if file is None else (file,):
+    shown = table("Written", "Name", "Machine", "Kinematic", "Axes", "URDF")
+    names = shipped() if file is None else (file,)
+    for name in names:
         robot = options.robot(name)
         path = write_urdf(robot, folder)
         axes = " ".join(axis.name for axis in robot.axes)
-        look = f"chainbuild inspect {name} --export {robot.name}.html"
-        shown.add_row(robot.chain.title, robot.chain.kinematic, axes, str(path), look)
+        shown.add_row(name, robot.chain.title, robot.chain.kinematic, axes, str(path))
     out = console()
     out.print(shown)
-    out.print("chainbuild info MACHINE shows what was read; chainbuild fk and ik compute with it.")
+    out.print("What to look at, here for the last one:")
+    out.print(f"  chainbuild inspect {names[-1]} --export page.html   a page with the robot and a sweep of each axis")
+    out.print(f"  chainbuild info {names[-1]}   what was read, and which conventions were used")
     return 0

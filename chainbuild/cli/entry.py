@@ -6,6 +6,7 @@ Exit codes: 0 done, also with warnings; 1 input refused; 2 wrong usage; 3 some r
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -60,6 +61,7 @@ def main(tokens: Sequence[str] | None = None) -> int:
         tokens: Words of the command line; None: those the program was called with.
     """
     words = list(sys.argv[1:] if tokens is None else tokens)
+    _accept_any_text()
     try:
         code = build_app()(words)
         sys.stdout.flush()
@@ -87,6 +89,13 @@ def message_of(error: ChainbuildError) -> str:
 
 def _command_of(words: Sequence[str]) -> str:
     return f"{words[0]} " if words and words[0] in {command.__name__ for command in _COMMANDS} else ""
+
+
+def _accept_any_text() -> None:
+    """Let no letter of a title or path stop the output where the locale knows ASCII only."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 def _fail(message: str, code: int) -> int:

@@ -59,8 +59,7 @@ def ik(
         for result in with_progress(_solutions(robot, table, starts), table, "axis values"):
             statuses[result.status] += 1
             angle = deg_from_rad(result.rotation_error) if table.oriented else None
-            axes = result.axes if result.success else None
-            writer.write(axes, result.status, mm_from_m(result.position_error), angle)
+            writer.write(result.axes if result.success else None, result.status, mm_from_m(result.position_error), angle)
     failed = statuses.total() - statuses["ok"]
     if failed:
         reasons = ", ".join(f"{count} {status}" for status, count in sorted(statuses.items()) if status != "ok")

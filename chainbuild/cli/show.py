@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Item = TypeVar("Item")
 
-_WIDTH_WITHOUT_TERMINAL: Final = 160
+_WIDTH_WITHOUT_TERMINAL: Final = 200
 _ROWS_BETWEEN_UPDATES: Final = 256
 _COLOURS: Final = {"error": "bold red", "warning": "yellow", "info": "dim"}
 
@@ -51,7 +51,7 @@ def number(value: float | str | None) -> str:
 
 def print_json(data: object) -> None:
     """Print data as JSON on stdout."""
-    print(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False))
+    print(json.dumps(data, indent=2, allow_nan=False))
 
 
 def finding_data(finding: Finding) -> dict[str, Any]:

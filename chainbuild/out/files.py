@@ -86,13 +86,12 @@ def open_atomic(path: Path) -> Iterator[TextIO]:
     Raises:
         FileAccessError: the file cannot be written; what stood there before still stands.
     """
-    target = Path(os.path.realpath(path))
     try:
-        if target.exists() and not target.is_file() and not target.is_dir():
-            with target.open("w", encoding="utf-8", newline="\n") as stream:
+        if path.exists() and not path.is_file() and not path.is_dir():
+            with path.open("w", encoding="utf-8", newline="\n") as stream:
                 yield stream
             return
-        with _temporary(target) as stream:
+        with _temporary(Path(os.path.realpath(path))) as stream:
             yield stream
     except OSError as error:
         raise _refusal(path, error, "the file cannot be written") from None

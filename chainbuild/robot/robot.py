@@ -115,7 +115,7 @@ class Robot:
             ChainbuildError: the kinematic has no pose there.
         """
         T = self.kinematics.pose(self.q(axes))
-        if not np.isfinite(T.translation).all():
+        if not np.isfinite(T.homogeneous).all():
             raise ChainbuildError("the kinematic has no finite pose at these axis values")
         return T
 
@@ -133,8 +133,12 @@ class Robot:
 
         Raises:
             AxisValueError: wrong count or not finite.
+            ChainbuildError: the kinematic has no derivative there.
         """
-        return self.kinematics.pose_and_jacobian(self.axis_values(axes) * self.kinematics.si_factors)[1]
+        J = self.kinematics.pose_and_jacobian(self.axis_values(axes) * self.kinematics.si_factors)[1]
+        if not np.isfinite(J).all():
+            raise ChainbuildError("the kinematic has no finite derivative at these axis values")
+        return J
 
     def ik(
         self,

@@ -98,6 +98,7 @@ class RobxMachine(Machine):
         collector = Collector(strict=True)
         robx, gripper = self._choose(kinematic, channel, collector)
         choose = Choices(self.chosen_conventions(conventions))
+        check_axes(robx, self.table, collector)
         chain = _build(self, robx, length_mm, gripper, choose, collector)
         for name in choose.unused():
             if name in (conventions or {}):

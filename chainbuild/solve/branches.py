@@ -46,11 +46,13 @@ class Branch(IkResult):
         free_axes: Names of axes that have no bearing on this pose; they keep their start value.
         status_bits: Pose status as the controller numbers it (KIN_TYP 45), else None.
         turn_bits: Signs of the axes as the controller numbers them (KIN_TYP 45), else None.
+        method: What found it; see `analytic.method_of`.
     """
 
     free_axes: tuple[str, ...] = ()
     status_bits: int | None = None
     turn_bits: int | None = None
+    method: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

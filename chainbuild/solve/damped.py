@@ -106,9 +106,7 @@ def _held_values(robot: Robot, held: Mapping[str, float] | Sequence[float] | Non
 class _Search:
     """One inverse-kinematics search: the state that restarts share."""
 
-    def __init__(
-        self, robot: Robot, freedoms: Freedoms, target: pin.SE3, x0: Vector, fixed: NDArray[np.bool_]
-    ) -> None:
+    def __init__(self, robot: Robot, freedoms: Freedoms, target: pin.SE3, x0: Vector, fixed: NDArray[np.bool_]) -> None:
         self.robot = robot
         self.freedoms = freedoms
         self.target = target
@@ -180,9 +178,7 @@ class _Search:
     def _verified(self, y: Vector) -> bool:
         """Return whether forward kinematics meets the target at the free axes y."""
         distance, angle = self.robot.kinematics.errors(self._full(y), self.target, self.task)
-        return distance <= tolerances.IK_POSITION_M and (
-            self.task == "position" or angle <= tolerances.IK_ROTATION_RAD
-        )
+        return distance <= tolerances.IK_POSITION_M and (self.task == "position" or angle <= tolerances.IK_ROTATION_RAD)
 
     def _success(self, y: Vector, restarts: int) -> IkResult:
         x = self._full(y)
@@ -205,7 +201,9 @@ class _Search:
         self.best = best if best.error <= self.best.error else self.best
         if math.sqrt(self.best.error) < _CLOSE:
             return self._failure("stalled", _RESTARTS, "the search ended close to the pose without meeting it")
-        return self._failure("unreachable", _RESTARTS, "the search found no axis values that bring the tool there, even without limits")
+        return self._failure(
+            "unreachable", _RESTARTS, "the search found no axis values that bring the tool there, even without limits"
+        )
 
     def _failure(self, status: Status, restarts: int, reason: str) -> IkResult:
         x = self.best.x

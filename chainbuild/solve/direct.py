@@ -12,7 +12,6 @@ w are the rotary axes and z0 the tool direction, both seen from the workpiece wh
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -22,27 +21,18 @@ from chainbuild import tolerances
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import transform
 from chainbuild.robot.robot import as_pose
-from chainbuild.solve.branches import Branch, Found, Query
+from chainbuild.solve.branches import Found, Query
+from chainbuild.solve.orientation import Turns, for_direction, for_rotation
 from chainbuild.solve.result import IkResult
 from chainbuild.solve.start import Held
-from chainbuild.solve.subproblems import norm, rotate, subproblem_1, subproblem_2
 
 if TYPE_CHECKING:
     from chainbuild.robot.robot import Robot
 
 Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _LINEAR_STEPS: Final = 2  # the second one only cleans the last digits
 _MOST_ROTARY: Final = 3
-
-
-@dataclass(frozen=True, slots=True)
-class Turns:
-    """Angles of the rotary joints, in the order of the product, and which of them are free."""
-
-    angles: tuple[float, ...]
-    free: tuple[bool, ...]
 
 
 def is_direct(robot: Robot, held: Held | None = None) -> bool:
@@ -183,70 +173,8 @@ def _rotary_solutions(query: Query) -> Iterator[tuple[Turns, NDArray[np.intp]]]:
     if task == "position":
         found = [Turns(keep, (True,) * len(axes))] if axes else [Turns((), ())]
     elif task == "direction":
-        found = _for_direction(axes, serial.M[:3, column], query.target.rotation[:, column], keep)
+        found = for_direction(axes, serial.M[:3, column], query.target.rotation[:, column], keep)
     else:
-        found = _for_rotation(axes, R, keep)
+        found = for_rotation(axes, R, keep)
     for turns in found:
         yield turns, joints
-
-
-def _for_direction(axes: list[Vector], z0: Vector, d: Vector, keep: tuple[float, ...]) -> list[Turns]:
-    """Return the angles with Rot(w1)·…·Rot(wn)·z0 = d."""
-    if not axes:
-        return [Turns((), ())]
-    if len(axes) == 1:
-        turn = subproblem_1(axes[0], z0, d, keep[0])
-        return [Turns((turn.angle,), (turn.free,))]
-    if len(axes) == 2:
-        pairs = subproblem_2(axes[0], axes[1], z0, d, (keep[0], keep[1]))
-        return [Turns((p.first, p.second), (p.first_free, p.second_free)) for p in pairs]
-    return _with_one_kept(axes, z0, d, keep)
-
-
-def _with_one_kept(axes: list[Vector], z0: Vector, d: Vector, keep: tuple[float, ...]) -> list[Turns]:
-    """Return the angles of three axes for a direction: each in turn keeps its start value."""
-    w1, w2, w3 = axes
-    k1, k2, k3 = keep
-    outer = subproblem_2(w1, w2, rotate(w3, k3, z0), d, (k1, k2))
-    # With the middle angle kept, the outer axis sees w3 and z0 turned by it.
-    around = subproblem_2(w1, rotate(w2, k2, w3), rotate(w2, k2, z0), d, (k1, k3))
-    inner = subproblem_2(w2, w3, z0, rotate(w1, -k1, d), (k2, k3))
-    return [
-        *(Turns((p.first, p.second, k3), (p.first_free, p.second_free, True)) for p in outer),
-        *(Turns((p.first, k2, p.second), (p.first_free, True, p.second_free)) for p in around),
-        *(Turns((k1, p.first, p.second), (True, p.first_free, p.second_free)) for p in inner),
-    ]
-
-
-def _for_rotation(axes: list[Vector], R: Matrix, keep: tuple[float, ...]) -> list[Turns]:
-    """Return the angles with Rot(w1)·…·Rot(wn) = R."""
-    if not axes:
-        return [Turns((), ())]
-    last = axes[-1]
-    image = R @ last
-    if len(axes) == 1:
-        heads = [Turns((), ())]
-    elif len(axes) == 2:
-        turn = subproblem_1(axes[0], last, image, keep[0])
-        heads = [Turns((turn.angle,), (turn.free,))]
-    else:
-        pairs = subproblem_2(axes[0], axes[1], last, image, (keep[0], keep[1]))
-        heads = [Turns((p.first, p.second), (p.first_free, p.second_free)) for p in pairs]
-    across = _across(last)
-    found = []
-    for head in heads:
-        back = R @ across
-        for w, angle in zip(axes[:-1], head.angles, strict=True):
-            back = rotate(w, -angle, back)
-        found.append(Turns((*head.angles, subproblem_1(last, across, back, keep[-1]).angle), (*head.free, False)))
-    return found
-
-
-def _across(axis: Vector) -> Vector:
-    """Return a unit vector at right angles to an axis."""
-    helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    across: Vector = helper - float(helper @ axis) * axis
-    return across / norm(across)
-
-
-__all__ = ["Branch", "is_direct", "linear_axes_for", "solve_direct"]

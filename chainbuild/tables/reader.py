@@ -6,6 +6,7 @@ import csv
 import io
 import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -116,7 +117,8 @@ class Table:
                 # With a bound, so that a file without line ends cannot fill the memory.
                 line = self._stream.readline(limit + 1)
             except UnicodeDecodeError:
-                raise TableError("the table is not UTF-8 text", span=Span(self.file, number)) from None
+                place = max(number, _first_undecodable_line(self.file)) if self.size else number
+                raise TableError("the table is not UTF-8 text", span=Span(self.file, place)) from None
             except OSError as error:
                 raise _unreadable(error, Span(self.file, number)) from None
             if not line:
@@ -186,6 +188,16 @@ class Table:
             permitted=f"one value each for {', '.join(self.names)}",
             hint="decimals are written with a point, not with a comma" if many else None,
         )
+
+
+def _first_undecodable_line(file: str) -> int:
+    """Return the line that is no UTF-8; the decoder works ahead of the lines and does not know it."""
+    number = 0
+    with Path(file).open("rb") as stream, suppress(UnicodeDecodeError):
+        while line := stream.readline(tolerances.MAX_LINE_CHARACTERS):
+            number += 1
+            line.decode("utf-8")
+    return number
 
 
 def _quoted_fields(line: str, span: Span) -> list[str]:

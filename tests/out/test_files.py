@@ -101,7 +101,9 @@ def test_what_is_no_file_is_written_to_and_not_replaced() -> None:
     assert not Path(os.devnull).is_file()
 
 
-@pytest.mark.parametrize(("name", "reason"), [("", "directory"), ("missing/file", "No such file"), ("a/b", "directory")])
+@pytest.mark.parametrize(
+    ("name", "reason"), [("", "directory"), ("missing/file", "No such file"), ("a/b", "directory")]
+)
 def test_trouble_is_a_file_access_error(tmp_path: Path, name: str, reason: str) -> None:
     (tmp_path / "a").write_text("a file", "utf-8")
     with pytest.raises(FileAccessError, match=reason) as caught:

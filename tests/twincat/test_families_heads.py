@@ -10,7 +10,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+import chainbuild
 from chainbuild.errors import MachineDataError
+from chainbuild.machines import shipped
 from chainbuild.twincat.hdtable import type_data
 from tests.twincat.head_kit import HEADS, build, generic_hd, random_axes
 from tests.twincat.table_kit import distance
@@ -19,7 +21,7 @@ REFERENCE = Path(__file__).parents[1] / "data" / "reference"
 
 # Smallest parameters that make a machine, where all zeros do not.
 MINIMAL: dict[int, dict[int | str, float]] = {59: {7: 45.0}, 60: {7: 45.0}, 207: {4: 90.0}, 8: {4: 90.0}, 18: {4: 90.0}}
-# Tool vector with all axes at zero, where it is not (0, 0, 1): upper spindle up, cross head and saws level, 6 upside down.
+# Tool vector with all axes at zero, where it is not (0, 0, 1): upper spindle up, cross head and saws level, 6 up.
 TOOL_VECTORS = {
     3: (0, 0, -1), 5: (0, -1, 0), 6: (0, 0, -1), 8: (0, -1, 0), 18: (0, -1, 0), 207: (0, -1, 0),
 }  # fmt: skip
@@ -170,3 +172,25 @@ def test_reference_poses(kin: int, name: str, hd: dict[int | str, float]) -> Non
     for row in reference["rows"]:
         assert built.mm(row["axes"]) == pytest.approx(row["p"], abs=1e-8)
         assert built.tool_vector(row["axes"]) == pytest.approx(row["z"], abs=1e-11)
+
+
+MACHINES = [name for name in shipped() if name.rpartition("_kin")[2] in {str(kin) for kin in HEADS}]
+
+
+def test_every_family_of_heads_ships_a_machine() -> None:
+    kinds = {int(name.rpartition("_kin")[2]) for name in MACHINES}
+    assert {9, 25, 28, 7} <= kinds and {10, 207} <= kinds and {4, 5, 6} <= kinds and {16, 70} <= kinds
+    assert {11, 76} <= kinds and {59, 60} <= kinds
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_shipped_machines_solve_their_own_poses(name: str) -> None:
+    robot = chainbuild.load(name).chain().build()
+    assert not [finding for finding in robot.chain.findings if finding.severity != "info"]
+    assert not any(axis.assumed or axis.max_speed is None for axis in robot.axes)
+    rng = np.random.default_rng(4)
+    for _ in range(5):
+        axes = np.array([rng.uniform(axis.lower, axis.upper) for axis in robot.axes])
+        target = robot.fk(axes)
+        found = robot.ik(target, held={"CV": axes[-1]} if "kin70" in name else None)
+        assert found.success and np.abs(robot.fk(found.axes).translation - target.translation).max() < 1e-6

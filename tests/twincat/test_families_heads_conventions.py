@@ -15,7 +15,7 @@ Hd = dict[int | str, float]
 S, C = math.sin(math.radians(30.0)), math.cos(math.radians(30.0))
 MACHINE = {7: 45.0, 21: 1.0}  # 59, 60 with machine angles
 
-# convention, its choices with the sign of the place, type, HDs, axes, place of the tool [mm] for the first choice's sign
+# convention, its choices (the second one negates the place), type, HDs, axes, place of the tool [mm]
 SIGNED_PLACES = [
     *(("named_offset_sign", ("p_to_q", "q_to_p"), kin, hd, axes, place) for kin, hd, axes, place in [
         (2, {3: 10, 2: 20}, (0,) * 5, (-10, -20, 0)),
@@ -75,9 +75,9 @@ def test_signs_of_offsets(
 
 @pytest.mark.parametrize(
     ("kin", "n", "axis"),
-    [(7, 4, 3), (8, 5, 3), (207, 5, 3), (9, 4, 3), (9, 3, 4), (25, 4, 3), (25, 3, 4), (28, 4, 3), (28, 3, 4), (10, 5, 3),
-     (10, 4, 4), (16, 7, 4), (16, 8, 3), (70, 7, 4), (70, 8, 3), (30, 5, 3), (59, 14, 3), (59, 16, 3), (59, 15, 4),
-     (59, 17, 4), (60, 14, 3), (60, 15, 4)],
+    [(7, 4, 3), (8, 5, 3), (207, 5, 3), (9, 4, 3), (9, 3, 4), (25, 4, 3), (25, 3, 4), (28, 4, 3), (28, 3, 4),
+     (10, 5, 3), (10, 4, 4), (16, 7, 4), (16, 8, 3), (70, 7, 4), (70, 8, 3), (30, 5, 3), (59, 14, 3), (59, 16, 3),
+     (59, 15, 4), (59, 17, 4), (60, 14, 3), (60, 15, 4)],
 )  # fmt: skip
 def test_the_tool_stands_at_zero_at_plus_or_minus_the_offset(kin: int, n: int, axis: int) -> None:
     base: Hd = {207: {4: 90.0}, 59: MACHINE, 60: MACHINE}.get(kin, {})
@@ -91,7 +91,10 @@ def test_the_tool_stands_at_zero_at_plus_or_minus_the_offset(kin: int, n: int, a
         assert "angle_offset_sign" in built.asked()
 
 
-@pytest.mark.parametrize(("kin", "sign", "zero", "axis"), [(16, 9, 7, 4), (16, 10, 8, 3), (30, 4, 5, 3), (28, 14, 4, 3), (28, 15, 3, 4), (70, 9, 7, 4), (70, 10, 8, 3)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("kin", "sign", "zero", "axis"),
+    [(16, 9, 7, 4), (16, 10, 8, 3), (30, 4, 5, 3), (28, 14, 4, 3), (28, 15, 3, 4), (70, 9, 7, 4), (70, 10, 8, 3)],
+)
 def test_zero_offset_before_or_after_the_direction(kin: int, sign: int, zero: int, axis: int) -> None:
     for choice, value in (("as_printed", -10.0), ("outside", -10.0), ("inside", 10.0)):
         built = build(kin, {sign: -1.0, zero: 10.0}, offset_inside_flag=choice)

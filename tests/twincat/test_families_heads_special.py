@@ -225,7 +225,8 @@ def test_underfloor_cutter() -> None:
 
 
 def test_cv_turns_the_programmed_tool_vector() -> None:
-    for choice, vector in (("programmed", (0, math.sin(*rad(10)), math.cos(*rad(10)))), ("machine", (math.sin(*rad(10)), 0, math.cos(*rad(10))))):  # fmt: skip
+    s, c = math.sin(*rad(10)), math.cos(*rad(10))
+    for choice, vector in (("programmed", (0, s, c)), ("machine", (s, 0, c))):
         assert build(70, kin70_cv=choice).tool_vector([0, 0, 0, 10, 0, 90]) == pytest.approx(vector, abs=1e-12)
     hd: Hd = {1: 50, 4: 20, 7: 3, 8: 4, 9: -1, 10: 1, 14: 25}
     built, plain = build(70, hd), build(70, hd, kin70_cv="machine")

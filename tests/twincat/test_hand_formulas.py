@@ -139,3 +139,31 @@ def test_every_choice_follows_its_hand_formula(kin: int, name: str, choice: str,
     rng = np.random.default_rng(seed_of(kin, name, choice))
     agreed = sum(compare(kin, tmp_path, rng, CHOICE_VECTORS, {name: choice}) for _ in range(CHOICE_MACHINES))
     assert agreed >= 0.5 * CHOICE_MACHINES * CHOICE_VECTORS
+
+
+SAW_CHOICES = [("kin59_saw_tcp", c) for c in conventions()["kin59_saw_tcp"].choices]
+SAW_CHOICES += [("kin59_saw_angle", c) for c in conventions()["kin59_saw_angle"].choices]
+SAW_CHOICES += [("kin59_underfloor", c) for c in conventions()["kin59_underfloor"].choices]
+
+
+@pytest.mark.parametrize("option", [1, 2])  # HD20: 1 underfloor cutter, 2 saw blade
+@pytest.mark.parametrize(("name", "choice"), SAW_CHOICES)
+def test_saw_blade_and_underfloor_cutter_of_59(option: int, name: str, choice: str, tmp_path: Path) -> None:
+    rng = np.random.default_rng(seed_of(59, option, name, choice))
+    for _ in range(10):
+        param = random_machine(59, rng)
+        param[19] = float(option)
+        param[18] = float(rng.integers(-300_000, 300_000))
+        radius = float(rng.integers(50, 200))
+        tool = f"wz[1].nr 1\nwz[1].radius {radius * 1e4:.0f}\nwz[1].kinematic.param[0] 250000\nEnde\n"
+        path = tmp_path / "saw.lis"
+        path.write_text(channel_list(59, param).replace("Ende\n", tool))
+        (tmp_path / "saw.chainbuild.toml").write_text("[tool]\nnumber = 1\n")
+        robot = chainbuild.load(path).chain(conventions={name: choice}).build()
+        added = {**param, 0: param[0] + 250_000.0}  # tool offsets are added to the channel's
+        for _ in range(10):
+            axes = random_axes(59, rng)
+            wanted = HEADS[59](added, axes, 0.0, {name: choice}, blade_radius_mm=radius)
+            T = robot.fk(axes)
+            np.testing.assert_allclose(T.translation * 1000.0, wanted[:3, 3], atol=POSITION_MM, rtol=0)
+            np.testing.assert_allclose(T.rotation, wanted[:3, :3], atol=ROTATION, rtol=0)

@@ -1,0 +1,129 @@
+"""A chain as one sequence of matrices from the workpiece to the tool: the form that array code works on.
+
+A tree with two tips needs no reversed joints: walking from the workpiece frame down to the base turns a joint round,
+which is the same as its value with the other sign. Every joint frame is laid so that the joint moves about or along
+its z. What remains is T = F₀·M₀(u₀)·F₁·M₁(u₁)·…·F_k with u = A·x + b, x being axis values in SI.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.elements import BASE_LINK, Chain, Joint
+from chainbuild.frames import inverse
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+# Poses worked on at a time: the arrays of one chunk stay in the processor's cache, and memory does not grow.
+CHUNK: Final = 1024
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Product:
+    """A chain with an affine axis map, from the workpiece frame to the tool frame.
+
+    Attributes:
+        fixed: (k + 1, 4, 4) constant transforms F [m].
+        prismatic: (k,) True where the joint shifts along its z, False where it turns about it.
+        A: (k, n_axes) joint values by SI axis values.
+        b: (k,) joint values where all axes are zero.
+    """
+
+    fixed: NDArray[np.float64]
+    prismatic: NDArray[np.bool_]
+    A: Matrix
+    b: Vector
+
+
+def product_of(chain: Chain) -> Product | None:
+    """Return the matrix product of a chain, or None where its axis map is not affine."""
+    if not isinstance(chain.axis_map, AffineMap):
+        return None
+    tool, workpiece = chain.frame("tool"), chain.frame("workpiece")
+    down, up = _branch(chain, workpiece.link), _branch(chain, tool.link)
+    while down and up and down[0] == up[0]:  # what carries both tips moves neither against the other
+        del down[0], up[0]
+    fixed, joints, signs = [inverse(workpiece.T_link_frame)], [], []
+    for n in reversed(down):
+        # The inverse of F·M(u) is M(−u)·F⁻¹.
+        along_z = _turn_to_z(chain.joints[n].direction)
+        fixed[-1] = fixed[-1] @ along_z
+        fixed.append(inverse(chain.joints[n].T_parent_joint @ along_z))
+        joints.append(n)
+        signs.append(-1.0)
+    for n in up:
+        along_z = _turn_to_z(chain.joints[n].direction)
+        fixed[-1] = fixed[-1] @ chain.joints[n].T_parent_joint @ along_z
+        fixed.append(inverse(along_z))
+        joints.append(n)
+        signs.append(1.0)
+    fixed[-1] = fixed[-1] @ tool.T_link_frame
+    prismatic = np.array([chain.joints[n].kind == "prismatic" for n in joints], dtype=bool)
+    sign = np.array(signs)
+    A = sign[:, None] * chain.axis_map.A[joints]
+    return Product(np.array(fixed), prismatic, A, sign * chain.axis_map.b[joints])
+
+
+def _branch(chain: Chain, link: str) -> list[int]:
+    """Return the indices of the joints from the base to a link."""
+    by_child: dict[str, tuple[int, Joint]] = {joint.child: (n, joint) for n, joint in enumerate(chain.joints)}
+    way: list[int] = []
+    while link != BASE_LINK:
+        n, joint = by_child[link]
+        way.insert(0, n)
+        link = joint.parent
+    return way
+
+
+def _turn_to_z(direction: Vector) -> Matrix:
+    """Return a rotation (4, 4) whose z column is a direction of length 1, exact for directions along an axis."""
+    x, y, z = (float(component) for component in direction)
+    T = np.eye(4)
+    if z < -0.5:  # away from the opposite direction, where the formula below has no value
+        T[:3, :3] = np.diag([1.0, -1.0, -1.0]) @ _turn_to_z(np.array([x, -y, -z]))[:3, :3]
+        return T
+    cross = np.array([[0.0, 0.0, x], [0.0, 0.0, y], [-x, -y, 0.0]])
+    T[:3, :3] += cross + cross @ cross / (1.0 + z)
+    return T
+
+
+def poses(product: Product, x: Matrix) -> Matrix:
+    """Return the tool in the workpiece frame (N, 4, 4) [m] at SI axis values (N, n_axes).
+
+    Memory beyond the result does not depend on N.
+    """
+    result = np.zeros((len(x), 4, 4))
+    result[:, 3, 3] = 1.0
+    for first in range(0, len(x), CHUNK):
+        part = slice(first, first + CHUNK)
+        result[part, :3] = _chunk(product, x[part]).transpose(2, 1, 0)
+    return result
+
+
+def _chunk(product: Product, x: Matrix) -> NDArray[np.float64]:
+    """Return x, y, z column and position of each pose as an array (4, 3, N)."""
+    count = len(x)
+    u = product.A @ x.T + product.b[:, None]
+    columns = np.repeat(product.fixed[0, :3].T[:, :, None], count, axis=2)
+    other = np.empty_like(columns)
+    work = np.empty((3, count))
+    for n, prismatic in enumerate(product.prismatic):
+        X, Y, Z, p = columns
+        if prismatic:
+            p += np.multiply(u[n], Z, out=work)
+        else:
+            c, s = np.cos(u[n]), np.sin(u[n])
+            np.multiply(s, X, out=work)
+            X *= c
+            X += np.multiply(s, Y, out=other[0])
+            Y *= c
+            Y -= work
+        np.matmul(product.fixed[n + 1].T, columns.reshape(4, -1), out=other.reshape(4, -1))
+        columns, other = other, columns
+    return columns

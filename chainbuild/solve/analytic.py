@@ -1,0 +1,147 @@
+"""Every branch of a pose: closed forms where one is known, damped descents from many starts where none is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild.errors import ChainbuildError
+from chainbuild.robot.robot import as_pose
+from chainbuild.solve.arms import ArmSolver, arm_solver
+from chainbuild.solve.branches import Branch, Found, Query
+from chainbuild.solve.direct import find_direct, query_is_direct
+from chainbuild.solve.eaik_arm import eaik_solver
+from chainbuild.solve.gather import gather
+from chainbuild.solve.result import IkResult
+from chainbuild.solve.start import Held
+from chainbuild.solve.status_turn import has_status, status_turn
+
+if TYPE_CHECKING:
+    import pinocchio as pin
+
+    from chainbuild.robot.robot import Robot
+
+Vector = NDArray[np.float64]
+Method = Literal["direct", "spherical wrist", "single wrist axis", "parallel arm", "position", "EAIK", "restarts"]
+
+_ROWS = {"pose": 6, "direction": 5, "position": 3}
+
+
+def ik_all(
+    robot: Robot,
+    T: pin.SE3 | ArrayLike,
+    start: ArrayLike | None = None,
+    held: Held | None = None,
+    *,
+    windings: bool = False,
+) -> tuple[Branch, ...]:
+    """Return every branch of a pose inside all limits, nearest to the start first, each verified by forward kinematics.
+
+    Args:
+        robot: The robot.
+        T: Tool in the workpiece frame [m]: `pin.SE3` or (4, 4).
+        start: Axis values (n_axes,), mm and degrees; None: near the middle of the limits. Axes that a singular pose
+            leaves free keep theirs.
+        held: See `Robot.ik`.
+        windings: True: every whole turn within the limits counts as a branch of its own, not only the nearest.
+
+    Raises:
+        ChainbuildError: T is no rigid transform, or the robot has more axes than its task determines.
+    """
+    query = Query.of(robot, as_pose(T), start, held, windings)
+    return find_all(query).branches
+
+
+def find_all(query: Query) -> Found:
+    """Return the branches of a query by the best method there is."""
+    method, solver = _method(query)
+    if method == "direct":
+        found = find_direct(query)
+    elif solver is not None:
+        found = query.collect(_arm_candidates(query, solver))
+    else:
+        _refuse_redundant(query)
+        found = query.collect((x, ()) for x in gather(query))
+    return replace(found, branches=tuple(_finished(query.robot, branch, method) for branch in found.branches))
+
+
+def method_of(robot: Robot, held: Held | None = None) -> Method:
+    """Return how `ik_all` answers for a robot: the closed form's name, "EAIK" or "restarts" (none known)."""
+    return _method(Query.of(robot, as_pose(np.eye(4)), None, held))[0]
+
+
+def solve_analytic(
+    robot: Robot, T: pin.SE3 | ArrayLike, start: ArrayLike | None = None, held: Held | None = None
+) -> IkResult:
+    """Return the branch nearest to the start, by a closed form.
+
+    Raises:
+        ChainbuildError: no closed form is known for the robot.
+    """
+    query = Query.of(robot, as_pose(T), start, held)
+    if _method(query)[0] == "restarts":
+        raise ChainbuildError(
+            "no closed form is known for this kinematic",
+            parameter="solver",
+            permitted="auto, damped",
+            hint="the extra 'analytic' (EAIK) knows more six-axis arms",
+        )
+    found = find_all(query)
+    if found.branches:
+        return found.branches[0]
+    axes = query.x0 / robot.kinematics.si_factors
+    if found.beyond is not None:
+        reason = f"only reached outside the limits of {', '.join(found.outside)}"
+        return replace(found.beyond, success=False, status="limits", reason=reason)
+    distance, angle = robot.kinematics.errors(query.x0, query.target, robot.task)
+    reason = "no branch of the closed form reaches the pose"
+    return IkResult(False, axes, "unreachable", distance, angle, 0, 0, robot.task, reason)
+
+
+def _method(query: Query) -> tuple[Method, ArmSolver | None]:
+    if query.robot.chain.loops:
+        return "restarts", None
+    if query_is_direct(query):
+        return "direct", None
+    serial = query.serial()
+    known = arm_solver(serial, query.robot.task)
+    if known is not None:
+        name, solver = known
+        return name, solver
+    through_eaik = eaik_solver(serial) if query.robot.task == "pose" else None
+    return ("EAIK", through_eaik) if through_eaik is not None else ("restarts", None)
+
+
+def _arm_candidates(query: Query, solver: ArmSolver) -> Iterator[tuple[Vector, tuple[str, ...]]]:
+    joints = np.array([screw.joint for screw in query.serial().screws], dtype=np.intp)
+    keep = query.q0[joints].tolist()
+    free_axes = query.structure.free
+    for values, free in solver(query.target.homogeneous, keep):
+        slopes = np.abs(query.robot.kinematics.dq_dx(query.x0)[np.ix_(joints, free_axes)])
+        loose = [int(free_axes[int(np.argmax(slopes[n]))]) for n, is_free in enumerate(free) if is_free]
+        for x in query.axes_for(joints, values, free_axes):
+            yield x, query.axis_names(loose)
+
+
+def _refuse_redundant(query: Query) -> None:
+    """Refuse a chain whose branches are no points but curves."""
+    free, task = query.structure.free, query.robot.task
+    if len(free) <= _ROWS[task]:
+        return
+    names = ", ".join(query.axis_names(free))
+    raise ChainbuildError(
+        f"{len(free)} axes are free and the pose determines {_ROWS[task]}: there is no end of solutions",
+        parameter="held",
+        permitted=f"{len(free) - _ROWS[task]} of {names} held",
+    )
+
+
+def _finished(robot: Robot, branch: Branch, method: Method) -> Branch:
+    if not has_status(robot):
+        return replace(branch, method=method)
+    status, turn = status_turn(robot, branch.axes)
+    return replace(branch, method=method, status_bits=status, turn_bits=turn)

@@ -1,0 +1,49 @@
+"""Six rotary axes through EAIK, which knows every arm that subproblems decompose (extra `analytic`)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from chainbuild.solve.arms import ArmSolver, Solution
+    from chainbuild.solve.serial import Serial
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+
+def eaik_robot(serial: Serial) -> Any | None:
+    """Return EAIK's model of six rotary axes, or None where EAIK is not installed or does not know the arm.
+
+    EAIK's joints turn about H in the frame of joint value 0; P leads from axis to axis, the last one to the tool.
+    """
+    if len(serial.screws) != 6 or any(screw.kind != "revolute" for screw in serial.screws):
+        return None
+    try:
+        from eaik.IK_HP import HPRobot
+    except ImportError:
+        return None
+    H = np.array([screw.direction for screw in serial.screws])
+    points = np.array([np.zeros(3), *(screw.point for screw in serial.screws), serial.M[:3, 3]])
+    robot = HPRobot(H, np.diff(points, axis=0))
+    return robot if robot.hasKnownDecomposition() else None
+
+
+def eaik_solver(serial: Serial) -> ArmSolver | None:
+    """Return the solver of six rotary axes through EAIK, or None."""
+    robot = eaik_robot(serial)
+    if robot is None:
+        return None
+    R_zero = serial.M[:3, :3]
+
+    def solve(target: Matrix, keep: Sequence[float]) -> list[Solution]:  # noqa: ARG001
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = target[:3, :3] @ R_zero.T, target[:3, 3]
+        rows = np.atleast_2d(np.asarray(robot.IK(pose).Q, dtype=float))
+        return [(row, (False,) * 6) for row in rows if row.shape == (6,) and np.isfinite(row).all()]
+
+    return solve

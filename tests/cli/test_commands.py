@@ -1,0 +1,167 @@
+"""info, check, types, urdf, inspect, demo: what they print, and what programs may read."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import chainbuild
+from chainbuild.conventions import conventions
+from tests.cli.conftest import REFERENCE, Run
+
+ARM = REFERENCE / "kin45_kr6r900_2.lis"
+
+
+def test_info_shows_what_was_read(run: Run) -> None:
+    outcome = run("info", "kr6r900_2")
+    assert outcome.code == 0
+    for words in ("TwinCAT CNC", "KIN_TYP 45", "HD8", "455", "KIN_TYP manual 3.3", "C1", "-170", "360 deg/s", "Rz(C)"):
+        assert words in outcome.out
+    assert "--defaults shows them" in outcome.out
+    assert "default" in run("info", "kr6r900_2", "--defaults").out
+
+
+def test_info_of_arrays_is_one_row_each(run: Run) -> None:
+    out = run("info", "kr6r900").out
+    assert "$MC_ROBX_TX3P3_POS[0…2]" in out
+    assert "420, 0, 35" in out
+
+
+def test_info_for_programs(run: Run) -> None:
+    data = json.loads(run("info", "kr6r900_2", "--json").out)
+    chain = chainbuild.load("kr6r900_2").chain()
+    assert [axis["name"] for axis in data["axes"]] == [axis.name for axis in chain.axes]
+    assert data["axes"][1]["lower"] == -190.0
+    assert data["kinematic"] == "KIN_TYP 45"
+    upper_arm = next(row for row in data["parameters"] if row["symbol"] == "HD8")
+    assert (upper_arm["value"], upper_arm["unit"], upper_arm["given"]) == (455, "mm", True)
+    assert upper_arm["line"] > 0
+    assert {"kinematics", "conventions", "findings", "dialect", "title"} <= set(data)
+
+
+def test_info_of_a_machine_that_uses_conventions(run: Run) -> None:
+    machine = REFERENCE / "kin58_trt_2.lis"
+    used = chainbuild.load(machine).chain().conventions
+    assert used
+    name = used[0].convention.name
+    other = next(choice for choice in used[0].convention.choices if choice != used[0].choice)
+    out = run("info", machine).out
+    assert name in out
+    assert "(default)" in out
+    data = json.loads(run("info", machine, "--json", "--convention", f"{name}={other}").out)
+    chosen = next(row for row in data["conventions"] if row["name"] == name)
+    assert (chosen["choice"], chosen["by_user"]) == (other, True)
+    assert chosen["verify"] == conventions()[name].verify
+
+
+def test_info_of_an_unsupported_kinematic_shows_it_and_refuses(run: Run) -> None:
+    Path("delta.lis").write_text("trafo[0].id 37\ntrafo[0].param[0] 1000000\nEnde\n", "utf-8")
+    outcome = run("info", "delta.lis")
+    assert outcome.code == 1
+    assert "KIN_TYP 37" in outcome.out
+    assert outcome.err.startswith("delta.lis:1: KIN_TYP 37")
+    data = json.loads(run("info", "delta.lis", "--json").out)
+    assert data["axes"] == []
+
+
+def test_check_accepts_and_refuses(run: Run) -> None:
+    accepted = run("check", ARM)
+    assert accepted.code == 0
+    assert accepted.out.endswith("accepted, no findings\n")
+    Path("bad.lis").write_text("trafo[0].id 45\ntrafo[0].param[6] 1,5\nEnde\n", "utf-8")
+    refused = run("check", "bad.lis")
+    assert refused.code == 1
+    assert "bad.lis:2: CB" in refused.out
+    assert refused.out.splitlines()[-1].startswith("bad.lis: refused (1 error")
+
+
+def test_check_for_programs(run: Run) -> None:
+    Path("bad.lis").write_text("trafo[0].id 45\ntrafo[0].param[6] 1,5\nEnde\n", "utf-8")
+    outcome = run("check", "bad.lis", "--json")
+    data = json.loads(outcome.out)
+    assert (outcome.code, data["refused"]) == (1, True)
+    finding = next(row for row in data["findings"] if row["severity"] == "error")
+    assert (finding["line"], finding["file"]) == (2, "bad.lis")
+
+
+def test_check_looks_at_the_selection(run: Run) -> None:
+    outcome = run("check", ARM, "--kinematic", "7")
+    assert outcome.code == 1
+    assert "no kinematic '7'" in outcome.out
+
+
+def test_check_prints_warnings_and_ends_with_0(run: Run) -> None:
+    outcome = run("check", "kr6r900")
+    assert outcome.code == 0
+    assert "CB307 warning" in outcome.out
+    assert "accepted (1 warning)" in outcome.out
+
+
+def test_types_lists_the_catalogue(run: Run) -> None:
+    out = run("types").out
+    data = json.loads(run("types", "--json").out)
+    assert [entry["kin_typ"] for entry in data] == list(chainbuild.catalogue())
+    assert "Six-axis articulated robot" in out
+    arm = next(entry for entry in data if entry["kin_typ"] == 45)
+    assert [axis["name"] for axis in arm["axes"]] == ["C1", "B1", "B2", "A1", "B3", "A2"]
+    assert arm["parameters"]
+
+
+def test_urdf_writes_and_tells(run: Run) -> None:
+    outcome = run("urdf", ARM)
+    path = Path("urdf_out/kin45_kr6r900_2/kin45_kr6r900_2.urdf")
+    assert outcome.code == 0
+    assert outcome.out.splitlines()[0] == str(path)
+    assert "not expressed: the limits of axis C1 are assumed" in outcome.out
+    assert path.is_file()
+    data = json.loads(run("urdf", ARM, "--output", "other", "--json").out)
+    assert Path(data["path"]).read_bytes() == path.read_bytes()
+    assert data["path"] == "other/kin45_kr6r900_2/kin45_kr6r900_2.urdf"
+    assert any("assumed" in line for line in data["not_expressed"])
+
+
+def test_inspect_writes_a_page(run: Run) -> None:
+    outcome = run("inspect", "kr6r900_2", "--export", "page.html")
+    assert (outcome.code, outcome.out) == (0, "page.html\n")
+    assert Path("page.html").read_text("utf-8").lstrip().lower().startswith("<!doctype html>")
+
+
+def test_demo_builds_every_shipped_machine(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "300")
+    outcome = run("demo")
+    assert outcome.code == 0
+    for name in chainbuild.shipped():
+        assert f"urdf_out/{name}/{name}.urdf" in outcome.out
+        assert Path(f"urdf_out/{name}/{name}.urdf").is_file()
+    assert f"chainbuild inspect {chainbuild.shipped()[-1]} --export page.html" in outcome.out
+
+
+def test_demo_of_one_machine(run: Run) -> None:
+    outcome = run("demo", "tx2_60", "-o", "out")
+    assert outcome.code == 0
+    assert [path.name for path in Path("out").iterdir()] == ["tx2_60"]
+
+
+def test_warnings_go_to_stderr_and_leave_stdout_to_the_result(run: Run) -> None:
+    outcome = run("urdf", "kr6r900", "--json")
+    assert outcome.code == 0
+    json.loads(outcome.out)
+    assert "CB307 warning" in outcome.err
+
+
+def test_a_named_overlay_is_used(run: Run) -> None:
+    Path("my.toml").write_text('name = "My arm"\n[limits]\nC1 = [-1, 2]\n', "utf-8")
+    data = json.loads(run("info", ARM, "--json", "--overlay", "my.toml").out)
+    assert data["title"] == "My arm"
+    assert (data["axes"][0]["lower"], data["axes"][0]["assumed"]) == (-1.0, False)
+
+
+@pytest.mark.parametrize("command", ["info", "check", "fk", "ik", "urdf", "inspect", "demo"])
+def test_brackets_in_files_are_no_markup(run: Run, command: str) -> None:
+    extra = {"fk": ["--axes", "a.csv"], "ik": ["--poses", "a.csv"], "inspect": ["--export", "p.html"]}
+    Path("[red]x[.lis").write_text("trafo[0].id 45\ntrafo[0].param[6] [bold]\nEnde\n", "utf-8")
+    outcome = run(command, "[red]x[.lis", *extra.get(command, []))
+    assert outcome.code == 1
+    assert "[red]x[.lis:2: " in outcome.out + outcome.err
