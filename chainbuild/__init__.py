@@ -1,11 +1,11 @@
 """chainbuild: from the machine data of a CNC to a kinematic model.
 
-    import chainbuild
+import chainbuild
 
-    machine = chainbuild.load("robot.tea")   # what the file says, typed, with findings
-    robot = machine.chain().build()          # a Pinocchio model
-    T = robot.fk([0, -90, 90, 0, 0, 0])      # tool in the workpiece frame, metres
-    result = robot.ik(T)                     # axis values, mm and degrees
+machine = chainbuild.load("robot.tea")   # what the file says, typed, with findings
+robot = machine.chain().build()          # a Pinocchio model
+T = robot.fk([0, -90, 90, 0, 0, 0])      # tool in the workpiece frame, metres
+result = robot.ik(T)                     # axis values, mm and degrees
 """
 
 from __future__ import annotations

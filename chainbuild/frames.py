@@ -12,7 +12,7 @@ array([ 0.,  0., -1.])
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
@@ -282,7 +282,23 @@ def matrix_from_quaternion(quaternion: Sequence[float]) -> Matrix:
     )
 
 
-def urdf_rpy(R: Matrix) -> tuple[float, float, float]:
-    """Return URDF's roll, pitch, yaw in radians: R = Rz(yaw)·Ry(pitch)·Rx(roll)."""
-    yaw, pitch, roll = _tait_bryan(R, 2, 1, 0)
-    return roll, pitch, yaw
+def urdf_rpy(R: Matrix, written: Callable[[float], float] = float) -> tuple[float, float, float]:
+    """Return URDF's roll, pitch, yaw in radians: R = Rz(yaw)·Ry(pitch)·Rx(roll), exact also close to pitch ±90°.
+
+    There roll and yaw are badly determined each, but not together. Yaw is therefore taken as it will be written, and
+    pitch and roll are read off what remains: an error of yaw is made good by roll.
+
+    Args:
+        R: (3, 3) rotation.
+        written: What a file makes of an angle: rounds it to the digits it keeps.
+    """
+    c, s = float(R[0, 0]), float(R[1, 0])
+    yaw = written(_half_open_rad(math.atan2(s, c))) if math.hypot(c, s) > tolerances.ANGLE_NOISE else 0.0
+    cy, sy = math.cos(yaw), math.sin(yaw)
+    rest = np.array([[cy, sy, 0.0], [-sy, cy, 0.0], [0.0, 0.0, 1.0]]) @ R
+    return _half_open_rad(math.atan2(-rest[1, 2], rest[1, 1])), math.atan2(-rest[2, 0], rest[0, 0]), yaw
+
+
+def _half_open_rad(angle: float) -> float:
+    """Return pi for an angle that noise alone has put at -pi."""
+    return math.pi if angle < tolerances.ANGLE_NOISE - math.pi else angle

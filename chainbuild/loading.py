@@ -37,8 +37,11 @@ def check(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None =
     collector = Collector(strict=False)
     try:
         machine = _read(path, overlay, collector)
-        for entry in machine.kinematics():
-            _try_chain(machine, entry.id, entry.channel, collector)
+        entries = machine.kinematics()
+        ids = [(entry.channel, entry.id) for entry in entries]
+        for entry in entries:
+            twice = ids.count((entry.channel, entry.id)) > 1
+            _try_chain(machine, entry.name if twice else entry.id, entry.channel, collector)
     except FileAccessError:
         raise
     except ChainbuildError as error:
@@ -46,7 +49,7 @@ def check(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None =
     return tuple(dict.fromkeys(collector.findings))
 
 
-def _try_chain(machine: Machine, kinematic: int, channel: int, collector: Collector) -> None:
+def _try_chain(machine: Machine, kinematic: int | str, channel: int, collector: Collector) -> None:
     try:
         chain = machine.chain(kinematic=kinematic, channel=channel)
         collector.findings.extend(chain.findings)

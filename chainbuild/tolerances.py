@@ -8,11 +8,15 @@ from typing import Final
 IK_POSITION_M: Final = 1e-6
 IK_ROTATION_RAD: Final = 1e-6
 
-# Angles this close to a multiple of 90° are taken as exact, so that files written on different machines agree to the last digit.
+# Angles this close to a multiple of 90° are taken as exact: files written on different machines then agree to the
+# last digit.
 RIGHT_ANGLE_DEG: Final = 1e-12
 
 # Below this cosine of the middle angle the first and third pose angle cannot be told apart (gimbal lock).
 GIMBAL_LOCK: Final = 1e-9
+
+# Arithmetic noise of an angle [rad] or of a cosine: below it nothing is told apart.
+ANGLE_NOISE: Final = 1e-13
 
 # A direction vector shorter than this is taken as zero.
 ZERO_VECTOR: Final = 1e-12

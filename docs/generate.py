@@ -22,7 +22,9 @@ _BLOCK = re.compile(r"(<!-- table: (?P<name>[\w-]+) -->\n).*?(<!-- end -->)", re
 def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """Return a Markdown table."""
     lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
-    lines += ["| " + " | ".join(str(cell).replace("|", "\\|").replace("\n", " ") for cell in row) + " |" for row in rows]
+    lines += [
+        "| " + " | ".join(str(cell).replace("|", "\\|").replace("\n", " ") for cell in row) + " |" for row in rows
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -62,7 +64,8 @@ def convention_table() -> str:
     parts = []
     for name, c in sorted(conventions().items()):
         choices = "\n".join(
-            f"- `{choice}`{' (default)' if choice == c.default else ''}: {meaning}" for choice, meaning in c.choices.items()
+            f"- `{choice}`{' (default)' if choice == c.default else ''}: {meaning}"
+            for choice, meaning in c.choices.items()
         )
         mark = "inferred" if c.mark == "I" else "open"
         parts.append(

@@ -34,7 +34,7 @@ ORDER = [
     "cli",
 ]
 
-# Where a lower room hands over to a higher one at run time: the methods that make `machine.chain().build().ik()` read well.
+# Where a lower room hands over to a higher one at run time, so that `machine.chain().build().ik()` reads well.
 DOORS = {
     ("chain/elements.py", "robot"),
     ("robot/robot.py", "solve"),

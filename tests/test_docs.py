@@ -35,7 +35,9 @@ def readme_python() -> str:
 
 
 def test_the_python_of_the_readme_runs(tmp_path: Path) -> None:
-    done = subprocess.run([sys.executable, "-c", readme_python()], cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", readme_python()], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
 
 
@@ -52,6 +54,10 @@ def test_the_commands_of_the_readme_run(tmp_path: Path) -> None:
     for command in commands:
         arguments = shlex.split(command, comments=True)[1:]
         done = subprocess.run(
-            [sys.executable, "-m", "chainbuild.cli", *arguments], cwd=tmp_path, capture_output=True, text=True, check=False
+            [sys.executable, "-m", "chainbuild.cli", *arguments],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
         )
         assert done.returncode == 0, f"{command}: {done.stderr}"

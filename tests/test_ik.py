@@ -25,7 +25,13 @@ def three_axes() -> Robot:
 
 
 def on_track() -> Robot:
-    elements: list[Element] = [linear("X1", "x"), rotary("A1", "z"), rotary("A2", "y"), shift(x=455.0), rotary("A3", "y")]
+    elements: list[Element] = [
+        linear("X1", "x"),
+        rotary("A1", "z"),
+        rotary("A2", "y"),
+        shift(x=455.0),
+        rotary("A3", "y"),
+    ]
     elements += [shift(x=420.0), rotary("A4", "x"), rotary("A5", "y"), rotary("A6", "x"), shift(x=80.0)]
     return Robot(make_chain(elements, [], "A1 A2 A3 A4 A5 A6 X1", held=("X1",)))
 
@@ -98,7 +104,7 @@ def test_input_axes_are_held() -> None:
         found = robot.ik(target, held=held)
         assert found.success
         assert found.axes[6] == 250.0
-    assert robot.ik(target, start=axes + [1, 1, 1, 1, 1, 1, 0]).axes[6] == 250.0
+    assert robot.ik(target, start=axes + np.array([1, 1, 1, 1, 1, 1, 0])).axes[6] == 250.0
     assert robot.ik(target).axes[6] == 0.0
 
 

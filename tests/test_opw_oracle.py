@@ -12,8 +12,8 @@ import chainbuild
 
 # Published OPW parameters (mm); their zero has the arm stretched upwards, KUKA's lies along +X.
 PARAMETERS = {
-    "kr6r900": dict(a1=25.0, a2=-35.0, b=0.0, c1=400.0, c2=455.0, c3=420.0, c4=80.0),
-    "kr6r900_2": dict(a1=25.0, a2=-25.0, b=0.0, c1=400.0, c2=455.0, c3=420.0, c4=90.0),
+    "kr6r900": {"a1": 25.0, "a2": -35.0, "b": 0.0, "c1": 400.0, "c2": 455.0, "c3": 420.0, "c4": 80.0},
+    "kr6r900_2": {"a1": 25.0, "a2": -25.0, "b": 0.0, "c1": 400.0, "c2": 455.0, "c3": 420.0, "c4": 90.0},
 }
 SIGNS = np.array([-1.0, 1.0, 1.0, -1.0, 1.0, -1.0])
 ZERO = np.array([0.0, 90.0, 0.0, 0.0, 0.0, 0.0])

@@ -11,7 +11,9 @@ from chainbuild.chain.elements import Axis, Chain
 from chainbuild.errors import AxisValueError, ChainbuildError, ChainError
 from chainbuild.robot.robot import Robot
 
-LIMITS = {"A1": (-170, 170), "A2": (-190, 45), "A3": (-120, 156), "A4": (-185, 185), "A5": (-120, 120), "A6": (-350, 350)}
+LIMITS = {
+    "A1": (-170, 170), "A2": (-190, 45), "A3": (-120, 156), "A4": (-185, 185), "A5": (-120, 120), "A6": (-350, 350),
+}  # fmt: skip
 
 
 def make_chain(tool: list[Element], workpiece: list[Element], names: str, held: tuple[str, ...] = ()) -> Chain:
@@ -22,7 +24,9 @@ def make_chain(tool: list[Element], workpiece: list[Element], names: str, held: 
         lower, upper = LIMITS.get(name, (-bound, bound))
         axes.append(Axis(name, kind, "mm" if kind == "linear" else "deg", lower, upper, False, held=name in held))
     body = assemble(axes, tool, workpiece)
-    return Chain("test", "Test", "test", "test", body.links, body.joints, body.frames, tuple(axes), body.axis_map, "orirpy")
+    return Chain(
+        "test", "Test", "test", "test", body.links, body.joints, body.frames, tuple(axes), body.axis_map, "orirpy"
+    )
 
 
 def arm_elements() -> list[Element]:
@@ -39,7 +43,12 @@ def arm() -> Robot:
 
 def table_machine() -> Robot:
     tool: list[Element] = [linear("X", "x"), linear("Y", "y"), linear("Z", "z"), shift(z=-87.5), mark("flange")]
-    workpiece: list[Element] = [shift(-100.0, 5.0, -30.0), rotary("A", "x", sign=-1.0, offset_deg=12.0), shift(z=50.0), rotary("C", "z")]
+    workpiece: list[Element] = [
+        shift(-100.0, 5.0, -30.0),
+        rotary("A", "x", sign=-1.0, offset_deg=12.0),
+        shift(z=50.0),
+        rotary("C", "z"),
+    ]
     return Robot(make_chain(tool, workpiece, "X Y Z A C"))
 
 
@@ -72,7 +81,7 @@ def test_axes_and_joint_values_are_inverse(make) -> None:
 
 def test_model_has_the_promised_names() -> None:
     robot = arm()
-    assert [name for name in robot.model.names][1:] == ["A1", "A2", "A3", "A4", "A5", "A6"]
+    assert list(robot.model.names)[1:] == ["A1", "A2", "A3", "A4", "A5", "A6"]
     for name in ("base", "flange", "tool", "workpiece"):
         assert robot.model.existFrame(name)
     assert robot.model.nq == robot.model.nv == 6
@@ -138,7 +147,14 @@ def test_tasks_are_chosen_by_what_a_chain_can_do() -> None:
     assert table_machine().task == "direction"
     three: list[Element] = [linear("X", "x"), linear("Y", "y"), linear("Z", "z")]
     assert Robot(make_chain(three, [], "X Y Z")).task == "position"
-    scara: list[Element] = [rotary("C1", "z"), shift(x=225.0), rotary("C2", "z"), shift(x=175.0), linear("Z", "z"), rotary("C3", "z")]
+    scara: list[Element] = [
+        rotary("C1", "z"),
+        shift(x=225.0),
+        rotary("C2", "z"),
+        shift(x=175.0),
+        linear("Z", "z"),
+        rotary("C3", "z"),
+    ]
     assert Robot(make_chain(scara, [], "C1 C2 Z C3")).task == "pose"
 
 

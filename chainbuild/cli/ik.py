@@ -38,13 +38,12 @@ def ik(
 
     The table has x_mm, y_mm, z_mm and an orientation: qx, qy, qz, qw, or a_deg, b_deg, c_deg in the angles of the
     controller; for machines of fewer than six axes also tool_x, tool_y, tool_z. Every answer is verified by forward
-    kinematics. A row without solution has a status and leaves the axes empty; then the command ends with 3.
+    kinematics. A row without solution keeps its status and no axis values; the command then ends with 3.
 
     Args:
         file: A machine file, or the name of a shipped machine.
         poses: CSV table of poses.
-        start: CSV table of axis values to start from: one row for all poses, or one a pose. Without it every pose
-            starts at the solution before it.
+        start: CSV table of axis values to start from: one row, or one a pose. Without it: the solution before.
         output_file: CSV table of axis values to write. Without it: stdout.
         options: Which kinematic.
     """
@@ -59,7 +58,8 @@ def ik(
         for result in with_progress(_solutions(robot, table, starts), table, "axis values"):
             statuses[result.status] += 1
             angle = deg_from_rad(result.rotation_error) if table.oriented else None
-            writer.write(result.axes if result.success else None, result.status, mm_from_m(result.position_error), angle)
+            axes, distance = result.axes if result.success else None, mm_from_m(result.position_error)
+            writer.write(axes, result.status, distance, angle)
     failed = statuses.total() - statuses["ok"]
     if failed:
         reasons = ", ".join(f"{count} {status}" for status, count in sorted(statuses.items()) if status != "ok")

@@ -10,13 +10,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
 from chainbuild import tolerances
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint, Matrix
 from chainbuild.errors import ChainError
-from chainbuild.frames import inverse, shift
+from chainbuild.frames import inverse, shift, urdf_rpy
 from chainbuild.out import notes
 from chainbuild.out.bodies import (
     BASE_COLOUR,
@@ -42,7 +40,6 @@ _DEFAULT_EFFORT: Final = {"revolute": 1000.0, "prismatic": 10_000.0}  # N·m, N
 # Which of the drawn details is the body of which tip, and how large the mark is where a drawing shows nothing.
 _TIPS: Final = {"flange": "flange", "tool": "tool", "table": "workpiece"}
 _MARK_SHARE: Final = 0.01
-_POLE: Final = 1e-13  # cosine of the pitch below which yaw is noise
 
 
 def write_urdf(robot: Robot, folder: Path | str = "urdf_out") -> Path:
@@ -118,7 +115,7 @@ def _add_link(root: ET.Element, name: str, body: Body) -> None:
 
 def _add_body(parent: ET.Element, body: Body) -> None:
     T = body.T_link_body
-    xyz, rpy = _drawn(T[:3, 3].tolist()), _drawn(stable_rpy(T[:3, :3]))
+    xyz, rpy = _drawn(T[:3, 3].tolist()), _drawn(urdf_rpy(T[:3, :3]))
     ET.SubElement(parent, "origin", xyz=xyz, rpy=rpy)
     geometry = ET.SubElement(parent, "geometry")
     if body.kind == "box":
@@ -176,28 +173,12 @@ def _tip_body(chain: Chain, frame: Frame, drawn: Body | None) -> Body:
     return Body(frame.name, "tool", shift(), "sphere", (size,), colour)
 
 
+def _as_written(angle: float) -> float:
+    return float(angle_text(angle))
+
+
 def _add_connection(element: ET.Element, T: Matrix, parent: str, child: str) -> None:
-    rpy = " ".join(angle_text(angle) for angle in stable_rpy(T[:3, :3]))
+    rpy = " ".join(angle_text(angle) for angle in urdf_rpy(T[:3, :3], _as_written))
     ET.SubElement(element, "origin", xyz=numbers_text(T[:3, 3].tolist()), rpy=rpy)
     ET.SubElement(element, "parent", link=parent)
     ET.SubElement(element, "child", link=child)
-
-
-def stable_rpy(R: Matrix) -> tuple[float, float, float]:
-    """Return roll, pitch, yaw [rad] with R = Rz(yaw)·Ry(pitch)·Rx(roll), exact also close to pitch ±90°.
-
-    There roll and yaw are badly determined each, but not together. Yaw is therefore taken as it will be written, and
-    pitch and roll are read off what remains: an error of yaw is made good by roll.
-    """
-    c, s = float(R[0, 0]), float(R[1, 0])
-    yaw = float(angle_text(_folded(math.atan2(s, c)))) if math.hypot(c, s) > _POLE else 0.0
-    cy, sy = math.cos(yaw), math.sin(yaw)
-    rest = np.array([[cy, sy, 0.0], [-sy, cy, 0.0], [0.0, 0.0, 1.0]]) @ R
-    roll = math.atan2(-rest[1, 2], rest[1, 1])
-    pitch = math.atan2(-rest[2, 0], rest[0, 0])
-    return _folded(roll), pitch, yaw
-
-
-def _folded(angle: float) -> float:
-    """Return pi for an angle that noise alone has put at -pi."""
-    return math.pi if angle < _POLE - math.pi else angle

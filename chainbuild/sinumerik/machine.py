@@ -82,8 +82,11 @@ class RobxMachine(Machine):
 
     def parameters(self, kinematic: int | str | None = None, channel: int | None = None) -> tuple[ParameterRow, ...]:
         """Return every datum of a transformation with value, meaning and source."""
-        robx, _ = self._choose(kinematic, channel, Collector())
-        return parameter_rows(robx, self.tool, Choices(self.overlay.conventions))
+        return parameter_rows(self.transformation(kinematic, channel), self.tool, Choices(self.overlay.conventions))
+
+    def transformation(self, kinematic: int | str | None = None, channel: int | None = None) -> Robx:
+        """Return the typed data of a transformation; `control` holds motion limits and the iteration's budget."""
+        return self._choose(kinematic, channel, Collector())[0]
 
     def chain(
         self,

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from chainbuild import frames
 from chainbuild.errors import Span
 from chainbuild.sinumerik.catalogue import catalogue
+from chainbuild.sinumerik.control import Control, read_control
 from chainbuild.sinumerik.data_table import ChannelData
-from chainbuild.sinumerik.dynamics import Dynamics, read_dynamics
 
 Vector3 = tuple[float, float, float]
 Package = Literal["ROBX", "TE4"]
@@ -75,13 +75,12 @@ class ExtraGroup:
 
 
 @dataclass(frozen=True, slots=True)
-class ControllerSolver:
-    """Budget of the control's iterative inverse (ROBX manual 7.1.7, MD62967–62970)."""
+class DhLink:
+    """Denavit-Hartenberg data from one wrist axis to the next: Tz(d)·Tx(a)·Rx(alpha)."""
 
-    max_count: int
-    precision: float
-    limit_deg: float
-    limit2_deg: float
+    d_mm: float
+    a_mm: float
+    alpha_deg: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,18 +94,20 @@ class Robx:
         axes_in: Channel axis at each of the inputs 0 … 14, 0 for none.
         main_axes: 1 SS, 2 CC, 3 NR, 4 SC, 5 RR, 6 CS, 7 NN.
         wrist: 1 none, 2 central, 3 inclined, 5 angled, 6 inclined with offsets.
-        tflwp_c_given: False where the third angle of `tflwp` is a default that the manual has lost.
+        dh: From axis 4 to 5 and from axis 5 to 6.
         mames: mm or degrees, by the kind of the axis.
         axis_seq: Input axis that serves as internal axis i + 1.
         toa_start: First $TC_DPC parameter of the tool angles; 0 none, -1 vectors.
+        feature_mask: Bit 0 runs the angle C of a 4-axis SCARA on.
+        c_angle_offset_deg: C at mathematical zero with its sign reversed.
         parallel_limits_deg: Limit angles of the parallelogram.
+        control: What has no bearing on the geometry.
     """
 
     data: ChannelData
     transformation: int
     package: Package
     axes_in: tuple[int, ...]
-    kinclass: int
     special_kin: int
     main_axes: int
     wrist: int
@@ -118,12 +119,9 @@ class Robx:
     tiroro: FrameData
     tx3p3: FrameData
     tflwp: FrameData
-    tflwp_c_given: bool
     ttcfl: FrameData
     tfl_ext_rpy_deg: Vector3
-    dh_a_mm: tuple[float, float]
-    dh_d_mm: tuple[float, float]
-    dh_alpha_deg: tuple[float, float]
+    dh: tuple[DhLink, DhLink]
     mames: tuple[float, ...]
     axes_dir: tuple[int, ...]
     axis_seq: tuple[int, ...]
@@ -132,13 +130,10 @@ class Robx:
     flange: ExtraGroup
     toa_start: int
     tool_dir: int
-    grip_reset_mode: int
-    a_dbd_start_index: int
     feature_mask: int
     c_angle_offset_deg: float
     parallel_limits_deg: tuple[float, float]
-    solver: ControllerSolver
-    dynamics: Dynamics
+    control: Control
 
     @property
     def arrangement(self) -> str:
@@ -149,6 +144,11 @@ class Robx:
     def type_text(self) -> str:
         """Short type: "ROBX NR, 6 axes"."""
         return f"{self.package} {self.arrangement}, {self.num_axes} axes"
+
+    @property
+    def tflwp_c_given(self) -> bool:
+        """False where the third angle of `tflwp` is a default, which the manual has lost."""
+        return self.data.row("ROBX_TFLWP_RPY", 2) is not None
 
     def span(self, *names: str) -> Span | None:
         """Return where the file gives the first of the named data, else where it gives the transformation's type."""
@@ -169,57 +169,57 @@ class Robx:
 
 def read_robx(data: ChannelData, transformation: int) -> Robx:
     """Type the data of one transformation; values the file does not give are the catalogue's defaults."""
-
-    def one(name: str) -> int:
-        return int(data.number(f"ROBX_{name}"))
-
-    def pair(name: str) -> tuple[float, float]:
-        first, second = data.numbers(f"ROBX_{name}")
-        return first, second
-
-    def frame(name: str) -> FrameData:
-        return FrameData(data.vector(f"ROBX_{name}_POS"), data.vector(f"ROBX_{name}_RPY"))
-
     axes_in = data.integers(f"TRAFO_AXES_IN_{transformation}")
     return Robx(
         data=data,
         transformation=transformation,
         package="TE4" if data.te4 else "ROBX",
         axes_in=axes_in,
-        kinclass=one("KINCLASS"),
-        special_kin=one("SPECIAL_KIN"),
-        main_axes=one("MAIN_AXES"),
-        wrist=one("WRIST_AXES"),
-        num_axes=one("NUM_AXES"),
-        a4par=bool(one("A4PAR")),
+        special_kin=_integer(data, "SPECIAL_KIN"),
+        main_axes=_integer(data, "MAIN_AXES"),
+        wrist=_integer(data, "WRIST_AXES"),
+        num_axes=_integer(data, "NUM_AXES"),
+        a4par=bool(_integer(data, "A4PAR")),
         axes_type=data.integers("ROBX_AXES_TYPE"),
-        lengths_mm=pair("MAIN_LENGTH_AB"),
-        trowo=frame("TROWO"),
-        tiroro=frame("TIRORO"),
-        tx3p3=frame("TX3P3"),
-        tflwp=frame("TFLWP"),
-        tflwp_c_given=data.row("ROBX_TFLWP_RPY", 2) is not None,
-        ttcfl=frame("TTCFL"),
+        lengths_mm=_pair(data, "MAIN_LENGTH_AB"),
+        trowo=_frame(data, "TROWO"),
+        tiroro=_frame(data, "TIRORO"),
+        tx3p3=_frame(data, "TX3P3"),
+        tflwp=_frame(data, "TFLWP"),
+        ttcfl=_frame(data, "TTCFL"),
         tfl_ext_rpy_deg=data.vector("ROBX_TFL_EXT_RPY"),
-        dh_a_mm=pair("DHPAR4_5A"),
-        dh_d_mm=pair("DHPAR4_5D"),
-        dh_alpha_deg=pair("DHPAR4_5ALPHA"),
+        dh=(_dh(data, 0), _dh(data, 1)),
         mames=data.numbers("ROBX_MAMES"),
         axes_dir=data.integers("ROBX_AXES_DIR"),
         axis_seq=data.integers("ROBX_AXIS_SEQ"),
         base_axes=_extra_axes(data, axes_in, 6, "EX", "EXT_AXIS_VECTOR", "EXT_AX_OFFSET"),
         table=_table(data, axes_in),
         flange=_flange(data, axes_in),
-        toa_start=one("CC_TOA_START_NUM"),
-        tool_dir=one("TOOL_DIR"),
-        grip_reset_mode=one("GRIP_REL_RESET_MODE"),
-        a_dbd_start_index=one("A_DBD_START_INDEX"),
-        feature_mask=one("SPECIAL_FEATURE_MASK"),
+        toa_start=_integer(data, "CC_TOA_START_NUM"),
+        tool_dir=_integer(data, "TOOL_DIR"),
+        feature_mask=_integer(data, "SPECIAL_FEATURE_MASK"),
         c_angle_offset_deg=data.number("ROBX_C_ANGLE_OFFSET"),
-        parallel_limits_deg=pair("SW_LIMITS_PARALLEL"),
-        solver=_solver(data),
-        dynamics=read_dynamics(data),
+        parallel_limits_deg=_pair(data, "SW_LIMITS_PARALLEL"),
+        control=read_control(data),
     )
+
+
+def _integer(data: ChannelData, name: str) -> int:
+    return int(data.number(f"ROBX_{name}"))
+
+
+def _pair(data: ChannelData, name: str) -> tuple[float, float]:
+    first, second = data.numbers(f"ROBX_{name}")
+    return first, second
+
+
+def _frame(data: ChannelData, name: str) -> FrameData:
+    return FrameData(data.vector(f"ROBX_{name}_POS"), data.vector(f"ROBX_{name}_RPY"))
+
+
+def _dh(data: ChannelData, n: int) -> DhLink:
+    d, a, alpha = (data.number(f"ROBX_DHPAR4_5{letter}", n) for letter in ("D", "A", "ALPHA"))
+    return DhLink(d, a, alpha)
 
 
 def _extra_axes(
@@ -251,13 +251,4 @@ def _flange(data: ChannelData, axes_in: tuple[int, ...]) -> ExtraGroup:
         _extra_axes(data, axes_in, 12, "EF", "EXT_FL_ROT_AX_VECTOR", "EXT_FL_ROT_AX_OFFSET"),
         data.vector("ROBX_EXT_FL_ROT_BASE_OFFSET"),
         (data.vector("ROBX_EXT_FL_ROT_JOINT_OFF_1"), data.vector("ROBX_EXT_FL_ROT_JOINT_OFF_2")),
-    )
-
-
-def _solver(data: ChannelData) -> ControllerSolver:
-    return ControllerSolver(
-        int(data.number("ROBX_ITERMAXCOUNT")),
-        data.number("ROBX_ITERPRECISION"),
-        data.number("ROBX_ITERLIMIT"),
-        data.number("ROBX_ITERLIMIT2"),
     )

@@ -181,7 +181,7 @@ def check_gripper(robx: Robx, collector: Collector, *, asked: bool) -> None:
         asked: True where the user asks for it; False: only where MD62951 switches it on after a reset.
     """
     report = Report(robx, collector)
-    if not asked and robx.grip_reset_mode != _GRIPPER_ON:
+    if not asked and robx.control.grip_reset_mode != _GRIPPER_ON:
         return
     if robx.num_axes < _ROBOT_INPUTS:
         hint = "the alarm's text also names 5-axis robots of type SS, CC or SC; section 9.2.1 excludes them"

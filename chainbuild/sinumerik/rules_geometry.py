@@ -6,6 +6,8 @@ with a warning.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from chainbuild import frames
@@ -23,6 +25,7 @@ _CENTRAL, _INCLINED, _ANGLED = 2, 3, 5
 _RIGHT_ANGLE_DEG = 1e-6
 _LENGTH_MM = 1e-9
 _DEGENERATE_DEG = 10.0
+_PRINTED_ALPHA = (-90.0, 90.0)
 _ENDLESS, _ROTARY, _LINEAR = 4, 3, 1
 
 
@@ -59,8 +62,8 @@ def _check_lengths(report: Report) -> None:
 def _check_wrist(report: Report) -> None:
     """Check the Denavit-Hartenberg data that count against the wrist's type (ROBX manual 5.3.11–5.3.14)."""
     robx = report.robx
-    used = robx.num_axes - 4
-    a, d, alpha = robx.dh_a_mm[:used], robx.dh_d_mm[:used], robx.dh_alpha_deg[:used]
+    used = robx.dh[: robx.num_axes - 4]
+    a, d, alpha = [link.a_mm for link in used], [link.d_mm for link in used], [link.alpha_deg for link in used]
     if robx.wrist in (_CENTRAL, _INCLINED):
         for name, values in (("DHPAR4_5A", a), ("DHPAR4_5D", d)):
             if any(abs(value) > _LENGTH_MM for value in values):
@@ -73,18 +76,18 @@ def _check_wrist(report: Report) -> None:
     _check_slant(report, alpha)
 
 
-def _check_right_angles(report: Report, alpha: tuple[float, ...]) -> None:
+def _check_right_angles(report: Report, alpha: Sequence[float]) -> None:
     robx = report.robx
     if any(abs(abs(angle) - 90.0) > _RIGHT_ANGLE_DEG for angle in alpha):
         text = f"the axes of a {WRISTS[robx.wrist]} are perpendicular, but DHPAR4_5ALPHA is not ±90"
         report.add("CB306", text, ("DHPAR4_5ALPHA",), permitted="(-90, 90), or wrist type 3 or 6")
-    elif alpha and alpha != (-90.0, 90.0)[: len(alpha)]:
+    elif tuple(alpha) != _PRINTED_ALPHA[: len(alpha)]:
         shown = ", ".join(f"{angle:g}" for angle in alpha)
         text = f"DHPAR4_5ALPHA is ({shown}); the manual prints (-90, 90). The chain follows the data"
         report.add("CB307", text, ("DHPAR4_5ALPHA",), permitted="(-90, 90)")
 
 
-def _check_slant(report: Report, alpha: tuple[float, ...]) -> None:
+def _check_slant(report: Report, alpha: Sequence[float]) -> None:
     for n, angle in enumerate(alpha):
         sine = abs(frames.cos_sin_deg(angle)[1])
         if sine < _RIGHT_ANGLE_DEG and report.robx.wrist == _INCLINED:
@@ -114,12 +117,13 @@ def _listed(robx: Robx) -> str | None:
         return None
     if robx.wrist == _ANGLED:
         return "the manual does not list this wrist for it"
-    a, d, alpha = any(robx.dh_a_mm), any(robx.dh_d_mm), robx.dh_alpha_deg
+    a, d = any(link.a_mm for link in robx.dh), any(link.d_mm for link in robx.dh)
     if robx.arrangement == "NR":
         return "the manual asks for DHPAR4_5A = 0" if a else None
     if robx.arrangement == "SC":
         return "the manual asks for DHPAR4_5D = 0" if d else None
-    fits = not a and robx.dh_d_mm[0] == 0.0 and alpha == (-90.0, 90.0)
+    first, second = robx.dh
+    fits = not a and first.d_mm == 0.0 and (first.alpha_deg, second.alpha_deg) == _PRINTED_ALPHA
     return None if fits else "the manual asks for DHPAR4_5A = 0, DHPAR4_5D[0] = 0 and DHPAR4_5ALPHA = (-90, 90)"
 
 

@@ -25,4 +25,5 @@ def wrist(robx: Robx, axes: InternalAxes) -> Sequence[Element]:
 
 def dh(robx: Robx, n: int) -> Fixed:
     """Return the fixed part from wrist axis 4 + n to the next one."""
-    return Fixed(frames.dh_link(robx.dh_d_mm[n], robx.dh_a_mm[n], robx.dh_alpha_deg[n]))
+    link = robx.dh[n]
+    return Fixed(frames.dh_link(link.d_mm, link.a_mm, link.alpha_deg))

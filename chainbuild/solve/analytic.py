@@ -5,18 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from chainbuild.chain.elements import Task
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot.robot import as_pose
-from chainbuild.solve.arms import ArmSolver, arm_solver
-from chainbuild.solve.branches import Branch, Found, Query
+from chainbuild.solve.arms import ArmName, ArmSolver, arm_solver
+from chainbuild.solve.axis_values import axes_for
+from chainbuild.solve.branches import Branch, Found, collect
 from chainbuild.solve.direct import find_direct, query_is_direct
 from chainbuild.solve.eaik_arm import eaik_solver
 from chainbuild.solve.gather import gather
+from chainbuild.solve.query import Query
 from chainbuild.solve.result import IkResult
+from chainbuild.solve.serial import Serial
 from chainbuild.solve.start import Held
 from chainbuild.solve.status_turn import has_status, status_turn
 
@@ -26,9 +31,10 @@ if TYPE_CHECKING:
     from chainbuild.robot.robot import Robot
 
 Vector = NDArray[np.float64]
-Method = Literal["direct", "spherical wrist", "single wrist axis", "parallel arm", "position", "EAIK", "restarts"]
+Method = ArmName | Literal["direct", "EAIK", "restarts"]
 
 _ROWS = {"pose": 6, "direction": 5, "position": 3}
+_solvers: WeakKeyDictionary[Serial, tuple[Method, ArmSolver | None]] = WeakKeyDictionary()
 
 
 def ik_all(
@@ -62,10 +68,13 @@ def find_all(query: Query) -> Found:
     if method == "direct":
         found = find_direct(query)
     elif solver is not None:
-        found = query.collect(_arm_candidates(query, solver))
-    else:
+        found = collect(query, _arm_candidates(query, solver))
+        if query.robot.task == "direction" and found.beyond is None and not found.branches:
+            # The closed form met the turn about the tool vector, which the task leaves open and the robot cannot do.
+            method, solver = "restarts", None
+    if method == "restarts":
         _refuse_redundant(query)
-        found = query.collect((x, ()) for x in gather(query))
+        found = collect(query, ((x, ()) for x in gather(query)))
     return replace(found, branches=tuple(_finished(query.robot, branch, method) for branch in found.branches))
 
 
@@ -108,11 +117,16 @@ def _method(query: Query) -> tuple[Method, ArmSolver | None]:
     if query_is_direct(query):
         return "direct", None
     serial = query.serial()
-    known = arm_solver(serial, query.robot.task)
+    if serial not in _solvers:
+        _solvers[serial] = _arm(serial, query.robot.task)
+    return _solvers[serial]
+
+
+def _arm(serial: Serial, task: Task) -> tuple[Method, ArmSolver | None]:
+    known = arm_solver(serial, task)
     if known is not None:
-        name, solver = known
-        return name, solver
-    through_eaik = eaik_solver(serial) if query.robot.task == "pose" else None
+        return known
+    through_eaik = eaik_solver(serial) if task == "pose" else None
     return ("EAIK", through_eaik) if through_eaik is not None else ("restarts", None)
 
 
@@ -121,10 +135,8 @@ def _arm_candidates(query: Query, solver: ArmSolver) -> Iterator[tuple[Vector, t
     keep = query.q0[joints].tolist()
     free_axes = query.structure.free
     for values, free in solver(query.target.homogeneous, keep):
-        slopes = np.abs(query.robot.kinematics.dq_dx(query.x0)[np.ix_(joints, free_axes)])
-        loose = [int(free_axes[int(np.argmax(slopes[n]))]) for n, is_free in enumerate(free) if is_free]
-        for x in query.axes_for(joints, values, free_axes):
-            yield x, query.axis_names(loose)
+        for x in axes_for(query, joints, values, free_axes):
+            yield x, query.axis_names(query.loose_axes(joints, free, free_axes))
 
 
 def _refuse_redundant(query: Query) -> None:

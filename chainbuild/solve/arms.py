@@ -11,7 +11,7 @@ A robot that carries the workpiece stands on its wrist: the same arms are solved
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,13 +28,14 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+ArmName = Literal["spherical wrist", "single wrist axis", "parallel arm", "position"]
 Solution = tuple[Vector, tuple[bool, ...]]  # joint values in the order of the screws, and which of them are free
 ArmSolver = Callable[[Matrix, Sequence[float]], list[Solution]]  # (target (4, 4), values to keep) → solutions
 
 _ACROSS: Final = 1e-9
 
 
-def arm_solver(serial: Serial, task: Task) -> tuple[str, ArmSolver] | None:
+def arm_solver(serial: Serial, task: Task) -> tuple[ArmName, ArmSolver] | None:
     """Return name and solver of an arm, or None where no closed form is known here.
 
     Args:
@@ -49,7 +50,7 @@ def arm_solver(serial: Serial, task: Task) -> tuple[str, ArmSolver] | None:
     return None
 
 
-def _forward_solver(serial: Serial, task: Task) -> tuple[str, ArmSolver] | None:
+def _forward_solver(serial: Serial, task: Task) -> tuple[ArmName, ArmSolver] | None:
     screws = serial.screws
     if task == "position" or len(screws) not in (4, 5, 6):
         reach = positioner(screws) if task == "position" and len(screws) == 3 else None

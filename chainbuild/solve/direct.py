@@ -21,8 +21,10 @@ from chainbuild import tolerances
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import transform
 from chainbuild.robot.robot import as_pose
-from chainbuild.solve.branches import Found, Query
+from chainbuild.solve.axis_values import axes_for
+from chainbuild.solve.branches import Found, collect, verified
 from chainbuild.solve.orientation import Turns, for_direction, for_rotation
+from chainbuild.solve.query import Query
 from chainbuild.solve.result import IkResult
 from chainbuild.solve.start import Held
 
@@ -83,7 +85,7 @@ def solve_direct(
 
 def find_direct(query: Query) -> Found:
     """Return the direct solutions of a query for which `query_is_direct` holds."""
-    return query.collect(_candidates(query))
+    return collect(query, _candidates(query))
 
 
 def linear_axes_for(robot: Robot, position: ArrayLike, axes: ArrayLike) -> IkResult:
@@ -103,7 +105,7 @@ def linear_axes_for(robot: Robot, position: ArrayLike, axes: ArrayLike) -> IkRes
     if not query_is_direct(query):
         raise ChainbuildError("this kinematic has no direct solution")
     x = _with_linear_axes(query, query.x0.copy())
-    branch = None if x is None else query.verified(x)
+    branch = None if x is None else verified(query, x)
     if x is None or branch is None:
         return IkResult(
             False, values, "unreachable", np.inf, np.inf, 1, 0, "position", "no pose at these rotary angles"
@@ -120,8 +122,8 @@ def _candidates(query: Query) -> Iterator[tuple[Vector, tuple[str, ...]]]:
     structure = query.structure
     columns = structure.rotary[: len(structure.revolute)]  # axes beyond these (a virtual one) stay at the start
     for turns, joints in _rotary_solutions(query):
-        free = _free_columns(query, joints, turns, columns)
-        for x in query.axes_for(joints, np.array(turns.angles), columns):
+        free = query.loose_axes(joints, turns.free, columns)
+        for x in axes_for(query, joints, np.array(turns.angles), columns):
             for full in _placed(query, x, free):
                 yield full, query.axis_names(free)
 
@@ -132,20 +134,12 @@ def _placed(query: Query, x: Vector, free: list[int]) -> Iterator[Vector]:
         kept = x.copy()
         kept[free] = query.x0[free]
         placed = _with_linear_axes(query, kept)
-        if placed is not None and query.verified(placed) is not None:
+        if placed is not None and verified(query, placed) is not None:
             yield placed
             return
     placed = _with_linear_axes(query, x)
     if placed is not None:
         yield placed
-
-
-def _free_columns(query: Query, joints: NDArray[np.intp], turns: Turns, columns: NDArray[np.intp]) -> list[int]:
-    """Return the axes behind joints that are free."""
-    if not any(turns.free):
-        return []
-    slopes = np.abs(query.robot.kinematics.dq_dx(query.x0)[np.ix_(joints, columns)])
-    return [int(columns[int(np.argmax(slopes[n]))]) for n, free in enumerate(turns.free) if free]
 
 
 def _with_linear_axes(query: Query, x: Vector) -> Vector | None:

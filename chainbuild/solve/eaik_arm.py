@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,12 +25,12 @@ def eaik_robot(serial: Serial) -> Any | None:
     if len(serial.screws) != 6 or any(screw.kind != "revolute" for screw in serial.screws):
         return None
     try:
-        from eaik.IK_HP import HPRobot
+        eaik = import_module("eaik.IK_HP")
     except ImportError:
         return None
     H = np.array([screw.direction for screw in serial.screws])
     points = np.array([np.zeros(3), *(screw.point for screw in serial.screws), serial.M[:3, 3]])
-    robot = HPRobot(H, np.diff(points, axis=0))
+    robot: Any = eaik.HPRobot(H, np.diff(points, axis=0))
     return robot if robot.hasKnownDecomposition() else None
 
 

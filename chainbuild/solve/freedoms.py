@@ -115,7 +115,8 @@ class Freedoms:
         distance = float(np.linalg.norm(target.translation))
         if distance <= self.reach:
             return ""
-        return f"too far: {distance * 1000:.1f} mm from the workpiece frame, the kinematic reaches {self.reach * 1000:.1f} mm"
+        reach = f"the kinematic reaches {self.reach * 1000:.1f} mm"
+        return f"too far: {distance * 1000:.1f} mm from the workpiece frame, {reach}"
 
 
 _prepared: WeakKeyDictionary[Robot, Freedoms] = WeakKeyDictionary()

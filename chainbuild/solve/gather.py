@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.robot.kinematics import damped_step
-from chainbuild.solve.branches import Query
+from chainbuild.solve.axis_values import turned_axes
+from chainbuild.solve.query import Query
 
 Vector = NDArray[np.float64]
 
@@ -45,7 +46,7 @@ def gather(query: Query) -> Iterator[Vector]:
         fresh = found is not None and all(_apart(found, other, query) > _SAME for other in known)
         if found is not None and fresh:
             known.append(found)
-            yield from query.turned(found, free)
+            yield from turned_axes(query, found, free)
         idle = 0 if fresh else idle + 1
         if idle >= _IDLE_STARTS:
             return

@@ -60,7 +60,7 @@ class Screw:
         return moved
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Serial:
     """Screws from the workpiece to the tool, and the pose at their zero.
 
@@ -169,6 +169,23 @@ def _branch(chain: Chain, frame: str) -> list[Joint]:
         joints.append(above[link])
         link = above[link].parent
     return joints[::-1]
+
+
+_serials: WeakKeyDictionary[Robot, dict[bytes, Serial]] = WeakKeyDictionary()
+_MOST_SERIALS = 64  # a held axis makes a chain of its own for every value
+
+
+def unrolled(robot: Robot, q: Vector, moving: Indices) -> Serial:
+    """Return `unroll` of a robot's chain, remembered as long as the constant joints stand still."""
+    constant = np.ones(len(q), dtype=bool)
+    constant[moving] = False
+    key = moving.tobytes() + q[constant].tobytes()
+    known = _serials.setdefault(robot, {})
+    if key not in known:
+        if len(known) >= _MOST_SERIALS:
+            known.clear()
+        known[key] = unroll(robot.chain, q, moving)
+    return known[key]
 
 
 def unroll(chain: Chain, q: Vector, moving: Indices) -> Serial:

@@ -107,7 +107,7 @@ def flange(md: dict[str, Any], value: dict[int, float], c: dict[str, str]) -> Ma
 
 
 def flange_axes(md: dict[str, Any], value: dict[int, float], c: dict[str, str]) -> Matrix:
-    """Returns base offset, 1st axis, offset, 2nd axis, offset, 3rd axis behind the flange, in its directions (8.3.2.2)."""
+    """Returns base offset, axis 1, offset, axis 2, offset, axis 3 behind the flange, in its directions (8.3.2.2)."""
     if not any(i in value for i in (12, 13, 14)):
         return np.eye(4)
     T = np.eye(4)

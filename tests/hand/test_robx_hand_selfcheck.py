@@ -18,7 +18,7 @@ from .robx_parts import CONVENTIONS, DEFAULTS, Matrix, frame, rot_x, rot_y, rot_
 REFERENCE = Path(__file__).parents[1] / "data" / "reference"
 PACKAGE_DATA = Path(__file__).parents[2] / "chainbuild" / "data"
 
-# The four-axis articulated arm of the forerunner package TE4 (TE4 manual, configuration data of the 4-axis NR kinematic)
+# The four-axis articulated arm of the forerunner package TE4 (TE4 manual, data of the 4-axis NR kinematic)
 TE4_ARM: dict[str, Any] = {
     "KINCLASS": 1,
     "NUM_AXES": 4,

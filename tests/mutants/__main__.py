@@ -41,8 +41,8 @@ SINUMERIK = ("tests/sinumerik",)
 def targets() -> dict[Path, tuple[str, ...]]:
     """Return the translators' files and the tests of each."""
     package = ROOT / "chainbuild"
-    files = {path: TWINCAT_SHARED for path in sorted((package / "twincat/families").glob("[a-z]*.py"))}
-    files |= {path: TWINCAT_SHARED for path in sorted((package / "twincat").glob("maps*.py"))}
+    files = dict.fromkeys(sorted((package / "twincat/families").glob("[a-z]*.py")), TWINCAT_SHARED)
+    files |= dict.fromkeys(sorted((package / "twincat").glob("maps*.py")), TWINCAT_SHARED)
     files |= {package / "twincat" / name: TWINCAT_SHARED for name in ("parts.py", "recipe.py", "translate.py")}
     names = ("translate", "main_axes", "wrist", "tool", "extra_axes", "internal_axes", "pose_data")
     files |= {package / f"sinumerik/{name}.py": SINUMERIK for name in names}
@@ -78,16 +78,16 @@ class MutatedLoader(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def __init__(self, module: str, path: Path, source: str) -> None:
         self.module, self.path, self.source = module, path, source
 
-    def find_spec(self, fullname, path=None, target=None):  # noqa: ANN001, ANN201
+    def find_spec(self, fullname, path=None, target=None):
         if fullname == self.module:
             return importlib.util.spec_from_file_location(fullname, self.path, loader=self)
         return None
 
-    def create_module(self, spec):  # noqa: ANN001, ANN201
+    def create_module(self, spec):
         return None
 
-    def exec_module(self, module) -> None:  # noqa: ANN001
-        exec(compile(self.source, str(self.path), "exec"), module.__dict__)  # noqa: S102
+    def exec_module(self, module) -> None:
+        exec(compile(self.source, str(self.path), "exec"), module.__dict__)
 
 
 class TypeFilter:
@@ -96,8 +96,8 @@ class TypeFilter:
     def __init__(self, types: set[int]) -> None:
         self.types = types
 
-    def pytest_collection_modifyitems(self, items) -> None:  # noqa: ANN001
-        def concerned(item) -> bool:  # noqa: ANN001
+    def pytest_collection_modifyitems(self, items) -> None:
+        def concerned(item) -> bool:
             spec = getattr(item, "callspec", None)
             number = spec.params.get("kin") if spec else None
             return number in self.types or (number is None and "bad" not in item.nodeid)
@@ -137,7 +137,7 @@ def _run_tests(job: Job) -> int:
     with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
         try:
             return int(pytest.main([*arguments, "-x", "-q", "-p", "no:cacheprovider", "--rootdir", str(ROOT)], plugins))
-        except BaseException:  # noqa: BLE001 - whatever a mutant breaks counts as noticed
+        except BaseException:
             return 1
 
 
@@ -170,7 +170,9 @@ def main() -> int:
                 print(f"\r{done}/{len(jobs)} mutants, {len(survivors)} survive", end="", file=sys.stderr, flush=True)
 
         list(pool.map(judge, jobs))
-    print(f"\n{done} of {len(jobs)} mutants run in {(time.monotonic() - start) / 60.0:.1f} min, {len(survivors)} survive")
+    print(
+        f"\n{done} of {len(jobs)} mutants run in {(time.monotonic() - start) / 60.0:.1f} min, {len(survivors)} survive"
+    )
     for job in sorted(survivors, key=lambda j: (str(j.path), j.mutant.line)):
         print(f"  {job.path.relative_to(ROOT)}:{job.mutant.line} {job.mutant.function}: {job.mutant.what}")
     return 0 if done == len(jobs) else 1

@@ -57,7 +57,12 @@ def _drop_annotations(tree: ast.AST) -> None:
             for argument in (*node.args.args, *node.args.kwonlyargs):
                 argument.annotation = None
         body = getattr(node, "body", None)
-        if isinstance(body, list) and body and isinstance(body[0], ast.Expr) and isinstance(body[0].value, ast.Constant):
+        if (
+            isinstance(body, list)
+            and body
+            and isinstance(body[0], ast.Expr)
+            and isinstance(body[0].value, ast.Constant)
+        ):
             body[0].value.value = "."
 
 

@@ -20,8 +20,8 @@ from chainbuild.chain import assemble as recipe
 from chainbuild.chain.elements import Axis, Chain, Frame, Loop
 from chainbuild.conventions import UsedConvention, conventions
 from chainbuild.errors import ChainError, FileAccessError
-from chainbuild.frames import rot_x, rot_y, rot_z
-from chainbuild.out.urdf import joint_speeds, stable_rpy, urdf_limitations, urdf_text, write_urdf
+from chainbuild.frames import rot_x, rot_y, rot_z, urdf_rpy
+from chainbuild.out.urdf import joint_speeds, urdf_limitations, urdf_text, write_urdf
 from chainbuild.robot.robot import Robot
 from tests.out.sample_chains import arm, chain_of, rotary_axis, table_machine
 
@@ -160,7 +160,7 @@ def test_rpy_is_exact_at_two_metres(pitch_deg: float, others_deg: tuple[float, f
 def test_rpy_of_half_turns_has_one_spelling() -> None:
     for noise in (-1e-16, 0.0, 1e-16):
         R = rot_x(180.0) + np.array([[0, 0, 0], [0, 0, noise], [0, -noise, 0]])
-        assert stable_rpy(R)[0] == math.pi
+        assert urdf_rpy(R)[0] == math.pi
 
 
 def test_coupled_axes_loops_and_endless_axes_are_named() -> None:

@@ -9,7 +9,8 @@ from chainbuild.conventions import conventions
 from chainbuild.frames import angles_from_matrix
 from chainbuild.overlay import Overlay
 from tests.sinumerik.robx_files import NR6, F, R, T, chain_of, close, pose_of
-from tests.sinumerik.test_translation import CC4, FLANGE, TABLE, TE4_ARM
+from tests.sinumerik.test_extra_axes import FLANGE, TABLE
+from tests.sinumerik.test_translation import CC4, TE4_ARM
 
 AXES = np.array((31, -47, 53, 71, -37, 113), dtype=float)
 TESTED: set[str] = set()

@@ -140,7 +140,8 @@ def test_every_arrangement_with_every_wrist(main: str, kind: int, tmp_path: Path
 
 
 ARRANGEMENT_CHOICES = [
-    ("SS", "ss"), ("CC", "cc_linear_sign"), ("CC", "cc_rotary_sign"), ("SC", "sc"), ("CS", "cs"), ("RR", "rr"), ("NN", "nn"),
+    ("SS", "ss"), ("CC", "cc_linear_sign"), ("CC", "cc_rotary_sign"), ("SC", "sc"), ("CS", "cs"), ("RR", "rr"),
+    ("NN", "nn"),
     ("NR", "tfl_ext"), ("SC", "axes_dir_index"), ("CC", "axes_dir_index"),
 ]  # fmt: skip
 

@@ -165,8 +165,13 @@ def test_control_side_data_are_typed():
     (robx,) = read(
         robx_text({**NR6, "A_DBD_START_INDEX": 8, "GRIP_REL_RESET_MODE": 1, "ITERMAXCOUNT": 12, "ITERLIMIT2": 0.5})
     ).transformations
-    assert (robx.a_dbd_start_index, robx.grip_reset_mode) == (8, 1)
-    assert (robx.solver.max_count, robx.solver.precision, robx.solver.limit_deg, robx.solver.limit2_deg) == (
+    assert (robx.control.a_dbd_start_index, robx.control.grip_reset_mode) == (8, 1)
+    assert (
+        robx.control.solver.max_count,
+        robx.control.solver.precision,
+        robx.control.solver.limit_deg,
+        robx.control.solver.limit2_deg,
+    ) == (
         12,
         1e-6,
         3.0,
@@ -178,7 +183,7 @@ def test_dynamics_are_si():
     (robx,) = read(
         robx_text({**NR6, "VELCP": (60000, 120000, 180000), "VELORI": (60, 30, 15), "ACCORI": (1, 2, 3)})
     ).transformations
-    dynamics = robx.dynamics
+    dynamics = robx.control.dynamics
     assert dynamics.velocity == pytest.approx((1, 2, 3))
     assert dynamics.acceleration == (0.5, 0.5, 0.5)
     assert dynamics.angular_velocity == pytest.approx((math.tau, math.pi, math.pi / 2))

@@ -75,7 +75,8 @@ SECTIONS = {1: 1, 2: 2, 3: 3, 4: 4, 5: 5, 6: 6, 7: 7, 8: 8, 9: 9, 10: 10, 11: 11
 KIND = {"l": "length", "a": "angle", "f": "flag", "s": "sign", "r": "ratio", "n": "count"}
 CARRIES = {"t": "tool", "w": "workpiece"}
 FAMILIES = {
-    "head", "table", "mixed", "saw", "fixed_head", "cardan", "face", "arm", "scara", "palletiser", "lever", "linear_robot",
+    "head", "table", "mixed", "saw", "fixed_head", "cardan", "face", "arm", "scara", "palletiser", "lever",
+    "linear_robot",
 }  # fmt: skip
 KINDS = {"length", "angle", "flag", "sign", "ratio", "count"}
 EFFECTS = {"pose", "limit", "none", "control"}
