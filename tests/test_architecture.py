@@ -25,6 +25,7 @@ ORDER = [
     "twincat",
     "machines",
     "loading",
+    "urdf_in",
     "robot",
     "solve",
     "analysis",

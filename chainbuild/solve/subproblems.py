@@ -152,24 +152,15 @@ def _parallel_axes(k1: Vector, k2: Vector, p: Vector, q: Vector, keep: tuple[flo
 
 
 def _crossing_axes(k1: Vector, k2: Vector, p: Vector, q: Vector) -> tuple[TwoTurns, ...]:
-    """Return the pairs by the vector z between the two turns: z = Rot(k2, θ2)·p = Rot(k1, −θ1)·q."""
-    normal = cross(k1, k2)
-    cosine, sine_squared = float(k1 @ k2), float(normal @ normal)
-    along_1, along_2 = float(k1 @ q), float(k2 @ p)
-    alpha = (along_1 - cosine * along_2) / sine_squared
-    beta = (along_2 - cosine * along_1) / sine_squared
-    in_plane = alpha * k1 + beta * k2
-    squared = float(p @ p)
-    gamma_squared = (squared - float(in_plane @ in_plane)) / sine_squared
-    if gamma_squared < -TOUCH * squared:
-        return ()
-    gamma = math.sqrt(max(gamma_squared, 0.0))
-    signs = (1.0, -1.0) if gamma > ON_AXIS * math.sqrt(squared) else (0.0,)
-    pairs = []
-    for sign in signs:
-        z = in_plane + sign * gamma * normal
-        pairs.append(TwoTurns(subproblem_1(k1, z, q).angle, subproblem_1(k2, p, z).angle))
-    return tuple(pairs)
+    """Return the pairs by the outer axis' pole: turns about k1 keep the distance from it, so θ2 alone must reach it.
+
+    The pole nearer to q is taken: close to it a distance keeps the digits that a height along k1 loses.
+    """
+    pole = math.copysign(norm(q), float(k1 @ q)) * k1
+    return tuple(
+        TwoTurns(subproblem_1(k1, rotate(k2, inner.angle, p), q).angle, inner.angle)
+        for inner in subproblem_3(k2, p, pole, norm(q - pole))
+    )
 
 
 def subproblem_3(k: Vector, p: Vector, q: Vector, distance: float, keep: float = 0.0) -> tuple[Turn, ...]:
@@ -190,9 +181,12 @@ def subproblem_3(k: Vector, p: Vector, q: Vector, distance: float, keep: float =
     if min(radius_p, radius_q) <= ON_AXIS * scale:
         reached = math.hypot(height_p - height_q, radius_p - radius_q)
         return (Turn(keep, True),) if abs(reached - distance) <= TOUCH * scale else ()
-    cosine = (radius_p * radius_p + radius_q * radius_q - flat) / (2.0 * radius_p * radius_q)
     middle = math.atan2(float(k @ cross(p, q)), float(across_p @ across_q))
-    return _either_side(middle, cosine)
+    # By half angles, which are exact near both ends of the range.
+    product = 4.0 * radius_p * radius_q
+    return _either_side(
+        middle, (flat - (radius_p - radius_q) ** 2) / product, ((radius_p + radius_q) ** 2 - flat) / product
+    )
 
 
 def subproblem_4(k: Vector, p: Vector, h: Vector, d: float, keep: float = 0.0) -> tuple[Turn, ...]:
@@ -212,14 +206,21 @@ def subproblem_4(k: Vector, p: Vector, h: Vector, d: float, keep: float = 0.0) -
     rest = d - float(h @ k) * along
     if amplitude <= ON_AXIS * max(norm(p), abs(d)):
         return (Turn(keep, True),) if abs(rest) <= TOUCH * max(norm(p), abs(d)) else ()
-    return _either_side(math.atan2(quadrature, in_phase), rest / amplitude)
+    cosine = rest / amplitude
+    return _either_side(math.atan2(quadrature, in_phase), (1.0 - cosine) / 2.0, (1.0 + cosine) / 2.0)
 
 
-def _either_side(middle: float, cosine: float) -> tuple[Turn, ...]:
-    """Return middle ± acos(cosine); one turn where they coincide, none beyond the cosine's range."""
-    if abs(cosine) > 1.0 + TOUCH:
+def _either_side(middle: float, sine_squared: float, cosine_squared: float) -> tuple[Turn, ...]:
+    """Return middle ± spread; one turn where the two coincide, none where the spread is out of range.
+
+    Args:
+        middle: Angle between the two turns.
+        sine_squared: sin²(spread/2); slightly negative where rounding took it out of range.
+        cosine_squared: cos²(spread/2).
+    """
+    if min(sine_squared, cosine_squared) < -TOUCH:
         return ()
-    spread = math.acos(max(-1.0, min(1.0, cosine)))
+    spread = 2.0 * math.atan2(math.sqrt(max(sine_squared, 0.0)), math.sqrt(max(cosine_squared, 0.0)))
     if spread in (0.0, math.pi):
         return (Turn(half_open(middle + spread)),)
     return Turn(half_open(middle + spread)), Turn(half_open(middle - spread))

@@ -205,8 +205,8 @@ def test_an_unreachable_direction_has_no_solution() -> None:
 
 def test_a_skew_linear_axis_is_solved_too() -> None:
     elements: list[Element] = [
-        linear("X", "x"), linear("Y", (0.6, 0.8, 0.0)), linear("Z", (0.0, 0.6, 0.8)), rotary("C", "z"), rotary("A", "x"),
-        shift(z=-80.0),
+        linear("X", "x"), linear("Y", (0.6, 0.8, 0.0)), linear("Z", (0.0, 0.6, 0.8)),
+        rotary("C", "z"), rotary("A", "x"), shift(z=-80.0),
     ]  # fmt: skip
     robot = Robot(make_chain(elements, [], "X Y Z C A"))
     axes = np.array([30.0, -40.0, 50.0, 60.0, 35.0])

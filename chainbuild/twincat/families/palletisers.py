@@ -51,10 +51,11 @@ def kin_96(p: Params, choose: Choices) -> Recipe:
 
 def _tool_96(p: Params, choose: Choices) -> list[Element]:
     x, y, z = (p.mm(f"tool_{letter}") for letter in "xyz")
-    lateral, height = (1.0, -1.0)
-    if any((x, y, z)):
-        lateral, height = _TOOL_SIGNS_96[choose["kin96_tool_offset"]]
-    return [shift(lateral * x, lateral * y, height * z - p.tool_length_mm)]
+    length = shift(z=-p.tool_length_mm)
+    if not any((x, y, z)):
+        return [length]
+    lateral, height = _TOOL_SIGNS_96[choose["kin96_tool_offset"]]
+    return [shift(lateral * x, lateral * y, height * z), length]
 
 
 def kin_213(p: Params, choose: Choices) -> Recipe:
