@@ -92,3 +92,74 @@ class AffineMap:
         low, high = lower * self.si_factors, upper * self.si_factors
         positive, negative = np.maximum(self.A, 0.0), np.minimum(self.A, 0.0)
         return positive @ low + negative @ high + self.b, positive @ high + negative @ low + self.b
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """One map of a `BlockMap`.
+
+    Attributes:
+        axis_map: The map.
+        axes: Which axes it takes.
+        joints: Place of each of its joints among all joints.
+    """
+
+    axis_map: AxisMap
+    axes: slice
+    joints: NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BlockMap:
+    """Maps side by side: each takes its own axes and drives its own joints.
+
+    Attributes:
+        blocks: The maps.
+        shape: (n_q, n_axes).
+    """
+
+    blocks: tuple[Block, ...]
+    shape: tuple[int, int]
+
+    def q(self, axes: Vector) -> Vector:
+        """Return the joint values of axis values."""
+        q = np.empty(self.shape[0])
+        for block in self.blocks:
+            q[block.joints] = block.axis_map.q(axes[block.axes])
+        return q
+
+    def axes(self, q: Vector) -> Vector:
+        """Return the axis values of joint values."""
+        axes = np.empty(self.shape[1])
+        for block in self.blocks:
+            axes[block.axes] = block.axis_map.axes(q[block.joints])
+        return axes
+
+    def dq_daxes(self, axes: Vector) -> Matrix:
+        """Return the derivative, SI by SI."""
+        result = np.zeros(self.shape)
+        for block in self.blocks:
+            result[block.joints, block.axes] = block.axis_map.dq_daxes(axes[block.axes])
+        return result
+
+    def q_bounds(self, lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
+        """Return the joint bounds over the box of axis values."""
+        low, high = np.empty(self.shape[0]), np.empty(self.shape[0])
+        for block in self.blocks:
+            low[block.joints], high[block.joints] = block.axis_map.q_bounds(lower[block.axes], upper[block.axes])
+        return low, high
+
+
+def side_by_side(blocks: Sequence[Block], shape: tuple[int, int]) -> AxisMap:
+    """Return the maps of a composed chain as one: affine where all of them are."""
+    if not all(isinstance(block.axis_map, AffineMap) for block in blocks):
+        return BlockMap(tuple(blocks), shape)
+    A, b, back = np.zeros(shape), np.zeros(shape[0]), np.zeros(shape[::-1])
+    si_factors = np.ones(shape[1])
+    for block in blocks:
+        assert isinstance(block.axis_map, AffineMap)
+        A[block.joints, block.axes] = block.axis_map.A
+        b[block.joints] = block.axis_map.b
+        si_factors[block.axes] = block.axis_map.si_factors
+        back[block.axes, block.joints] = block.axis_map.back
+    return AffineMap(A, b, si_factors, back)

@@ -163,6 +163,59 @@ class AxisConstraint:
         value = self.sum.value(axes)
         return min(value - self.lower, self.upper - value)
 
+    def allows(self, before: ArrayLike, after: ArrayLike) -> bool:
+        """Tell whether a motion is permitted: it ends inside, or starts outside and retracts towards the inside.
+
+        Args:
+            before: Axis values (n_axes,) where the motion starts.
+            after: Where it ends.
+        """
+        margin = self.margin(after)
+        return margin >= 0.0 or margin > self.margin(before)
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerSolver:
+    """Budget of the control's iterative inverse (ROBX manual 7.1.7, MD62967–62970).
+
+    Attributes:
+        max_count: Largest number of iterations.
+        precision: Bound of the internal target function.
+        limit_deg: A position counts as singular where axis 5 is within this angle of 0.
+        limit2_deg: Axis 5 closer to 0 than this raises 75370–75372.
+        hand_angle: Mathematical angle of axis 5, where the robot has one.
+    """
+
+    max_count: int
+    precision: float
+    limit_deg: float
+    limit2_deg: float
+    hand_angle: AxisSum | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Partial:
+    """One of the kinematics that a composed chain was made of, for those who have to move it by itself.
+
+    Attributes:
+        name: Its name among the others.
+        chain: The kinematic alone; its workpiece frame is its own coordinate system.
+        T_carrier_mcs: (4, 4) its workpiece frame in the tool frame of the one that carries it [m]; for the lowest,
+            in the workpiece frame of the whole.
+        first_axis: Index of its first axis in the composed chain.
+        group: 0: carries the tool; 1, 2, …: other branches, the workpiece's among them.
+        rank: Place in the order in which a motion of the tool is handed out; None: as it is stacked.
+        locked: Coordinates ("X" … "C") that a motion of the tool does not move.
+    """
+
+    name: str
+    chain: Chain
+    T_carrier_mcs: Matrix
+    first_axis: int
+    group: int = 0
+    rank: int | None = None
+    locked: tuple[str, ...] = ()
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chain:
@@ -186,6 +239,9 @@ class Chain:
         constraints: Limits on sums of axes.
         absolute_c: What the controller shows as pose angle C in place of the angle of the pose, where it runs on.
         tool_axis: Axis of the tool frame that is the tool direction: what a 5-axis chain can point.
+        partials: What a composed chain was made of, in the order of the axes; empty for a single kinematic.
+        follows_c: True where position and pose angle C are programmed and A and B follow (ROBX robots of four axes).
+        controller_solver: Budget of the control's own iterative inverse, where its data are known.
     """
 
     name: str
@@ -205,14 +261,17 @@ class Chain:
     constraints: tuple[AxisConstraint, ...] = ()
     absolute_c: AxisSum | None = None
     tool_axis: Literal["x", "z"] = "z"
+    partials: tuple[Partial, ...] = ()
+    follows_c: bool = False
+    controller_solver: ControllerSolver | None = None
 
     def frame(self, name: str) -> Frame:
         """Return a frame by name."""
         return next(frame for frame in self.frames if frame.name == name)
 
     def with_axes(self, axes: tuple[Axis, ...]) -> Chain:
-        """Return the chain with other axis limits."""
-        return replace(self, axes=axes)
+        """Return the chain with other axis limits, in its partials, too."""
+        return replace(self, axes=axes, partials=tuple(_with_limits(partial, axes) for partial in self.partials))
 
     def build(self) -> Robot:
         """Build the robot: a Pinocchio model with its solvers.
@@ -224,3 +283,11 @@ class Chain:
         from chainbuild.robot.robot import Robot
 
         return Robot(self)
+
+
+def _with_limits(partial: Partial, axes: tuple[Axis, ...]) -> Partial:
+    """Return a partial with the limits that its axes have in the composed chain; its own names stay."""
+    own = partial.chain.axes
+    given = axes[partial.first_axis : partial.first_axis + len(own)]
+    limited = tuple(replace(new, name=old.name, carries=old.carries) for new, old in zip(given, own, strict=True))
+    return replace(partial, chain=partial.chain.with_axes(limited))

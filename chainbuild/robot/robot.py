@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from chainbuild import tolerances
+from chainbuild import frames, tolerances
 from chainbuild.chain.check import check_chain
 from chainbuild.chain.elements import Axis, Chain, Task
 from chainbuild.errors import AxisValueError, ChainbuildError
@@ -18,6 +18,7 @@ from chainbuild.robot.kinematics import Kinematics
 from chainbuild.robot.task import choose_task
 
 if TYPE_CHECKING:
+    from chainbuild.solve.branches import Branch
     from chainbuild.solve.result import IkResult
 
 Vector = NDArray[np.float64]
@@ -119,6 +120,20 @@ class Robot:
             raise ChainbuildError("the kinematic has no finite pose at these axis values")
         return T
 
+    def pose_angles(self, axes: ArrayLike) -> tuple[float, float, float]:
+        """Return the pose angles A, B, C [deg] that the controller shows at axis values (n_axes,), mm and degrees.
+
+        They are those of `Chain.angle_mode`, each in (-180, 180]; C runs on over whole turns where the machine says so
+        (`Chain.absolute_c`).
+
+        Raises:
+            AxisValueError: wrong count or not finite.
+            ChainbuildError: the kinematic has no pose there.
+        """
+        a, b, c = frames.angles_from_matrix(self.chain.angle_mode, self.fk(axes).rotation)
+        total = self.chain.absolute_c
+        return a, b, c if total is None else total.value(axes)
+
     def frame_placements(self, axes: ArrayLike) -> dict[str, pin.SE3]:
         """Return every frame of the model in the base [m] at axis values (n_axes,), mm and degrees."""
         model, data = self.model, self.kinematics.data
@@ -145,6 +160,9 @@ class Robot:
         T: pin.SE3 | ArrayLike,
         start: ArrayLike | None = None,
         held: Mapping[str, float] | Sequence[float] | None = None,
+        *,
+        solver: str = "auto",
+        absolute_c_deg: float | None = None,
     ) -> IkResult:
         """Find axis values that bring the tool to a pose, inside the limits and verified by forward kinematics.
 
@@ -153,27 +171,66 @@ class Robot:
             start: Axis values (n_axes,) to start from and stay near; None: the middle of the limits.
             held: Axis name → value to hold, or one value for each input axis (`Axis.held`) in order. Input axes
                 not named are taken from `start`, else 0.
+            solver: "damped"; "analytic": a closed form; "controller": the iteration budget of the machine data;
+                "auto": damped, and a closed form where that finds nothing.
+            absolute_c_deg: Angle C over whole turns, on robots where it runs on (`Chain.absolute_c`); it decides where
+                T's orientation does not go with it.
+
+        ROBX robots of four axes are programmed by position and angle C: where they cannot reach A and B of T, these
+        follow.
 
         Returns:
             The solution, or the best found with a status that says why it is none.
 
         Raises:
             AxisValueError: start or held of wrong count, unknown name or not finite.
-            ChainbuildError: T is no rigid transform.
+            ChainbuildError: T is no rigid transform, or the robot has no such solver.
         """
         # Solvers stand above this room; they are reached from here only.
-        from chainbuild.solve.damped import solve
+        from chainbuild.solve.coupled import kept
+        from chainbuild.solve.dispatch import solve_by
+        from chainbuild.solve.programmed import solve_programmed
 
-        return solve(self, as_pose(T), start, held)
+        def solve(target: pin.SE3, begin: ArrayLike | None) -> IkResult:
+            return kept(self, solve_by(self, target, begin, held, solver), target, begin, held, solver)
+
+        return solve_programmed(self, as_pose(T), start, held, solve, absolute_c_deg)
+
+    def ik_all(
+        self,
+        T: pin.SE3 | ArrayLike,
+        start: ArrayLike | None = None,
+        held: Mapping[str, float] | Sequence[float] | None = None,
+        *,
+        windings: bool = False,
+    ) -> tuple[Branch, ...]:
+        """Find every branch of a pose inside the limits, nearest to the start first, verified by forward kinematics.
+
+        Where a closed form is known (see `chainbuild.solve.analytic.method_of`) none is missing; else they are what
+        damped descents from many starts come upon.
+
+        Args:
+            T: Tool in the workpiece frame [m]: `pin.SE3` or a (4, 4) array.
+            start: Axis values (n_axes,) the order counts from; axes that a singular pose leaves free keep theirs.
+            held: As for `ik`.
+            windings: True: every whole turn within the limits is a branch of its own, not only the nearest.
+
+        Raises:
+            ChainbuildError: T is no rigid transform, or more axes are free than the pose determines.
+        """
+        from chainbuild.solve.analytic import ik_all
+
+        return ik_all(self, as_pose(T), start, held, windings=windings)
 
     def violated_limits(self, axes: ArrayLike) -> tuple[str, ...]:
-        """Return the names of the axes outside their limits."""
+        """Return the names of the axes outside their limits, then of the limits on sums of axes that are violated."""
         values = self.axis_values(axes)
         outside = []
         for axis, value in zip(self.axes, values, strict=True):
             slack = 1e-9 * max(1.0, abs(axis.lower), abs(axis.upper))
             if not axis.endless and not axis.lower - slack <= value <= axis.upper + slack:
                 outside.append(axis.name)
+        outside += [limit.name for limit in self.chain.constraints if limit.margin(values) < -tolerances.LIMIT_SUM_DEG]
         return tuple(outside)
 
 

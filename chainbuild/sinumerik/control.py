@@ -4,27 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from chainbuild.chain.elements import ControllerSolver
 from chainbuild.sinumerik.data_table import ChannelData
 from chainbuild.units import m_s_from_mm_min, rad_s2_from_rev_s2, rad_s_from_rpm
 
 Vector3 = tuple[float, float, float]
-
-
-@dataclass(frozen=True, slots=True)
-class ControllerSolver:
-    """Budget of the control's iterative inverse (ROBX manual 7.1.7, MD62967–62970).
-
-    Attributes:
-        max_count: Largest number of iterations.
-        precision: Bound of the internal target function.
-        limit_deg: A position counts as singular within this angle.
-        limit2_deg: |A5| below this raises 75370–75372.
-    """
-
-    max_count: int
-    precision: float
-    limit_deg: float
-    limit2_deg: float
 
 
 @dataclass(frozen=True, slots=True)

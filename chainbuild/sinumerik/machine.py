@@ -17,7 +17,7 @@ from chainbuild.sinumerik.data_table import DataTable, tabulate
 from chainbuild.sinumerik.limits import machine_axes
 from chainbuild.sinumerik.main_axes import basic_moves
 from chainbuild.sinumerik.parameters import parameter_rows
-from chainbuild.sinumerik.pose_data import absolute_c, check_pose_data, constraints
+from chainbuild.sinumerik.pose_data import absolute_c, check_pose_data, constraints, controller_solver
 from chainbuild.sinumerik.reader import read_assignments
 from chainbuild.sinumerik.robx import WRISTS, Robx
 from chainbuild.sinumerik.rules_axes import check_axes, check_gripper
@@ -211,6 +211,8 @@ def _build(
         constraints=constraints(robx, translation, axes, choose),
         absolute_c=absolute_c(robx, translation, axes, choose),
         tool_axis="z" if robx.tool_dir == 1 else "x",
+        follows_c=robx.num_axes == 4,
+        controller_solver=controller_solver(robx, translation, axes),
     )
 
 

@@ -1,13 +1,17 @@
-"""What a chain needs to know beyond its links: parallelogram limit and absolute angle C (ROBX manual 5.3.19–5.3.21)."""
+"""What a chain needs to know beyond its links: parallelogram limit, absolute angle C, budget of the controller's solver.
+
+Sources: ROBX manual 5.3.19–5.3.21 and 7.1.7.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from chainbuild.chain.assemble import Fixed, Mark, Move
-from chainbuild.chain.elements import Axis, AxisConstraint, AxisSum
+from chainbuild.chain.elements import Axis, AxisConstraint, AxisSum, ControllerSolver
 from chainbuild.conventions import Choices
 from chainbuild.findings import Collector
 from chainbuild.frames import Matrix
@@ -19,6 +23,7 @@ from chainbuild.sinumerik.translate import Translation
 ALARM_PARALLELOGRAM = 75329
 _SCARA = ("CC", "SC", "CS")
 _PARALLEL = 1e-6
+_WITH_HAND = 5
 
 
 def _sum(axes: Sequence[Axis], factors: Mapping[str, float], offset: float) -> AxisSum:
@@ -85,6 +90,14 @@ def absolute_c(robx: Robx, translation: Translation, axes: Sequence[Axis], choos
             factors[name] = factors.get(name, 0.0) + sign * factor
     given = robx.c_angle_offset_deg
     return _sum(axes, factors, offset + (given if choose["c_offset"] == "add" else -given))
+
+
+def controller_solver(robx: Robx, translation: Translation, axes: Sequence[Axis]) -> ControllerSolver:
+    """Return the budget of the control's iterative inverse, with the angle of axis 5 that its alarms watch."""
+    if robx.num_axes < _WITH_HAND:
+        return robx.control.solver
+    hand = translation.internal.math[_WITH_HAND - 1]
+    return replace(robx.control.solver, hand_angle=_sum(axes, hand.drive, hand.offset))
 
 
 def _rotary(translation: Translation) -> list[InternalAxis]:

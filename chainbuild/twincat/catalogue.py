@@ -26,6 +26,8 @@ _OTHER_TITLES: Final[Mapping[int, str]] = {
     209: "Tripod with a two-axis workpiece table",
     210: "Coupling kinematic",
 }
+# Given as lists of axes or of kinematics, not by a table of head offsets: built without a recipe.
+_LISTS: Final = frozenset({91, 210})
 _PARALLEL: Final = frozenset({12, 19, 21, 37, 209})
 # Named in the KIN_TYP manual, described in a document of their own.
 _TUBE_PROCESSING: Final = frozenset({15, 78, 79, 90, 93})
@@ -112,7 +114,7 @@ def title_of(kin_typ: int) -> str:
 
 def why_unsupported(kin_typ: int) -> str | None:
     """Return why a type is refused, or None where it is built."""
-    if kin_typ in catalogue():
+    if kin_typ in catalogue() or kin_typ in _LISTS:
         return None
     if kin_typ in _TUBE_PROCESSING:
         return f"KIN_TYP {kin_typ} (tube processing) is not supported: the KIN_TYP manual describes it elsewhere"
@@ -132,5 +134,5 @@ def kin_type(kin_typ: int, span: Span | None = None) -> KinType:
     reason = why_unsupported(kin_typ)
     if reason is None:
         return catalogue()[kin_typ]
-    known = ", ".join(str(number) for number in catalogue())
+    known = ", ".join(str(number) for number in sorted({*catalogue(), *_LISTS}))
     raise UnsupportedKinematicError(reason, span=span, parameter="type", permitted=f"KIN_TYP {known}", code="CB410")

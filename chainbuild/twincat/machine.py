@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from chainbuild.chain.elements import Chain
-from chainbuild.errors import MachineDataError, OverlayError, Span, UnsupportedKinematicError
+from chainbuild.errors import MachineDataError, OverlayError, Span
 from chainbuild.findings import Collector
 from chainbuild.machine import KinematicEntry, Machine, ParameterRow, choose_kinematic, finite_length_mm
 from chainbuild.overlay import Overlay
@@ -21,8 +21,9 @@ from chainbuild.twincat.config import UNKNOWN_ID_ALARM, Channel, Trafo, kept_by
 from chainbuild.twincat.container import Section, is_container, read_container
 from chainbuild.twincat.parameters import parameter_rows
 from chainbuild.twincat.reader import ROOTS, Line, read_list
+from chainbuild.twincat.source import DIALECT, Source
 from chainbuild.twincat.toollist import Tool, find_tool, read_tools
-from chainbuild.twincat.translate import DIALECT, Source, translate
+from chainbuild.twincat.translate import translate
 
 _TEXT: Final = re.compile(rf"^[ \t]*(?:{'|'.join(sorted(ROOTS))})(?=[ \t\[.]|$)", re.MULTILINE | re.IGNORECASE)
 _COUPLING: Final = 210
@@ -85,11 +86,13 @@ class TwinCatMachine(Machine):
         self, kinematic: int | str | None, channel: int | None, tool_length_mm: float, collector: Collector
     ) -> Source:
         chosen = self._channel(channel, collector)
-        trafo = self._trafo(chosen, kinematic, collector)
+        trafo, second = self._trafo(chosen, kinematic, collector)
         tool = self._tool(chosen)
         length = finite_length_mm(tool_length_mm) + self.overlay.tool_length_mm + (tool.length_mm if tool else 0.0)
         lists = [entry for entry, number in self._axis_lists if number in ("", "0", str(chosen.index + 1))]
-        return Source(trafo, chosen, tool, length, lists, self.overlay)
+        # An overlay is written for the kinematic that it names, else for the default.
+        main = self._trafo(chosen, None, Collector(strict=False))[0] is trafo
+        return Source(trafo, chosen, tool, length, lists, self.overlay, second, main)
 
     def _entries(self, channel: Channel) -> list[tuple[KinematicEntry, Trafo]]:
         default = self._default(channel)
@@ -135,7 +138,8 @@ class TwinCatMachine(Machine):
             collector.add("CB406", text, span=usable[0].span, hint=f"choose another by its index: {indices}")
         return usable[0]
 
-    def _trafo(self, channel: Channel, wanted: int | str | None, collector: Collector) -> Trafo:
+    def _trafo(self, channel: Channel, wanted: int | str | None, collector: Collector) -> tuple[Trafo, Trafo | None]:
+        """Return a kinematic, and the one of the second step that stands on it by default."""
         if wanted is None:
             wanted = self.overlay.kinematic
         pairs = self._entries(channel)
@@ -146,11 +150,11 @@ class TwinCatMachine(Machine):
             raise _with_alarm(error, UNKNOWN_ID_ALARM if pairs else None) from None
         trafo = next(trafo for known, trafo in pairs if known is entry)
         if wanted is None:
-            self._check_default(channel, trafo, collector)
-        return trafo
+            return trafo, self._second(channel, trafo, collector)
+        return trafo, None
 
-    def _check_default(self, channel: Channel, trafo: Trafo, collector: Collector) -> None:
-        """Refuse a default that does not exist, or that needs both transformation steps."""
+    def _second(self, channel: Channel, trafo: Trafo, collector: Collector) -> Trafo | None:
+        """Return what stands on the default kinematic in the second step; refuse a default that does not exist."""
         named = channel.defaults.get(0)
         if named is not None and channel.default_trafo() is None:
             known = ", ".join(str(t.id) for t in channel.trafos)
@@ -160,12 +164,10 @@ class TwinCatMachine(Machine):
             )  # fmt: skip
         second = channel.default_trafo(1)
         if second is not None and trafo.step == 0:
-            raise UnsupportedKinematicError(
-                f"two-step transformations (KIN_TYP {trafo.type} below KIN_TYP {second.type}) are not built yet",
-                span=channel.defaults[1].span, hint="choose one of the two by its id or name", code="CB411",
-            )  # fmt: skip
+            return second
         if any(t.step == 1 for t in channel.trafos):
             collector.add("CB412", "the second transformation step has no default; only the first is built")
+        return None
 
     def _tool(self, channel: Channel) -> Tool | None:
         """Return the tool that the overlay's `[tool] number = n` makes active, or None."""
@@ -279,9 +281,6 @@ def _has_errors(collector: Collector) -> bool:
 
 def _warn_unsupported(machine: TwinCatMachine, collector: Collector) -> None:
     for channel in machine.channels:
-        if channel.default_trafo(0) and channel.default_trafo(1):
-            text = "both transformation steps have a default; only one of the two can be built"
-            collector.add("CB227", text, span=channel.defaults[1].span)
         for trafo in channel.trafos:
             reason = why_unsupported(trafo.type)
             if reason is not None:

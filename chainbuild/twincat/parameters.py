@@ -9,8 +9,8 @@ from chainbuild.machine import ParameterRow
 from chainbuild.twincat.catalogue import catalogue
 from chainbuild.twincat.hdtable import type_data
 from chainbuild.twincat.reader import Assignment
+from chainbuild.twincat.source import Source
 from chainbuild.twincat.toollist import acting_params
-from chainbuild.twincat.translate import Source
 
 _ANGLE_MEANING = "Order of the pose angles A, B, C"
 

@@ -18,10 +18,11 @@ ROOTS: Final = frozenset(
         "kinematik_name", "default_id_of_kin_step", "default_name_of_kin_step", "ori_rotation_angle",
     }
 )  # fmt: skip
-_PART: Final = r"[A-Za-z_]\w*(?:\[[^\]\s]*\])?"
+_PART: Final = r"[A-Za-z_]\w*(?:\[[^\]\s]*\])*"
 # The manuals print a blank after a dot in places; it is tolerated.
 _ASSIGNMENT: Final = re.compile(rf"\s*(?P<name>{_PART}(?:\.[ \t]*{_PART})*)(?:[ \t]+(?P<value>.*))?$", re.ASCII)
-_KEY: Final = re.compile(r"([A-Za-z_]\w*)(?:\[([^\]]*)\])?", re.ASCII)
+# A second index makes a key without a name: linkage[0][3].
+_KEY: Final = re.compile(r"([A-Za-z_]\w*)(?:\[([^\]]*)\])?|()\[([^\]]*)\]", re.ASCII)
 _ROOT: Final = re.compile(r"\s*([A-Za-z_]\w*)", re.ASCII)
 _INDEX_DIGITS: Final = 9
 
@@ -98,8 +99,11 @@ def canonical(keys: Iterable[Key]) -> str:
 
     >>> canonical((("param", 3), ("x", None)))
     'param[3].x'
+    >>> canonical((("linkage", 0), ("", 3)))
+    'linkage[0][3]'
     """
-    return ".".join(name if index is None else f"{name}[{index}]" for name, index in keys)
+    parts = (name if index is None else f"{name}[{index}]" for name, index in keys)
+    return ".".join(parts).replace(".[", "[")
 
 
 @dataclass(slots=True)
@@ -152,7 +156,7 @@ class _Reading:
     def keys(self, written: str, span: Span) -> tuple[Key, ...] | None:
         keys: list[Key] = []
         for part in _KEY.finditer(written):
-            name, index = part.groups()
+            name, index = (part[1], part[2]) if part[1] else ("", part[4])
             if index is not None and not (index.isascii() and index.isdigit() and len(index) <= _INDEX_DIGITS):
                 self.collector.add(
                     "CB203", f"the index in {written} is not a plain number", span=span, parameter=written,

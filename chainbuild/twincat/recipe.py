@@ -185,8 +185,9 @@ def zero_and_sign(choose: Choices, sign: float, zero_deg: float, *, printed: Lit
 def table_flag(p: Params, choose: Choices, key: str | int) -> float:
     """Return the direction of a table axis by its flag: +1 or -1 (convention `table_flag_coding`)."""
     value = p.number(key)
-    reversed_ = value < 0 if choose["table_flag_coding"] == "plus_minus_one" else value != 0
-    return -1.0 if reversed_ else 1.0
+    if value > 0:  # only here do the codings part
+        return 1.0 if choose["table_flag_coding"] == "plus_minus_one" else -1.0
+    return -1.0 if value < 0 else 1.0
 
 
 def driven(name: str, direction: Direction, drive: Drive) -> Move:

@@ -2,72 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import replace
 
-from chainbuild import frames
-from chainbuild.chain.assemble import assemble
-from chainbuild.chain.elements import Chain
+from chainbuild.chain.elements import Axis, Chain
 from chainbuild.conventions import Choices
+from chainbuild.errors import UnsupportedKinematicError
 from chainbuild.findings import Collector
 from chainbuild.overlay import Overlay
-from chainbuild.twincat.axislist import AxisList, with_limits
-from chainbuild.twincat.catalogue import KinType, kin_type
-from chainbuild.twincat.config import Channel, RawValue, Trafo
-from chainbuild.twincat.recipe import Params
-from chainbuild.twincat.toollist import Tool, acting_params
-
-DIALECT = "TwinCAT CNC"
-_EULER = {"a_first": "euler_a_first", "c_first": "euler_c_first"}
-
-
-@dataclass(frozen=True, slots=True)
-class Source:
-    """What a chain is built from.
-
-    Attributes:
-        trafo: The kinematic.
-        channel: The channel that configures it.
-        tool: The active tool, or None.
-        tool_length_mm: Length of the tool, all sources added.
-        axis_lists: Axis lists in file order.
-        overlay: What the file beside the machine file adds.
-    """
-
-    trafo: Trafo
-    channel: Channel
-    tool: Tool | None = None
-    tool_length_mm: float = 0.0
-    axis_lists: Sequence[AxisList] = field(default_factory=tuple)
-    overlay: Overlay = field(default_factory=Overlay)
-
-
-def build_params(source: Source, kind: KinType, collector: Collector) -> Params:
-    """Return the head offsets of a kinematic with the tool's added, by number.
-
-    Raises:
-        MachineDataError: the tool cannot act on this kinematic.
-    """
-    raw: dict[int, float] = {}
-    entries: dict[int, RawValue] = {}
-    for params in (acting_params(source.tool, source.trafo, collector), source.trafo.params):
-        for k, entry in params.items():
-            raw[k + 1] = raw.get(k + 1, 0.0) + entry.value
-            entries[k + 1] = entry
-    known = {row.n for row in kind.hd}
-    for n in sorted(set(raw) - known):
-        if raw[n]:
-            text = f"HD{n} has no meaning for KIN_TYP {kind.number}; its value is left alone"
-            collector.add("CB403", text, span=entries[n].span, parameter=entries[n].name)
-    return Params(
-        data=kind.data,
-        raw=raw,
-        spans={n: entry.span for n, entry in entries.items()},
-        tool_length_mm=source.tool_length_mm,
-        tool_radius_mm=source.tool.radius_mm if source.tool else 0.0,
-        span=source.trafo.span,
-        collector=collector,
-    )
+from chainbuild.twincat.axislist import with_limits
+from chainbuild.twincat.coupling import COUPLING, coupling_draft
+from chainbuild.twincat.coupling_groups import MULTISTEP, coupling_data, member_named
+from chainbuild.twincat.draft import serial_draft
+from chainbuild.twincat.source import Source
+from chainbuild.twincat.two_steps import two_steps
+from chainbuild.twincat.universal import UNIVERSAL, universal_draft
 
 
 def translate(source: Source, name: str, title: str, conventions: Mapping[str, str], collector: Collector) -> Chain:
@@ -82,46 +31,78 @@ def translate(source: Source, name: str, title: str, conventions: Mapping[str, s
 
     Raises:
         UnsupportedKinematicError: the type is unknown or not built.
-        MachineDataError: a head offset is not permitted.
+        MachineDataError: a parameter is not permitted.
         ConventionError: an unknown convention or choice.
     """
-    kind = kin_type(source.trafo.type, source.trafo.span)
     choose = Choices(conventions)
-    params = build_params(source, kind, collector)
-    recipe = kind.recipe(params, choose)
-    axes = with_limits(recipe.axes or params.axes, source.channel.axes, source.axis_lists, collector)
-    axes = source.overlay.apply_limits(axes)
-    body = assemble(axes, recipe.tool, recipe.workpiece, recipe.axis_map)
-    mode = recipe.angle_mode or _angle_mode(source.channel.angle_mode, choose, collector)
+    chain = draft(source, choose, collector)
+    if source.second is not None:
+        second = replace(source, trafo=source.second, second=None, tool=None, tool_length_mm=0.0)
+        chain = two_steps(chain, source.trafo, draft(second, choose, collector), source.second, collector)
+    ahead = int(coupling_data()["tcp_axes"]) if source.trafo.type == COUPLING else 0
+    axes = _limited(chain.axes, ahead, source, collector)
     for unused in choose.unused():
         collector.add("CB405", f"the chosen convention {unused} has no bearing on this kinematic")
-    return Chain(
+    return replace(
+        chain.with_axes(axes),
         name=name,
         title=title,
-        dialect=DIALECT,
-        kinematic=f"KIN_TYP {kind.number}",
-        links=body.links,
-        joints=body.joints,
-        frames=body.frames,
-        axes=axes,
-        axis_map=body.axis_map,
-        angle_mode=mode,
-        task=recipe.task,
         conventions=choose.used(),
-        findings=tuple(collector.findings),
+        findings=tuple(dict.fromkeys(collector.findings)),
     )
 
 
-def _angle_mode(given: RawValue | None, choose: Choices, collector: Collector) -> str:
-    """Return the name of P-CHAN-00112's angle mode; the default is 0, yaw-pitch-roll."""
-    number = int(given.value) if given else 0
-    span = given.span if given else None
-    if number == 1:
-        return _EULER[choose["euler_letters"]]
-    if number == -1:
-        text = "ori_rotation_angle is -1: angles pass through unchanged; poses are shown as yaw-pitch-roll (mode 0)"
-        collector.add("CB408", text, span=span)
-    elif number not in frames.ANGLE_MODE_NUMBERS:
-        text = f"ori_rotation_angle {number} is meant for KIN_TYP 91; poses are shown as yaw-pitch-roll (mode 0)"
-        collector.add("CB409", text, span=span)
-    return frames.ANGLE_MODE_NUMBERS.get(number, "ypr")
+def draft(source: Source, choose: Choices, collector: Collector) -> Chain:
+    """Return the chain of one transformation step, its axes without limits."""
+    trafo = source.trafo
+    if trafo.type == UNIVERSAL:
+        return universal_draft(source, choose, collector, member=_is_member(source))
+    if trafo.type != COUPLING:
+        return serial_draft(source, choose, collector)
+    if trafo.step > 0 or source.second is not None:
+        raise UnsupportedKinematicError(
+            "a coupling kinematic cannot be part of a transformation of two steps", span=trafo.span,
+            parameter=f"{trafo.prefix}.id", permitted="a coupling alone, in the first step", alarm=MULTISTEP, code="CB455",
+        )  # fmt: skip
+    return coupling_draft(source, choose, collector)
+
+
+def _is_member(source: Source) -> bool:
+    """Return whether a coupling of the channel names the kinematic: then it may have fewer axes."""
+    trafos = source.channel.trafos
+    for coupling in (trafo for trafo in trafos if trafo.type == COUPLING):
+        for key, entry in coupling.extras.items():
+            if ".chain[" in key and source.trafo in member_named(entry.raw.split(maxsplit=1)[0].strip("\"'"), trafos):
+                return True
+    return False
+
+
+def _limited(axes: tuple[Axis, ...], ahead: int, source: Source, collector: Collector) -> tuple[Axis, ...]:
+    """Return the axes with the limits of axis lists and overlay.
+
+    Args:
+        axes: Axes in channel order.
+        ahead: How many axes of the channel come before them.
+        source: Lists and overlay.
+        collector: Takes findings.
+    """
+    simulated = tuple(Axis.unlimited(f"TCP axis {n}", "linear") for n in range(ahead))
+    listed = with_limits((*simulated, *axes), source.channel.axes, source.axis_lists, collector)
+    return _overlay_for(axes, source, collector).apply_limits(listed[ahead:])
+
+
+def _overlay_for(axes: tuple[Axis, ...], source: Source, collector: Collector) -> Overlay:
+    """Return the overlay; for a kinematic that it is not written for, without what it says of other axes."""
+    overlay = source.overlay
+    if source.main:
+        return overlay
+    known = {axis.name for axis in axes}
+    foreign = sorted({*overlay.limits, *overlay.speeds, *overlay.endless} - known)
+    if foreign:
+        collector.add("CB457", f"the overlay's axes {', '.join(foreign)} belong to another kinematic of the file")
+    return replace(
+        overlay,
+        limits={name: limits for name, limits in overlay.limits.items() if name in known},
+        speeds={name: speed for name, speed in overlay.speeds.items() if name in known},
+        endless=tuple(name for name in overlay.endless if name in known),
+    )

@@ -79,3 +79,9 @@ def test_angles_that_contradict_each_other_are_refused(hd: dict[str, float]) -> 
     lenient = params(strict=False, hd4=80.0, **hd)
     assert distance_law(lenient, Choices()).effective_mm(70.0) == 100.0
     assert [finding.code for finding in lenient.collector.findings] == ["CB401"]
+
+
+@pytest.mark.parametrize(("start", "end"), [(0.0, 40.0), (30.0, 30.0), (0.0, 0.0)])
+def test_limiting_angles_are_accepted(start: float, end: float) -> None:
+    law = distance_law(params(hd2=start, hd3=end, hd4=60.0), Choices())
+    assert law.effective_mm(50.0) == pytest.approx(100.0 * cos(start) / cos(end))

@@ -72,7 +72,7 @@ def distance_law(p: Params, choose: Choices) -> DistanceLaw:
     """Return the law of a configured KIN_TYP 98.
 
     Raises:
-        MachineDataError: the angles are not 0 <= HD2 <= HD3 <= HD4 with HD3 below 90 degrees.
+        MachineDataError: not 0 <= HD2 <= HD3 < 90 degrees.
     """
     start, end, limit = p.deg("inclination_start"), p.deg("inclination_end"), p.deg("inclination_limit")
     if not 0 <= start <= end < 90:

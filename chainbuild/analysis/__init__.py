@@ -1,0 +1,1 @@
+"""Analysis: singularities in words, self-collision, limits, workspace."""

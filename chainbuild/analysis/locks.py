@@ -1,0 +1,59 @@
+"""What is no loss of motion and yet worth a word: gimbal lock of the pose angles, dead points of a parallelogram."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild import frames
+from chainbuild.analysis.singularity import Singularity
+from chainbuild.robot.robot import Robot
+
+Vector = NDArray[np.float64]
+
+# Sine of the angle to the lock: 1 degree.
+NEAR_LOCK: Final = 0.0175
+_FOLLOWS: Final = ("ab", "ba")  # angle modes that program two angles only: they cannot lock
+
+
+def notices(robot: Robot, axes: Vector) -> Iterator[Singularity]:
+    """Yield the notices at axis values (n_axes,), mm and degrees.
+
+    Args:
+        robot: The robot.
+        axes: Axis values.
+    """
+    if robot.task == "pose" and robot.chain.angle_mode not in _FOLLOWS:
+        yield from _gimbal_locks(robot, axes)
+
+
+def _gimbal_locks(robot: Robot, axes: Vector) -> Iterator[Singularity]:
+    R = robot.fk(axes).rotation
+    mode = frames.ANGLE_MODES[robot.chain.angle_mode]
+    (first, a, _), (_, b, _), (last, c, _) = mode.factors
+    angles = dict(zip("ABC", frames.angles_from_matrix(mode.name, R), strict=True))
+    middle = math.radians(angles[b])
+    value = abs(math.sin(middle)) if first == last else abs(math.cos(middle))
+    sinumerik = robot.chain.dialect.startswith("SINUMERIK")
+    if value <= NEAR_LOCK:
+        condition = f"the pose angles {a} and {c} turn about the same line ({b} = {angles[b]:.4g}°, {mode.meaning})"
+        remark = "ROBX manual 10.1.3 names B = 0, which is the lock of Euler angles" if sinumerik else ""
+        yield _lock(value, (a, c), condition, remark)
+    tilt = float(np.hypot(R[0, 2], R[1, 2]))
+    if sinumerik and tilt <= NEAR_LOCK:
+        condition = f"programmed as Euler angles, A and C turn about the same line (B = {_tilt_deg(R):.4g}°)"
+        yield _lock(tilt, ("A", "C"), condition, "ROBX manual 10.1.3")
+
+
+def _tilt_deg(R: Vector) -> float:
+    return math.degrees(math.atan2(math.hypot(float(R[0, 2]), float(R[1, 2])), float(R[2, 2])))
+
+
+def _lock(value: float, letters: tuple[str, str], condition: str, remark: str) -> Singularity:
+    first, last = letters
+    sentence = f"{condition}: the axes lose nothing, but a turn across that line makes {first} and {last} jump"
+    return Singularity("gimbal_lock", "", value, letters, condition, sentence, remark)

@@ -1,0 +1,77 @@
+"""One door to the solvers: auto, damped, analytic, controller."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from chainbuild.errors import ChainbuildError
+from chainbuild.solve import dispatch
+from chainbuild.solve.controller import solve_controller
+from chainbuild.solve.result import IkResult
+from tests.test_robot import arm
+
+AXES = np.array([10.0, -80.0, 70.0, 20.0, 40.0, 30.0])
+
+
+@dataclass(frozen=True)
+class Granted:
+    max_count: int = 8
+    precision: float = 1e-6
+    limit2_deg: float = 0.0
+
+
+@pytest.mark.parametrize("solver", ["auto", "damped", "analytic"])
+def test_each_solver_finds_the_pose(solver: str) -> None:
+    robot = arm()
+    found = robot.ik(robot.fk(AXES), AXES + 2.0, solver=solver)
+    assert found.success
+    np.testing.assert_allclose(found.axes, AXES, atol=1e-6)
+
+
+def test_an_unknown_solver_is_refused() -> None:
+    with pytest.raises(ChainbuildError, match=r"no solver 'best'.*auto, damped, analytic, controller"):
+        arm().ik(np.eye(4), solver="best")
+
+
+def test_a_chain_without_budget_says_so() -> None:
+    with pytest.raises(ChainbuildError, match="grant the controller no iteration budget"):
+        arm().ik(np.eye(4), solver="controller")
+
+
+def test_auto_asks_the_closed_form_where_damping_finds_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = arm()
+
+    def nothing(*_: object) -> IkResult:
+        return IkResult(False, AXES, "stalled", 1.0, 1.0, 0, 0, "pose", "gave up")
+
+    monkeypatch.setattr(dispatch, "solve", nothing)
+    assert robot.ik(robot.fk(AXES), AXES).success
+    assert not robot.ik(robot.fk(AXES), AXES, solver="damped").success
+    far = robot.fk(AXES)
+    far.translation = np.array([9.0, 0.0, 0.0])
+    assert robot.ik(far, AXES).reason == "gave up"
+
+
+def test_every_branch_through_the_robot() -> None:
+    robot = arm()
+    found = robot.ik_all(robot.fk(AXES), AXES)
+    np.testing.assert_allclose(found[0].axes, AXES, atol=1e-9)
+    assert len(found) > 2
+
+
+def test_the_controllers_budget() -> None:
+    robot = arm()
+    target = robot.fk(AXES)
+    near = solve_controller(robot, target, AXES + 1.0, None, Granted())
+    assert near.success
+    assert 0 < near.iterations <= 8
+    np.testing.assert_allclose(near.axes, AXES, atol=1e-4)
+    short = solve_controller(robot, target, AXES + 20.0, None, Granted(max_count=1))
+    assert (short.success, short.status, short.iterations) == (False, "stalled", 1)
+    assert "budget of 1 iterations" in short.reason
+    singular = solve_controller(robot, target, AXES + 1.0, None, Granted(limit2_deg=45.0))
+    assert singular.status == "stalled"
+    assert "75370" in singular.reason
