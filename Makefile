@@ -21,7 +21,7 @@ lint: $(INSTALLED_TEST)
 types: $(INSTALLED_TEST)
 	$(BIN)/mypy
 
-test-slow: $(INSTALLED_TEST) chromium
+test-slow: $(INSTALLED_TEST) $(INSTALLED_BENCH) chromium
 	$(BIN)/python -m pytest chainbuild tests -m slow
 
 bench: $(INSTALLED_BENCH)

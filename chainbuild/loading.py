@@ -41,7 +41,10 @@ def check(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None =
         ids = [(entry.channel, entry.id) for entry in entries]
         for entry in entries:
             twice = ids.count((entry.channel, entry.id)) > 1
-            _try_chain(machine, entry.name if twice else entry.id, entry.channel, collector)
+            named = entry.name if twice else entry.id
+            # Without a name it is the file's default, to which a second transformation step may belong.
+            default = entry.default and machine.overlay.kinematic is None
+            _try_chain(machine, None if default else named, entry.channel, collector)
     except FileAccessError:
         raise
     except ChainbuildError as error:
@@ -49,7 +52,7 @@ def check(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None =
     return tuple(dict.fromkeys(collector.findings))
 
 
-def _try_chain(machine: Machine, kinematic: int | str, channel: int, collector: Collector) -> None:
+def _try_chain(machine: Machine, kinematic: int | str | None, channel: int, collector: Collector) -> None:
     try:
         chain = machine.chain(kinematic=kinematic, channel=channel)
         collector.findings.extend(chain.findings)
@@ -58,9 +61,7 @@ def _try_chain(machine: Machine, kinematic: int | str, channel: int, collector: 
         collector.add_error(error)
 
 
-def _read(
-    path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None, collector: Collector
-) -> Machine:
+def _read(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None, collector: Collector) -> Machine:
     file = find_machine(path)
     source = read_source(file)
     beside: Overlay = find_overlay(file, Path(overlay) if overlay is not None else None)

@@ -49,6 +49,8 @@ class ParameterRow:
         given: True where the file gives it, False for a default.
         source: Manual section.
         span: Where the file gives it.
+        si: Value in `si_unit`, for dynamics that the file counts otherwise.
+        si_unit: "m/s", "rad/s", "rad/s²", or an empty string.
     """
 
     name: str
@@ -59,6 +61,8 @@ class ParameterRow:
     given: bool
     source: str
     span: Span | None = None
+    si: float | None = None
+    si_unit: str = ""
 
 
 class Machine(ABC):

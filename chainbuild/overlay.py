@@ -9,9 +9,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from chainbuild.chain.elements import Axis
+from chainbuild.chain.elements import Axis, Chain, Link
+from chainbuild.chain.geometry import NO_GEOMETRY, Geometry
+from chainbuild.chain.geometry_table import geometry_from_table
+from chainbuild.chain.rods import with_rods
 from chainbuild.conventions import check_choice
-from chainbuild.errors import FileAccessError, OverlayError, Span
+from chainbuild.errors import ChainError, FileAccessError, OverlayError, Span
 from chainbuild.text import read_source
 
 SUFFIX = ".chainbuild.toml"
@@ -34,6 +37,7 @@ class Overlay:
         axis_lists: Files with TwinCAT axis lists, relative to the overlay.
         axis_names: Axis names in channel order, in place of the standard ones.
         kinematic: Default kinematic id, name or transformation number.
+        geometry: Bodies for drawings and collision.
     """
 
     path: Path | None = None
@@ -47,6 +51,7 @@ class Overlay:
     tool: Mapping[str, float | tuple[float, ...]] = field(default_factory=dict)
     axis_lists: tuple[Path, ...] = ()
     kinematic: int | str | None = None
+    geometry: Geometry = NO_GEOMETRY
 
     def apply_limits(self, axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
         """Return the axes with the overlay's limits, speeds and endless axes.
@@ -59,6 +64,27 @@ class Overlay:
             if name not in known:
                 raise self._error(f"the kinematic has no axis '{name}'", name, ", ".join(a.name for a in axes))
         return tuple(self._limited(axis) for axis in axes)
+
+    def apply_geometry(self, chain: Chain) -> Chain:
+        """Return the chain with the overlay's radii, bodies and rods.
+
+        Raises:
+            OverlayError: the overlay names a link that the chain does not have, or rods where there can be none.
+        """
+        if self.geometry == NO_GEOMETRY:
+            return chain
+        if self.geometry.rods:
+            try:
+                chain = with_rods(chain, self.geometry.rod_data)
+            except ChainError as error:
+                raise self._error(error.message, "rods", "rods of arms whose axes 2 and 3 are parallel") from None
+        known = [link.name for link in chain.links]
+        for name in self.geometry.links:
+            if name not in known:
+                raise self._error(f"the kinematic has no link '{name}'", name, ", ".join(known))
+        radii = self.geometry.radii
+        links = tuple(Link(link.name, radii.get(link.name, link.radius)) for link in chain.links)
+        return replace(chain, links=links, geometry=self.geometry)
 
     def _limited(self, axis: Axis) -> Axis:
         if axis.name in self.limits:
@@ -201,6 +227,11 @@ def _kinematic(path: Path, key: str, value: object) -> int | str:
     return value
 
 
+def _geometry(path: Path, key: str, value: object) -> Geometry:
+    table = _table(path, key, value)
+    return geometry_from_table(table, path.parent, lambda name, permitted: _refuse(path, name, permitted))
+
+
 _READERS = {
     "name": _text,
     "source": _text,
@@ -212,4 +243,5 @@ _READERS = {
     "tool": _tool,
     "axis_lists": _files,
     "kinematic": _kinematic,
+    "geometry": _geometry,
 }

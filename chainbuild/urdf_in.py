@@ -54,7 +54,10 @@ class _Node:
         if len(values) != len(default) or not all(math.isfinite(value) for value in values):
             permitted = f"{len(default)} finite numbers"
             raise ParseError(
-                f"{name}=\"{self.attributes[name]}\" in <{self.name}>", span=self.span, parameter=name, permitted=permitted
+                f'{name}="{self.attributes[name]}" in <{self.name}>',
+                span=self.span,
+                parameter=name,
+                permitted=permitted,
             )
         return values
 
@@ -107,7 +110,9 @@ def _parse(text: str, file: str) -> _Node:
     try:
         parser.Parse(text.encode("utf-8"), True)
     except expat.ExpatError as error:
-        raise ParseError(f"not well-formed XML: {expat.ErrorString(error.code)}", span=Span(file, error.lineno)) from None
+        raise ParseError(
+            f"not well-formed XML: {expat.ErrorString(error.code)}", span=Span(file, error.lineno)
+        ) from None
     robot = root.child("robot")
     if robot is None:
         raise ParseError("no <robot> element: this is not a URDF file", span=Span(file))

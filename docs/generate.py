@@ -6,6 +6,7 @@ A table stands between `<!-- table: NAME -->` and `<!-- end -->`; everything els
 from __future__ import annotations
 
 import re
+import runpy
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -80,12 +81,19 @@ def findings() -> str:
     return table(("number", "severity", "meaning"), ((k.code, k.severity, k.title) for k in finding_kinds().values()))
 
 
+def robx_combinations() -> str:
+    """Return what becomes of every arrangement, number of axes and wrist of the ROBX transformation."""
+    rows = runpy.run_path(str(ROOT / "docs/robx_combinations.py"))["rows"]
+    return table(("MAIN_AXES", "axis 4 to the last rotary basic axis", "4 axes", "5 axes", "6 axes"), rows())
+
+
 TABLES: dict[str, Callable[[], str]] = {
     "machines": machines,
     "types": types,
     "type-parameters": type_parameters,
     "conventions": convention_table,
     "findings": findings,
+    "robx-combinations": robx_combinations,
 }
 
 

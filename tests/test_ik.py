@@ -74,7 +74,7 @@ def test_the_same_call_gives_the_same_answer() -> None:
 
 def test_too_far_is_said_at_once() -> None:
     found = arm().ik(pin.SE3(np.eye(3), np.array([0.5, 0.2, 5.0])))
-    assert (found.success, found.status, found.iterations) == (False, "unreachable", 0)
+    assert (found.success, found.status, found.restarts) == (False, "unreachable", 0)
     assert "too far" in found.reason
 
 

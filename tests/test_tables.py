@@ -160,6 +160,35 @@ def test_bad_poses_are_refused(tmp_path: Path, content: str, task: Task, message
     assert caught.value.line in (1, 2)
 
 
+def test_c_alone_where_a_and_b_follow(tmp_path: Path) -> None:
+    path = write(tmp_path, f"{POSITION},c_deg\n1,2,3,700\n")
+    with PoseTable(path, "orirpy", "pose", follows_c=True) as table:
+        (row,) = table.rows()
+    assert row.c_deg is None
+    assert np.abs(row.T[:3, :3] - frames.rot_x(700.0)).max() < 1e-12
+    with pytest.raises(TableError, match="a_deg, b_deg"):
+        PoseTable(path, "orirpy", "pose")
+
+
+@pytest.mark.parametrize("orientation", ["qx,qy,qz,qw,c_deg", "c_deg", "b_deg,c_deg,a_deg"])
+def test_c_is_kept_where_it_runs_on(tmp_path: Path, orientation: str) -> None:
+    values = {"qx": 0, "qy": 0, "qz": 0, "qw": 1, "a_deg": 0, "b_deg": 0, "c_deg": 720}
+    fields = ",".join(str(values[name]) for name in orientation.split(","))
+    path = write(tmp_path, f"{POSITION},{orientation}\n1,2,3,{fields}\n")
+    with PoseTable(path, "orirpy", "pose", follows_c=True, running_c=True) as table:
+        (row,) = table.rows()
+        assert table.by_quaternion == orientation.startswith("q")
+    assert row.c_deg == 720.0
+    assert np.abs(row.T[:3, :3] - np.eye(3)).max() < 1e-12
+
+
+def test_a_tool_vector_along_x(tmp_path: Path) -> None:
+    path = write(tmp_path, f"{POSITION},tool_x,tool_y,tool_z\n0,0,0,-0.48,0.64,-0.6\n")
+    with PoseTable(path, "orirpy", "direction", tool_axis="x") as table:
+        (row,) = table.rows()
+    assert np.abs(row.T[:3, 0] - (-0.48, 0.64, -0.6)).max() < 1e-12
+
+
 @pytest.mark.parametrize("direction", [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (0.6, 0.0, 0.8), (-0.48, 0.64, -0.6)])
 @pytest.mark.parametrize("task", ["direction", "position"])
 def test_a_tool_vector_is_enough_for_fewer_freedoms(tmp_path: Path, direction: tuple[float, ...], task: Task) -> None:
@@ -248,3 +277,18 @@ def test_memory_does_not_grow_with_the_table(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_million_rows_stream_in_constant_memory(tmp_path: Path) -> None:
     assert stream_through(tmp_path / "million.csv", 1_000_000) < 2_000_000
+
+
+def test_violations_have_a_column_where_they_are_asked_for() -> None:
+    text = io.StringIO()
+    writer = PoseWriter(text, "orirpy", tool_axis="x", violations=True)
+    writer.write(np.eye(4), (1.0, 2.0, 900.0), ("A1", "parallelogram angle"))
+    writer.write(np.eye(4))
+    head, first, second = text.getvalue().splitlines()
+    assert head.endswith("c_deg,violations")
+    assert first.endswith("1.0,0.0,0.0,1.0,2.0,900.0,A1; parallelogram angle")
+    assert second.endswith("0.0,0.0,0.0,")
+    text = io.StringIO()
+    IkWriter(text, AXES, violations=True).write(None, "limits", 0.0, 0.0, ("parallelogram angle",))
+    assert text.getvalue().splitlines()[0].endswith("rotation_error_deg,violations")
+    assert text.getvalue().splitlines()[1].endswith("limits,0.0,0.0,parallelogram angle")

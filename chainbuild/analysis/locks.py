@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 
 from chainbuild import frames
 from chainbuild.analysis.singularity import Singularity
+from chainbuild.chain.rods import CRANK, ROD, ROD_END, ROD_PIN, has_rods
 from chainbuild.robot.robot import Robot
 
 Vector = NDArray[np.float64]
 
 # Sine of the angle to the lock: 1 degree.
 NEAR_LOCK: Final = 0.0175
+# Sine of the angle between crank and rod: 10 degrees, where the rod's force is six times that of the best angle.
+NEAR_DEAD: Final = 0.1736
 _FOLLOWS: Final = ("ab", "ba")  # angle modes that program two angles only: they cannot lock
 
 
@@ -29,6 +32,25 @@ def notices(robot: Robot, axes: Vector) -> Iterator[Singularity]:
     """
     if robot.task == "pose" and robot.chain.angle_mode not in _FOLLOWS:
         yield from _gimbal_locks(robot, axes)
+    if has_rods(robot.chain):
+        yield from _dead_points(robot, axes)
+
+
+def _dead_points(robot: Robot, axes: Vector) -> Iterator[Singularity]:
+    """Yield the dead point of a parallelogram: crank and rod in line, so that the rod can hold no torque."""
+    places = robot.frame_placements(axes)
+    crank = places[ROD].translation - places[CRANK].translation
+    rod = places[ROD_END].translation - places[ROD].translation
+    along = next(joint.direction for joint in robot.chain.joints if joint.name == CRANK)
+    across = places[CRANK].rotation @ along
+    crank, rod = crank - across * (across @ crank), rod - across * (across @ rod)
+    value = float(np.linalg.norm(np.cross(crank, rod)) / (np.linalg.norm(crank) * np.linalg.norm(rod)))
+    if value <= NEAR_DEAD:
+        elbow = next(j.name for j in robot.chain.joints if j.child == robot.chain.frame(ROD_PIN).link)
+        angle = math.degrees(math.asin(min(value, 1.0)))
+        condition = f"the parallelogram is {angle:.3g}° from its dead point: crank and rod are in line"
+        sentence = f"{condition}; there the rod holds no torque of {elbow}, and the linkage may fold over"
+        yield Singularity("dead_point", "", value, (elbow,), condition, sentence)
 
 
 def _gimbal_locks(robot: Robot, axes: Vector) -> Iterator[Singularity]:

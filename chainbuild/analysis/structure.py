@@ -122,11 +122,21 @@ def _form(chain: Chain, probes: list[Lines], length: float) -> Arm | Mill | None
     free = [n for n in linear if not _held(chain, n)]
     if free and np.linalg.matrix_rank(probes[0].directions[free], tol=_SAME) == 3:
         return Mill(tuple(rotary))
-    rotary = [n for n in rotary if not _held(chain, n)]
+    rotary = _lines_once(probes, [n for n in rotary if not _held(chain, n)], length)
     for i in range(len(rotary) - 2):
         if _parallel(probes, rotary[i], rotary[i + 1]):
             return _arm(probes, rotary, i, length)
     return None
+
+
+def _lines_once(probes: list[Lines], rotary: list[int], length: float) -> list[int]:
+    """Return the joints without those that turn about the line of the next one: a level link and what hangs on it."""
+
+    def same(a: int, b: int) -> bool:
+        offsets = [np.cross(p.directions[a], p.points[a] - p.points[b]) for p in probes]
+        return _parallel(probes, a, b) and all(np.linalg.norm(offset) < _SAME * length for offset in offsets)
+
+    return [a for a, b in zip(rotary, [*rotary[1:], None], strict=True) if b is None or not same(a, b)]
 
 
 def _held(chain: Chain, joint: int) -> bool:

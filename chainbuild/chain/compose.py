@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.chain.axismap import Block, side_by_side
+from chainbuild.chain.carried import carried_c, constraints, joined_geometry, padded
 from chainbuild.chain.elements import (
-    AxisConstraint,
-    AxisSum,
     Chain,
     Frame,
     Joint,
@@ -57,7 +56,7 @@ def stack(
         title=f"{upper.title} on {lower.title}",
         angle_mode=upper.angle_mode,
         tool_axis=upper.tool_axis,
-        absolute_c=_absolute_c(lower, T_offset, upper),
+        absolute_c=carried_c(lower, T_offset, upper),
         partials=_numbered((*_partials(lower, low), *_carried(upper, up, T_offset, len(lower.axes)))),
     )
 
@@ -114,7 +113,7 @@ def beside(chain: Chain, other: Chain, *, name: str | None = None, other_name: s
         joined,
         name=f"{chain.name}_{other.name}",
         title=f"{chain.title} beside {other.title}",
-        absolute_c=None if chain.absolute_c is None else _padded(chain.absolute_c, 0, len(other.axes)),
+        absolute_c=None if chain.absolute_c is None else padded(chain.absolute_c, 0, len(other.axes)),
         partials=_numbered((*partials, *(replace(p, group=group + p.group) for p in others))),
     )
 
@@ -189,14 +188,15 @@ def _graft(host: Chain, link: str, T: Matrix, guest: Chain, prefix: str, *, root
         axes=(*host.axes, *(replace(axis, name=names.axes[axis.name]) for axis in guest.axes)),
         axis_map=side_by_side(_blocks(host, guest, tree.order), _shape(host, guest)),
         loops=(*host.loops, *(_loop(loop, names) for loop in guest.loops)),
-        dialect=_both(host.dialect, guest.dialect),
+        dialect=host.dialect if guest.dialect in host.dialect else f"{host.dialect} + {guest.dialect}",
         kinematic=f"{host.kinematic} + {guest.kinematic}",
         task="auto",
-        constraints=(*_constraints(host, 0, len(guest.axes)), *_constraints(guest, len(host.axes), 0)),
-        conventions=tuple({used.convention.name: used for used in (*host.conventions, *guest.conventions)}.values()),
-        findings=tuple(dict.fromkeys((*host.findings, *guest.findings))),
+        constraints=(*constraints(host, 0, len(guest.axes)), *constraints(guest, len(host.axes), 0)),
         follows_c=False,
         controller_solver=None,
+        geometry=joined_geometry(host.geometry, guest.geometry, names, [*tree.placements]),
+        conventions=tuple({used.convention.name: used for used in (*host.conventions, *guest.conventions)}.values()),
+        findings=tuple(dict.fromkeys((*host.findings, *guest.findings))),
     )
 
 
@@ -242,27 +242,6 @@ def _blocks(host: Chain, guest: Chain, order: NDArray[np.intp]) -> tuple[Block, 
 
 def _shape(host: Chain, guest: Chain) -> tuple[int, int]:
     return len(host.joints) + len(guest.joints), len(host.axes) + len(guest.axes)
-
-
-def _constraints(chain: Chain, before: int, after: int) -> Iterable[AxisConstraint]:
-    for constraint in chain.constraints:
-        yield replace(constraint, sum=_padded(constraint.sum, before, after))
-
-
-def _padded(total: AxisSum, before: int, after: int) -> AxisSum:
-    return AxisSum((0.0,) * before + total.coefficients + (0.0,) * after, total.offset)
-
-
-def _absolute_c(lower: Chain, T_offset: Matrix, upper: Chain) -> AxisSum | None:
-    """Return upper's running angle C, which still is one where lower and the offset only shift."""
-    turned = any(joint.kind == "revolute" for joint in lower.joints) or not np.array_equal(T_offset[:3, :3], np.eye(3))
-    if upper.absolute_c is None or turned:
-        return None
-    return _padded(upper.absolute_c, len(lower.axes), 0)
-
-
-def _both(first: str, second: str) -> str:
-    return first if second in first else f"{first} + {second}"
 
 
 def _renamed(frames: Iterable[Frame], names: dict[str, str]) -> tuple[Frame, ...]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.chain.axismap import AxisMap
+from chainbuild.chain.geometry import NO_GEOMETRY, Geometry
 from chainbuild.conventions import UsedConvention
 from chainbuild.findings import Finding
 from chainbuild.units import AxisKind, AxisUnit, unit_of
@@ -242,6 +243,7 @@ class Chain:
         partials: What a composed chain was made of, in the order of the axes; empty for a single kinematic.
         follows_c: True where position and pose angle C are programmed and A and B follow (ROBX robots of four axes).
         controller_solver: Budget of the control's own iterative inverse, where its data are known.
+        geometry: What the overlay says about its bodies.
     """
 
     name: str
@@ -264,6 +266,7 @@ class Chain:
     partials: tuple[Partial, ...] = ()
     follows_c: bool = False
     controller_solver: ControllerSolver | None = None
+    geometry: Geometry = NO_GEOMETRY
 
     def frame(self, name: str) -> Frame:
         """Return a frame by name."""

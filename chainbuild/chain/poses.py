@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from chainbuild.chain.elements import BASE_LINK, Chain, Joint, Matrix, Vector
-from chainbuild.frames import inverse, rot_about, transform
+from chainbuild.frames import ANGLE_MODES, inverse, quaternion_from_matrix, rot_about, transform
 from chainbuild.units import deg_from_rad
 
 
@@ -58,6 +59,26 @@ def pose_jacobian(chain: Chain, axes: ArrayLike) -> Matrix:
     back[:3, :3] = back[3:, 3:] = T_workpiece[:3, :3].T
     J: Matrix = back @ np.array(columns).T @ chain.axis_map.dq_daxes(values)
     return J
+
+
+def rotation_vector(R: Matrix) -> Vector:
+    """Return axis times angle [rad] of a rotation."""
+    x, y, z, w = quaternion_from_matrix(R)
+    vector = np.array([x, y, z])
+    sine = float(np.linalg.norm(vector))
+    result: Vector = vector * (2.0 * math.atan2(sine, w) / sine if sine > 0.0 else 2.0)
+    return result
+
+
+def angle_rates(mode: str, angles_deg: Sequence[float]) -> Matrix:
+    """Return (3, 3): the angular velocities that the angles A, B, C of a mode make at unit speed, outer axes."""
+    by_letter = dict(zip("ABC", angles_deg, strict=True))
+    rates, R = np.zeros((3, 3)), np.eye(3)
+    for axis, letter, sign in ANGLE_MODES[mode].factors:
+        direction = np.eye(3)["xyz".index(axis)]
+        rates[:, "ABC".index(letter)] = sign * (R @ direction)
+        R = R @ rot_about(direction, sign * by_letter[letter])
+    return rates
 
 
 def _column(joint: Joint, links: dict[str, Matrix], tip: Vector) -> Vector:

@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
+import shutil
+import sys
 from pathlib import Path
+from typing import Final
 
 from chainbuild.cli.show import console, table
 from chainbuild.cli.urdf import Folder
 from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions
+
+_EXAMPLE: Final = "kr6r900"
+_LOOK: Final = (
+    (
+        "inspect {} --export page.html",
+        "writes a page with the robot, its frames and a sweep of each axis: open it in a browser",
+    ),
+    ("info {}", "shows what was read: axes, parameters, conventions, findings"),
+)
 
 
 def demo(
@@ -31,7 +43,19 @@ def demo(
         shown.add_row(name, robot.chain.title, robot.chain.kinematic, axes, str(path))
     out = console()
     out.print(shown)
-    out.print("What to look at, here for the last one:")
-    out.print(f"  chainbuild inspect {names[-1]} --export page.html   a page with the robot and a sweep of each axis")
-    out.print(f"  chainbuild info {names[-1]}   what was read, and which conventions were used")
+    example, command = _EXAMPLE if _EXAMPLE in names else names[-1], command_name()
+    out.print(f"Written: {len(names)} robots below {folder}/. What to look at, here for {example}:", highlight=False)
+    for arguments, what in _LOOK:
+        out.print(f"  {command} {arguments.format(example)}", f"    {what}", sep="\n", soft_wrap=True, highlight=False)
     return 0
+
+
+def command_name() -> str:
+    """Return how this command is called from here: its bare name where the shell finds it, else its path."""
+    called = Path(sys.argv[0])
+    if called.name != "chainbuild" or shutil.which("chainbuild") == str(called.resolve()):
+        return "chainbuild"
+    try:
+        return str(called.resolve().relative_to(Path.cwd()))
+    except ValueError:
+        return str(called)

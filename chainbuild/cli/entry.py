@@ -15,20 +15,43 @@ from contextlib import suppress
 from cyclopts import App, CycloptsError
 
 from chainbuild import __version__
+from chainbuild.cli.as_universal import as_universal
 from chainbuild.cli.check import check
+from chainbuild.cli.collide import collide
+from chainbuild.cli.couple import couple
+from chainbuild.cli.crosscheck import crosscheck
 from chainbuild.cli.demo import demo
 from chainbuild.cli.fk import fk
 from chainbuild.cli.ik import ik
 from chainbuild.cli.info import info
 from chainbuild.cli.inspect import inspect
+from chainbuild.cli.limits import limits
+from chainbuild.cli.singularity import singularity
 from chainbuild.cli.types import types
 from chainbuild.cli.urdf import urdf
 from chainbuild.cli.usage import UsageError
+from chainbuild.cli.workspace import workspace
 from chainbuild.errors import ChainbuildError
 
 DONE, REFUSED, WRONG_USAGE, ROWS_FAILED, INTERRUPTED, READER_GONE = 0, 1, 2, 3, 130, 141
 
-_COMMANDS = (info, check, fk, ik, urdf, inspect, demo, types)
+_COMMANDS = (
+    info,
+    check,
+    fk,
+    ik,
+    couple,
+    crosscheck,
+    urdf,
+    as_universal,
+    inspect,
+    singularity,
+    collide,
+    limits,
+    workspace,
+    demo,
+    types,
+)
 _HELP = """From the machine data of a CNC to a kinematic model.
 
 Reads SINUMERIK ROBX machine data and TwinCAT CNC parameter lists. FILE is a path, or the name of a machine shipped
@@ -88,7 +111,8 @@ def message_of(error: ChainbuildError) -> str:
 
 
 def _command_of(words: Sequence[str]) -> str:
-    return f"{words[0]} " if words and words[0] in {command.__name__ for command in _COMMANDS} else ""
+    names = {command.__name__.replace("_", "-") for command in _COMMANDS}
+    return f"{words[0]} " if words and words[0] in names else ""
 
 
 def _accept_any_text() -> None:

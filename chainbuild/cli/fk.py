@@ -4,18 +4,26 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from chainbuild.cli.show import note, output, with_progress
-from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output
+from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, pointed_axis
 from chainbuild.errors import ChainbuildError, Span
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from chainbuild.robot.robot import Robot
 
 
 def fk(file: str, /, *, axes: Path, output_file: Output = None, options: MachineOptions = DEFAULT_OPTIONS) -> int:
     """Compute the pose of the tool in the workpiece frame for axis values.
 
     The table has one column an axis, named like the controller's axes, in mm and degrees. The poses are written with
-    position in mm, quaternion, tool vector and the angles A, B, C of the controller. Values outside the limits are
-    computed and counted.
+    position in mm, quaternion, tool vector and the angles A, B, C of the controller; where C runs on over whole turns
+    c_deg does so, too. Values outside the limits are computed and counted; on a machine with limits on sums of axes,
+    such as the angle of a parallelogram, the column violations names what a row violates.
 
     Args:
         file: A machine file, or the name of a shipped machine.
@@ -28,14 +36,21 @@ def fk(file: str, /, *, axes: Path, output_file: Output = None, options: Machine
     robot = options.robot(file)
     outside: Counter[str] = Counter()
     with AxisTable(axes, robot.axes) as table, output(output_file) as stream:
-        writer = PoseWriter(stream, robot.chain.angle_mode)
+        coupled = bool(robot.chain.constraints)
+        writer = PoseWriter(stream, robot.chain.angle_mode, tool_axis=pointed_axis(robot), violations=coupled)
         for line, values in with_progress(table.rows(), table, "poses"):
+            violated = robot.violated_limits(values)
             try:
-                writer.write(robot.fk(values).homogeneous)
+                writer.write(robot.fk(values).homogeneous, _shown_angles(robot, values), violated)
             except ChainbuildError as error:
                 error.span = error.span or Span(table.file, line)
                 raise
-            outside.update(robot.violated_limits(values))
+            outside.update(violated)
     for name, count in outside.items():
         note(f"{table.file}: {count} row{'s' * (count != 1)} outside the limits of {name}")
     return 0
+
+
+def _shown_angles(robot: Robot, axes: NDArray[np.float64]) -> tuple[float, float, float] | None:
+    """Return A, B, C where the controller shows others than those of the pose."""
+    return robot.pose_angles(axes) if robot.chain.absolute_c else None

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from itertools import chain, islice
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
+from chainbuild import tolerances
 from chainbuild.cli.show import note, output, with_progress
-from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output
+from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, pointed_axis
 from chainbuild.errors import ChainbuildError, Span, TableError
 from chainbuild.units import deg_from_rad, mm_from_m
 
@@ -22,6 +24,10 @@ if TYPE_CHECKING:
     from chainbuild.solve.result import IkResult
     from chainbuild.tables import AxisTable, PoseTable
 
+    Matrix = NDArray[np.float64]
+
+Solver = Literal["auto", "damped", "analytic", "controller"]
+
 _ROWS_FAILED = 3
 
 
@@ -31,6 +37,7 @@ def ik(
     *,
     poses: Path,
     start: Path | None = None,
+    solver: Solver = "auto",
     output_file: Output = None,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
@@ -40,26 +47,34 @@ def ik(
     controller; for machines of fewer than six axes also tool_x, tool_y, tool_z. Every answer is verified by forward
     kinematics. A row without solution keeps its status and no axis values; the command then ends with 3.
 
+    ROBX robots of four axes are programmed by position and c_deg: where a row's A and B cannot be reached they follow,
+    and c_deg may stand alone. Where C runs on over whole turns, c_deg says which turn is meant, also beside a
+    quaternion.
+
     Args:
         file: A machine file, or the name of a shipped machine.
         poses: CSV table of poses.
         start: CSV table of axis values to start from: one row, or one a pose. Without it: the solution before.
+        solver: damped; analytic: a closed form; controller: within the iterations that the machine data grant; auto:
+            damped, and a closed form where that finds nothing.
         output_file: CSV table of axis values to write. Without it: stdout.
         options: Which kinematic.
     """
-    from chainbuild.tables import AxisTable, IkWriter, PoseTable
+    from chainbuild.tables import AxisTable, IkWriter
 
     robot = options.robot(file)
     statuses: Counter[str] = Counter()
     with ExitStack() as stack:
-        table = stack.enter_context(PoseTable(poses, robot.chain.angle_mode, robot.task))
+        table = stack.enter_context(_pose_table(robot, poses))
         starts = stack.enter_context(AxisTable(start, robot.axes)) if start else None
-        writer = IkWriter(stack.enter_context(output(output_file)), robot.axes)
-        for result in with_progress(_solutions(robot, table, starts), table, "axis values"):
+        coupled = bool(robot.chain.constraints)
+        writer = IkWriter(stack.enter_context(output(output_file)), robot.axes, violations=coupled)
+        for result in with_progress(_solutions(robot, table, starts, solver), table, "axis values"):
             statuses[result.status] += 1
             angle = deg_from_rad(result.rotation_error) if table.oriented else None
             axes, distance = result.axes if result.success else None, mm_from_m(result.position_error)
-            writer.write(axes, result.status, distance, angle)
+            violated = () if result.success else robot.violated_limits(result.axes)
+            writer.write(axes, result.status, distance, angle, violated)
     failed = statuses.total() - statuses["ok"]
     if failed:
         reasons = ", ".join(f"{count} {status}" for status, count in sorted(statuses.items()) if status != "ok")
@@ -67,22 +82,51 @@ def ik(
     return _ROWS_FAILED if failed else 0
 
 
-def _solutions(robot: Robot, table: PoseTable, starts: AxisTable | None) -> Iterator[IkResult]:
+def _pose_table(robot: Robot, poses: Path) -> PoseTable:
+    from chainbuild.tables import PoseTable
+
+    chain = robot.chain
+    return PoseTable(
+        poses,
+        chain.angle_mode,
+        robot.task,
+        follows_c=chain.follows_c,
+        running_c=chain.absolute_c is not None,
+        tool_axis=pointed_axis(robot),
+    )
+
+
+def _solutions(robot: Robot, table: PoseTable, starts: AxisTable | None, solver: Solver) -> Iterator[IkResult]:
     """Solve pose by pose; without start values each begins where the last solution ended."""
     given = _Starts(starts, table.file) if starts else None
     last: NDArray[np.float64] | None = None
     for row in table.rows():
         begin = given.next() if given else last
         try:
-            result = robot.ik(row.T, start=begin)
+            result = robot.ik(row.T, start=begin, solver=solver, absolute_c_deg=row.c_deg)
         except ChainbuildError as error:
             error.span = error.span or Span(table.file, row.line)
             raise
+        if table.by_quaternion and row.c_deg is not None:
+            result = _agreeing(robot, row.T, result)
         if result.success:
             last = result.axes
         yield result
     if given:
         given.finish()
+
+
+def _agreeing(robot: Robot, T: Matrix, result: IkResult) -> IkResult:
+    """Return a result, failed where c_deg has led to another orientation than the quaternion beside it."""
+    from chainbuild.robot.robot import as_pose
+
+    if not result.success:
+        return result
+    angle = robot.kinematics.errors(result.axes * robot.kinematics.si_factors, as_pose(T), "pose")[1]
+    if angle <= tolerances.IK_ROTATION_RAD:
+        return result
+    reason = "the angle C given does not go with the quaternion"
+    return replace(result, success=False, status="unreachable", rotation_error=angle, reason=reason)
 
 
 class _Starts:

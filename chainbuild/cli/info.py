@@ -125,11 +125,19 @@ def _print_parameters(out: Console, rows: Sequence[ParameterRow], defaults: bool
         first, last = group[0], group[-1]
         name = first.name if first is last else f"{first.name.removesuffix(']')}…{last.name.rpartition('[')[2]}"
         values = ", ".join(number(row.value) for row in group)
-        shown.add_row(first.symbol, name, values, first.unit, first.meaning, first.source, _lines(group))
+        meaning = f"{first.meaning}{_in_si(group)}"
+        shown.add_row(first.symbol, name, values, first.unit, meaning, first.source, _lines(group))
     out.print(shown)
     hidden = len(rows) - len(chosen)
     if hidden:
         out.print(f"{hidden} more parameters stand at their defaults: --defaults shows them.\n")
+
+
+def _in_si(group: Sequence[ParameterRow]) -> str:
+    """Return the values of an array in SI units where the file counts otherwise."""
+    if not group[0].si_unit:
+        return ""
+    return f" In SI: {', '.join(f'{row.si:.6g}' for row in group)} {group[0].si_unit}."
 
 
 def _kept_together(row: ParameterRow) -> tuple[object, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -86,6 +86,14 @@ class MachineOptions:
 
 
 DEFAULT_OPTIONS = MachineOptions()
+
+
+def pointed_axis(robot: Robot) -> Literal["x", "z"]:
+    """Return the axis of the tool frame that the columns tool_x, tool_y, tool_z hold.
+
+    Z, but for machines that are programmed by the tool direction their own: on ROBX robots of five axes that is X.
+    """
+    return robot.chain.tool_axis if robot.task == "direction" else "z"
 
 
 def all_findings(machine: Machine, chain: Chain | None) -> tuple[Finding, ...]:

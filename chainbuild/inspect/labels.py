@@ -66,7 +66,7 @@ def _sprite_object(text: tuple[str, int] | None) -> Any:
         _type = "SpriteMaterial"
 
     class Text(geometry.Texture):
-        def lower(self, object_data: dict[str, Any]) -> dict[str, Any]:  # noqa: ARG002  (meshcat passes it)
+        def lower(self, object_data: dict[str, Any]) -> dict[str, Any]:
             words, font = text or ("", 1)
             return {"uuid": self.uuid, "type": "_text", "text": words, "font_size": font, "font_face": "sans-serif"}
 

@@ -7,10 +7,10 @@ from dataclasses import replace
 from html import escape
 from pathlib import PurePath
 
+from chainbuild.chain.bodies import BASE_COLOUR, TOOL_SIDE, WORKPIECE_SIDE, Colour, shown_limits
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.conventions import UsedConvention
 from chainbuild.findings import Finding
-from chainbuild.out.bodies import BASE_COLOUR, TOOL_SIDE, WORKPIECE_SIDE, Colour, shown_limits
 
 _MARKS = {"I": "inferred", "?": "open"}
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from chainbuild import frames
+from chainbuild.chain.bodies import machine_size, shown_limits
 from chainbuild.chain.elements import BASE_LINK, Chain, Matrix, Vector
 from chainbuild.errors import ChainbuildError
-from chainbuild.out.bodies import machine_size, shown_limits
 from chainbuild.units import deg_from_rad
 
 if TYPE_CHECKING:

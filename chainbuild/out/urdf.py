@@ -12,11 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from chainbuild import tolerances
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint, Matrix
-from chainbuild.errors import ChainError
-from chainbuild.frames import inverse, shift, urdf_rpy
-from chainbuild.out import notes
-from chainbuild.out.bodies import (
+from chainbuild.chain.bodies import (
     BASE_COLOUR,
     TOOL_COLOUR,
     WORKPIECE_SIDE,
@@ -25,6 +21,11 @@ from chainbuild.out.bodies import (
     link_bodies,
     machine_size,
 )
+from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint, Matrix
+from chainbuild.chain.rods import rod_masters
+from chainbuild.errors import ChainError
+from chainbuild.frames import inverse, shift, urdf_rpy
+from chainbuild.out import notes
 from chainbuild.out.files import angle_text, make_folder, number_text, numbers_text, write_text
 from chainbuild.out.notes import urdf_limitations
 from chainbuild.units import m_from_mm, rad_from_deg, si_factor
@@ -72,8 +73,15 @@ def urdf_text(robot: Robot) -> str:
     for body in link_bodies(chain):
         _add_link(root, body.link, body)
     lower, upper = robot.model.lowerPositionLimit, robot.model.upperPositionLimit
+    masters = rod_masters(chain)
     for n, (joint, speed) in enumerate(zip(chain.joints, joint_speeds(chain), strict=True)):
-        _add_joint(root, joint, _bound(joint, float(lower[n]), -1.0), _bound(joint, float(upper[n]), 1.0), speed)
+        element = _add_joint(
+            root, joint, _bound(joint, float(lower[n]), -1.0), _bound(joint, float(upper[n]), 1.0), speed
+        )
+        if joint.name in masters:
+            master, factor, offset = masters[joint.name]
+            multiplier = number_text(factor)
+            ET.SubElement(element, "mimic", joint=master, multiplier=multiplier, offset=angle_text(offset))
     _add_tips(root, chain)
     ET.indent(root, "  ")
     buffer = io.BytesIO()
@@ -132,7 +140,7 @@ def _drawn(values: Iterable[float]) -> str:
     return numbers_text(round(value, 6) for value in values)
 
 
-def _add_joint(root: ET.Element, joint: Joint, lower: float, upper: float, speed: float) -> None:
+def _add_joint(root: ET.Element, joint: Joint, lower: float, upper: float, speed: float) -> ET.Element:
     element = ET.SubElement(root, "joint", name=joint.name, type=joint.kind)
     _add_connection(element, joint.T_parent_joint, joint.parent, joint.child)
     ET.SubElement(element, "axis", xyz=numbers_text(joint.direction.tolist()))
@@ -145,6 +153,7 @@ def _add_joint(root: ET.Element, joint: Joint, lower: float, upper: float, speed
         velocity=write(speed),
         effort=number_text(_DEFAULT_EFFORT[joint.kind]),
     )
+    return element
 
 
 def _add_tips(root: ET.Element, chain: Chain) -> None:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import eigenpy
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import Chain, Task
 from chainbuild.robot.model import build_model
+from chainbuild.robot.product import product_of
 from chainbuild.units import si_factor
 
 Vector = NDArray[np.float64]
@@ -22,7 +24,7 @@ Matrix = NDArray[np.float64]
 Residual = Callable[[Vector], tuple[Vector, Matrix]]
 
 _LOCAL = pin.ReferenceFrame.LOCAL
-_Z = np.array([0.0, 0.0, 1.0])
+_AXES = {"x": 0, "y": 1, "z": 2}
 
 
 class Kinematics:
@@ -37,44 +39,47 @@ class Kinematics:
         self.model = build_model(chain)
         self.data = self.model.createData()
         self.si_factors = np.array([si_factor(axis.kind) for axis in chain.axes])
-        self._tool = self.model.getFrameId("tool")
-        self._workpiece = self.model.getFrameId("workpiece")
-        self._workpiece_fixed = self.model.frames[self._workpiece].parentJoint == 0
-        self._T_base_workpiece = self.model.frames[self._workpiece].placement.copy()
+        self.tool_id = self.model.getFrameId("tool")
+        self.workpiece_id = self.model.getFrameId("workpiece")
+        self.workpiece_fixed = self.model.frames[self.workpiece_id].parentJoint == 0
+        self.T_base_workpiece = self.model.frames[self.workpiece_id].placement.copy()
         self._map = chain.axis_map
-        self._affine = self._map if isinstance(self._map, AffineMap) else None
+        self.tool_axis = _AXES[chain.tool_axis]
+        self.has_input_axes = any(axis.held for axis in chain.axes)
+        self.product = product_of(chain)
+        self.affine = self._map if isinstance(self._map, AffineMap) else None
 
     def q(self, x: Vector) -> Vector:
         """Return Pinocchio's joint values of SI axis values."""
-        if self._affine is not None:
-            result: Vector = self._affine.A @ x + self._affine.b
+        if self.affine is not None:
+            result: Vector = self.affine.A @ x + self.affine.b
             return result
         return self._map.q(x / self.si_factors)
 
     def dq_dx(self, x: Vector) -> Matrix:
         """Return the derivative of the joint values by the SI axis values."""
-        return self._affine.A if self._affine is not None else self._map.dq_daxes(x / self.si_factors)
+        return self.affine.A if self.affine is not None else self._map.dq_daxes(x / self.si_factors)
 
     def pose(self, q: Vector) -> pin.SE3:
         """Return the tool in the workpiece frame [m] at joint values."""
         pin.forwardKinematics(self.model, self.data, q)
-        tool = pin.updateFramePlacement(self.model, self.data, self._tool)
-        if self._workpiece_fixed:
-            return self._T_base_workpiece.actInv(tool)
-        workpiece = pin.updateFramePlacement(self.model, self.data, self._workpiece)
+        tool = pin.updateFramePlacement(self.model, self.data, self.tool_id)
+        if self.workpiece_fixed:
+            return self.T_base_workpiece.actInv(tool)
+        workpiece = pin.updateFramePlacement(self.model, self.data, self.workpiece_id)
         return workpiece.actInv(tool)
 
     def pose_and_jacobian(self, x: Vector) -> tuple[pin.SE3, Matrix]:
         """Return pose and Jacobian (6, n_axes), linear rows first, tool frame, by SI axis values."""
         model, data = self.model, self.data
         pin.computeJointJacobians(model, data, self.q(x))
-        tool = pin.updateFramePlacement(model, data, self._tool)
-        J = pin.getFrameJacobian(model, data, self._tool, _LOCAL)
-        if self._workpiece_fixed:
-            return self._T_base_workpiece.actInv(tool), J @ self.dq_dx(x)
-        workpiece = pin.updateFramePlacement(model, data, self._workpiece)
+        tool = pin.updateFramePlacement(model, data, self.tool_id)
+        J = pin.getFrameJacobian(model, data, self.tool_id, _LOCAL)
+        if self.workpiece_fixed:
+            return self.T_base_workpiece.actInv(tool), J @ self.dq_dx(x)
+        workpiece = pin.updateFramePlacement(model, data, self.workpiece_id)
         T = workpiece.actInv(tool)
-        J = J - T.toActionMatrixInverse() @ pin.getFrameJacobian(model, data, self._workpiece, _LOCAL)
+        J = J - T.toActionMatrixInverse() @ pin.getFrameJacobian(model, data, self.workpiece_id, _LOCAL)
         return T, J @ self.dq_dx(x)
 
     def residual(self, target: pin.SE3, task: Task) -> Residual:
@@ -100,15 +105,14 @@ class Kinematics:
         return residual
 
     def _direction_residual(self, target: pin.SE3) -> Residual:
-        direction, position = target.rotation[:, 2].copy(), target.translation.copy()
+        axis, position = self.tool_axis, target.translation.copy()
+        direction, rows = target.rotation[:, axis].copy(), [n for n in range(6) if n != 3 + axis]
 
         def residual(x: Vector) -> tuple[Vector, Matrix]:
             T, J = self.pose_and_jacobian(x)
             back = T.rotation.T
-            error = np.empty(5)
-            error[:3] = back @ (position - T.translation)
-            error[3:] = tilt(back @ direction)
-            return error, J[:5]
+            error = np.concatenate([back @ (position - T.translation), tilt(back @ direction, axis)])
+            return error[rows], J[rows]
 
         return residual
 
@@ -130,17 +134,22 @@ class Kinematics:
         distance = float(np.linalg.norm(T.translation - target.translation))
         if task == "pose":
             return distance, float(np.linalg.norm(pin.log3(T.rotation.T @ target.rotation)))
-        return distance, float(np.linalg.norm(tilt(T.rotation.T @ target.rotation[:, 2])))
+        direction = T.rotation.T @ target.rotation[:, self.tool_axis]
+        return distance, float(np.linalg.norm(tilt(direction, self.tool_axis)))
 
 
-def tilt(direction: Vector) -> Vector:
-    """Return the rotation vector (x, y parts) that turns the z axis into a direction of length 1."""
-    sine = float(np.hypot(direction[0], direction[1]))
+def tilt(direction: Vector, axis: int) -> Vector:
+    """Return the smallest turn, as a rotation vector (3,), that brings a coordinate axis to a direction of length 1."""
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    sine = math.hypot(direction[i], direction[j])
+    turn = np.zeros(3)
     if sine < 1e-15:
         # Exactly opposite: any turn by 180° will do.
-        return np.array([0.0 if direction[2] > 0 else np.pi, 0.0])
-    scale = float(np.arctan2(sine, direction[2])) / sine
-    return np.array([-direction[1] * scale, direction[0] * scale])
+        turn[i] = 0.0 if direction[axis] > 0.0 else math.pi
+        return turn
+    scale = math.atan2(sine, direction[axis]) / sine
+    turn[i], turn[j] = -direction[j] * scale, direction[i] * scale
+    return turn
 
 
 def damped_step(J: Matrix, error: Vector, damping: float) -> Vector:

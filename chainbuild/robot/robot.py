@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,8 @@ from chainbuild.robot.task import choose_task
 
 if TYPE_CHECKING:
     from chainbuild.solve.branches import Branch
+    from chainbuild.solve.distribute import Distribution
+    from chainbuild.solve.redundancy import Preference
     from chainbuild.solve.result import IkResult
 
 Vector = NDArray[np.float64]
@@ -163,6 +165,7 @@ class Robot:
         *,
         solver: str = "auto",
         absolute_c_deg: float | None = None,
+        prefer: Preference | None = None,
     ) -> IkResult:
         """Find axis values that bring the tool to a pose, inside the limits and verified by forward kinematics.
 
@@ -175,6 +178,8 @@ class Robot:
                 "auto": damped, and a closed form where that finds nothing.
             absolute_c_deg: Angle C over whole turns, on robots where it runs on (`Chain.absolute_c`); it decides where
                 T's orientation does not go with it.
+            prefer: On robots with more axes than the pose needs: "near" the start, in the "middle" of the limits, or
+                "dexterous", away from singular positions. None: whatever the solver finds.
 
         ROBX robots of four axes are programmed by position and angle C: where they cannot reach A and B of T, these
         follow.
@@ -190,11 +195,22 @@ class Robot:
         from chainbuild.solve.coupled import kept
         from chainbuild.solve.dispatch import solve_by
         from chainbuild.solve.programmed import solve_programmed
+        from chainbuild.solve.saturation import within_limits
 
         def solve(target: pin.SE3, begin: ArrayLike | None) -> IkResult:
+            if solver == "controller":
+                begin = start  # its budget counts from where the robot stands
             return kept(self, solve_by(self, target, begin, held, solver), target, begin, held, solver)
 
-        return solve_programmed(self, as_pose(T), start, held, solve, absolute_c_deg)
+        target = as_pose(T)
+        found = solve_programmed(self, target, start, held, solve, absolute_c_deg)
+        if solver == "auto":
+            found = within_limits(self, found, target, start, held)
+        if prefer is None:
+            return found
+        from chainbuild.solve.redundancy import preferred
+
+        return preferred(self, found, target, prefer, start, held)
 
     def ik_all(
         self,
@@ -221,6 +237,33 @@ class Robot:
         from chainbuild.solve.analytic import ik_all
 
         return ik_all(self, as_pose(T), start, held, windings=windings)
+
+    def distribute(
+        self,
+        tcp: Mapping[str, float] | Sequence[float] | None = None,
+        *,
+        axes: Mapping[str, float | Mapping[str, float]] | None = None,
+        locked: Iterable[str] = (),
+        current: Mapping[str, Mapping[str, float] | Sequence[float]] | None = None,
+    ) -> Distribution:
+        """Hand a tool position out to the partial kinematics of a composed robot (KIN_TYP 210, `chain.compose`).
+
+        Args:
+            tcp: X, Y, Z [mm], A, B, C [degrees] of the tool in the workpiece frame, all six or some by letter.
+            axes: Directly programmed coordinates: "PARTIAL.X" → value, or PARTIAL → letter → value.
+            locked: Coordinates of partials that keep their values, such as "PARTIAL.X".
+            current: PARTIAL → values it has now; without it all are 0.
+
+        Returns:
+            Six Cartesian values a partial; its `axes()` are the second step.
+
+        Raises:
+            AxisValueError: an unknown partial or coordinate, or a freedom that a partial does not have.
+            ChainbuildError: the free coordinates cannot make the motion.
+        """
+        from chainbuild.solve.distribute import distribute
+
+        return distribute(self, tcp, axes=axes, locked=locked, current=current)
 
     def violated_limits(self, axes: ArrayLike) -> tuple[str, ...]:
         """Return the names of the axes outside their limits, then of the limits on sums of axes that are violated."""

@@ -26,7 +26,8 @@ def choose_task(kinematics: Kinematics, free: NDArray[np.bool_]) -> Task:
     task = kinematics.chain.task
     if task != "auto":
         return task
-    ranks = {rows: _generic_rank(kinematics, free, rows) for rows in (3, 5, 6)}
+    shift, turn = [0, 1, 2], [n for n in (3, 4, 5) if n != 3 + kinematics.tool_axis]
+    ranks = {len(rows): _generic_rank(kinematics, free, rows) for rows in (shift, shift + turn, list(range(6)))}
     if ranks[6] == 6:
         return "pose"
     if ranks[3] == ranks[6]:
@@ -34,8 +35,8 @@ def choose_task(kinematics: Kinematics, free: NDArray[np.bool_]) -> Task:
     return "direction" if ranks[5] == ranks[6] else "pose"
 
 
-def _generic_rank(kinematics: Kinematics, free: NDArray[np.bool_], rows: int) -> int:
-    """Return the largest rank of the first rows of the Jacobian over a few fixed configurations."""
+def _generic_rank(kinematics: Kinematics, free: NDArray[np.bool_], rows: list[int]) -> int:
+    """Return the largest rank of some rows of the Jacobian over a few fixed configurations."""
     rng = np.random.default_rng(0)
     axes = kinematics.chain.axes
     lower = np.array([max(axis.lower, -170.0) for axis in axes]) * kinematics.si_factors
@@ -43,7 +44,7 @@ def _generic_rank(kinematics: Kinematics, free: NDArray[np.bool_], rows: int) ->
     best = 0
     for _ in range(_SAMPLES):
         _, J = kinematics.pose_and_jacobian(lower + (upper - lower) * rng.random(len(axes)))
-        values = np.linalg.svd(J[:rows][:, free], compute_uv=False)
+        values = np.linalg.svd(J[rows][:, free], compute_uv=False)
         if values.size and values[0] > 0.0:
             best = max(best, int((values > tolerances.RANK * values[0]).sum()))
     return best

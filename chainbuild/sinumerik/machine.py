@@ -196,7 +196,7 @@ def _build(
     axes = machine.overlay.apply_limits(axes)
     check_pose_data(robx, translation, axes, collector)
     body = assemble(axes, translation.tool, translation.workpiece)
-    return Chain(
+    chain = Chain(
         name=_chain_name(machine, robx, gripper),
         title=f"{machine.title}, gripper-referred" if gripper else machine.title,
         dialect=machine.dialect,
@@ -214,6 +214,7 @@ def _build(
         follows_c=robx.num_axes == 4,
         controller_solver=controller_solver(robx, translation, axes),
     )
+    return machine.overlay.apply_geometry(chain)
 
 
 def _chain_name(machine: RobxMachine, robx: Robx, gripper: bool) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from chainbuild.conventions import Choices
 from chainbuild.machine import ParameterRow
@@ -12,6 +12,14 @@ from chainbuild.sinumerik.internal_axes import internal_axes
 from chainbuild.sinumerik.main_axes import RECIPES, Arm, basic_moves
 from chainbuild.sinumerik.robx import Robx
 from chainbuild.sinumerik.tool import Tool
+from chainbuild.units import m_s_from_mm_min, rad_s2_from_rev_s2, rad_s_from_rpm
+
+# What dynamics are counted in, with the SI unit and the way there.
+_SI: Mapping[str, tuple[str, Callable[[float], float]]] = {
+    "mm/min": ("m/s", m_s_from_mm_min),
+    "rpm": ("rad/s", rad_s_from_rpm),
+    "rev/s^2": ("rad/s²", rad_s2_from_rev_s2),
+}
 
 
 def parameter_rows(robx: Robx, tool: Tool, choose: Choices) -> tuple[ParameterRow, ...]:
@@ -42,6 +50,7 @@ def _rows(robx: Robx, datum: MachineDatum, linear: Sequence[bool]) -> Iterator[P
         if value is None and not datum.te4_name:
             continue
         whole = value is not None and datum.type != "float"
+        si_unit, to_si = _SI.get(datum.unit, ("", None))
         yield ParameterRow(
             name=written_name(datum, te4, element),
             symbol=f"MD{number}" if number else "",
@@ -51,6 +60,8 @@ def _rows(robx: Robx, datum: MachineDatum, linear: Sequence[bool]) -> Iterator[P
             given=row is not None,
             source=f"ROBX manual {datum.manual}" if datum.manual else "",
             span=row.span if row is not None else None,
+            si=to_si(value) if to_si is not None and value is not None else None,
+            si_unit=si_unit,
         )
 
 

@@ -1,4 +1,4 @@
-"""What a chain needs to know beyond its links: parallelogram limit, absolute angle C, budget of the controller's solver.
+"""What a chain needs to know beyond its links: parallelogram limit, absolute angle C, the controller's own solver.
 
 Sources: ROBX manual 5.3.19–5.3.21 and 7.1.7.
 """

@@ -5,14 +5,20 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from typing import Final
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.solve.freedoms import periodic_axes
 from chainbuild.solve.query import LIMIT_SLACK, Query
 from chainbuild.solve.serial import Indices
+
+if TYPE_CHECKING:
+    from chainbuild.robot.robot import Robot
 
 Vector = NDArray[np.float64]
 
@@ -39,23 +45,61 @@ def axes_for(query: Query, joints: Indices, values: Vector, columns: Indices) ->
     if not isinstance(axis_map, AffineMap):
         x = _through_nonlinear_map(query, joints, values, columns)
         return [] if x is None else list(turned_axes(query, x, columns))
-    rows = _independent_rows(axis_map.A[np.ix_(joints, columns)])
-    block = axis_map.A[np.ix_(joints[rows], columns)]
-    if block.shape[0] < block.shape[1]:
+    block = _block_of(query.robot, axis_map, joints, columns)
+    if block is None:
         return []
-    others = np.setdiff1d(np.arange(len(query.x0)), columns)
-    constant = axis_map.A[np.ix_(joints[rows], others)] @ query.x0[others] + axis_map.b[joints[rows]]
     x = query.x0.copy()
-    x[columns] = np.linalg.solve(block, values[rows] - constant)
-    if _turns_are_per_axis(query, block, columns):
+    x[columns] = block.inverse @ (values[block.rows] - block.from_others @ x[block.others] - block.b)
+    if block.turns_per_axis:
         return list(turned_axes(query, x, columns))
-    return _turned_joints(query, x, block, joints[rows], columns)
+    return _turned_joints(query, x, block, joints[block.rows], columns)
 
 
-def _turns_are_per_axis(query: Query, block: Vector, columns: Indices) -> bool:
-    """Tell whether whole turns of single axes lead to all equivalent joint values."""
-    rotary = [n for n in columns if query.robot.axes[n].kind == "rotary"]
-    return bool(query.periodic[rotary].all()) and abs(abs(np.linalg.det(block)) - 1.0) < 1e-9
+@dataclass(frozen=True, slots=True, eq=False)
+class _Block:
+    """The part of an affine map that leads from some axes to some joints, turned round.
+
+    Attributes:
+        rows: Which of the joints determine the axes.
+        inverse: (n, n) from their values to the axes.
+        others: The other axes.
+        from_others: (n, n_others) what these add to the joints.
+        b: (n,) constants of the joints.
+        turns_per_axis: Whether whole turns of single axes lead to all equivalent joint values.
+    """
+
+    rows: Indices
+    inverse: Vector
+    others: Indices
+    from_others: Vector
+    b: Vector
+    turns_per_axis: bool
+
+
+_blocks: WeakKeyDictionary[Robot, dict[bytes, _Block | None]] = WeakKeyDictionary()
+
+
+def _block_of(robot: Robot, axis_map: AffineMap, joints: Indices, columns: Indices) -> _Block | None:
+    """Return the block of some joints and axes, prepared at first use; None where they do not determine the axes."""
+    known = _blocks.setdefault(robot, {})
+    key = joints.tobytes() + b"|" + columns.tobytes()
+    if key not in known:
+        known[key] = _prepare_block(robot, axis_map, joints, columns)
+    return known[key]
+
+
+def _prepare_block(robot: Robot, axis_map: AffineMap, joints: Indices, columns: Indices) -> _Block | None:
+    rows = np.array(_independent_rows(axis_map.A[np.ix_(joints, columns)]), dtype=np.intp)
+    if len(rows) < len(columns):
+        return None
+    block = axis_map.A[np.ix_(joints[rows], columns)]
+    others = np.setdiff1d(np.arange(len(robot.axes)), columns)
+    rotary = [n for n in columns if robot.axes[n].kind == "rotary"]
+    per_axis = bool(periodic_axes(robot.chain)[rotary].all()) and abs(abs(np.linalg.det(block)) - 1.0) < 1e-9
+    from_others = axis_map.A[np.ix_(joints[rows], others)]
+    return _Block(
+        rows, np.asarray(np.linalg.inv(block), dtype=float), others, from_others, axis_map.b[joints[rows]], per_axis
+    )
 
 
 def _through_nonlinear_map(query: Query, joints: Indices, values: Vector, columns: Indices) -> Vector | None:
@@ -117,7 +161,7 @@ def _places(query: Query, value: float, n: int) -> list[float]:
     return places or [value]
 
 
-def _turned_joints(query: Query, x: Vector, block: Vector, joints: Indices, columns: Indices) -> list[Vector]:
+def _turned_joints(query: Query, x: Vector, block: _Block, joints: Indices, columns: Indices) -> list[Vector]:
     """Return the axis values of joint values moved by whole turns: where a gear makes a turn of no axis whole."""
     chain = query.robot.chain
     low = np.where(np.isfinite(query.lower), query.lower, query.x0 - math.tau)
@@ -134,7 +178,7 @@ def _turned_joints(query: Query, x: Vector, block: Vector, joints: Indices, colu
     found = []
     for turns_of_joints in itertools.islice(itertools.product(*ranges), _MOST_TURNS):
         turned = x.copy()
-        turned[columns] += np.linalg.solve(block, math.tau * np.array(turns_of_joints, dtype=float))
+        turned[columns] += block.inverse @ (math.tau * np.array(turns_of_joints, dtype=float))
         if not query.outside(turned, columns):
             found.append(turned)
     found.sort(key=query.distance)

@@ -19,9 +19,11 @@ Vector = NDArray[np.float64]
 
 # Errors above this are polished by Newton steps: closed forms lose digits near singular points.
 _POLISH_FROM: Final = 1e-11
+# Errors above this are no lost digits but another place.
+_POLISH_TO: Final = 1e-3
 _POLISH_STEPS: Final = 3
 _POLISH_DAMPING: Final = 1e-14
-_SAME: Final = 1e-6  # branches closer than this in every axis [m, rad] are one
+_SAME: Final = 1e-5  # branches closer than this in every axis [m, rad] are one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,6 +66,8 @@ def verified(query: Query, x: Vector) -> Branch | None:
         if not math.isfinite(distance + angle):
             return None
         judged = 0.0 if task == "position" else angle
+        if attempt == 0 and max(distance, judged) > _POLISH_TO:
+            return None
         if max(distance, judged) < _POLISH_FROM or attempt == _POLISH_STEPS:
             break
         x = _newton(query, x)

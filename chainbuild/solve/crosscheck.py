@@ -23,7 +23,7 @@ from chainbuild.solve.comparison import (
 from chainbuild.solve.convention_trials import Selection, Trial, try_conventions
 from chainbuild.solve.diagnosis import Explanation, explain
 from chainbuild.solve.judges import CallableKind, Judge, judge_by_name, judge_from_function
-from chainbuild.solve.samples import MADE_KINDS, Samples, make_samples
+from chainbuild.solve.samples import MADE_KINDS, SampleKind, Samples, make_samples
 
 if TYPE_CHECKING:
     from chainbuild.machine import Machine
@@ -180,7 +180,8 @@ def _recorded_samples(robot: Robot, recording: Recording) -> Samples:
         raise ChainbuildError("the recording has no row", parameter=recording.name)
     for row in recording.axes:
         robot.axis_values(row)
-    return Samples(recording.axes, ("recorded",) * len(recording.axes))
+    kinds: list[SampleKind] = ["recorded" for _ in recording.axes]
+    return Samples(recording.axes, tuple(kinds))
 
 
 def _forward(robot: Robot, samples: Samples, judge: Judge, tolerance: tuple[float, float]) -> Forward | None:
@@ -208,7 +209,8 @@ def _result(
 ) -> CrossCheck:
     """Return the result with the structure of what differs, and the conventions that would mend it."""
     evidence = _evidence(robot, forward, inverse)
-    explanation, trials = None, ()
+    explanation: Explanation | None = None
+    trials: tuple[Trial, ...] = ()
     if evidence is not None:
         axes, theirs, judged, tolerance = evidence
         explanation = explain(robot, axes, theirs, judged, tolerance)

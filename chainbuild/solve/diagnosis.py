@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -20,7 +20,7 @@ from chainbuild.chain.elements import Task
 from chainbuild.frames import ANGLE_MODES, angles_from_matrix, inverse, matrix_from_angles
 from chainbuild.robot.robot import as_pose
 from chainbuild.solve.comparison import forward_poses, pose_errors
-from chainbuild.units import deg_from_rad, mm_from_m
+from chainbuild.solve.offsets import all_rigid, listed, mean_transform, mm_text, modes_apart, transform_text
 
 if TYPE_CHECKING:
     from chainbuild.robot.robot import Robot
@@ -28,9 +28,10 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 Matrices = NDArray[np.float64]
 
-_MOST_POSES: Final = 24
+_MOST_POSES: Final = 16
 _EXPLAINED: Final = 0.02  # share of the error that an explanation may leave
 _MOST_FLIPPED: Final = 3
+_MOST_OTHERS: Final = 4
 _ZERO_STEPS: Final = 8
 _ZERO_STARTS_DEG: Final = (0.0, 90.0, -90.0, 180.0)
 _NOTHING: Final = 1e-9
@@ -47,6 +48,7 @@ class Explanation:
         axes: Names of the axes it concerns.
         remaining_position_error: Worst distance that it leaves [m].
         remaining_rotation_error: Worst angle that it leaves [rad].
+        others: Other structures, in words, that these poses cannot tell from it.
     """
 
     kind: str
@@ -54,6 +56,7 @@ class Explanation:
     axes: tuple[str, ...]
     remaining_position_error: float
     remaining_rotation_error: float
+    others: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,9 +121,11 @@ class _Diagnosis:
             lambda: (self._with_constant(r, c) for r in readings for c in self._constants(r)),
         )
         for level in levels:
-            best = min(level(), key=self._left, default=None)
-            if best is not None and self._left(best) <= limit:
-                return best
+            fitting = sorted((one for one in level() if self._left(one) <= limit), key=self._left)
+            if fitting:
+                # A linear axis' zero and an offset along it, say: what leaves as little is as true.
+                close = [one.text for one in fitting[1:] if self._left(one) <= max(1.0, self._left(fitting[0]))]
+                return replace(fitting[0], others=tuple(close[:_MOST_OTHERS]))
         return None
 
     def _errors(self, ours: Matrices, theirs: Matrices) -> tuple[float, float]:
@@ -157,14 +162,14 @@ class _Diagnosis:
                 signs = np.ones(len(names))
                 signs[list(flipped)] = -1.0
                 which = tuple(names[n] for n in flipped)
-                text = f"{_listed(which)} counted in the opposite direction"
+                text = f"{listed(which)} counted in the opposite direction"
                 yield _Reading("flipped axis", text, axes * signs, theirs, which)
         for one, other in itertools.combinations(range(len(names)), 2):
             if kinds[one] == kinds[other]:
                 swapped = axes.copy()
                 swapped[:, [one, other]] = axes[:, [other, one]]
                 which = (names[one], names[other])
-                yield _Reading("swapped axes", f"{_listed(which)} swapped", swapped, theirs, which)
+                yield _Reading("swapped axes", f"{listed(which)} swapped", swapped, theirs, which)
 
     def _pose_readings(self, axes: Vector, theirs: Matrices) -> Iterator[_Reading]:
         for factor, unit in ((1e-3, "mm"), (0.0254, "inches"), (1e3, "km")):
@@ -180,12 +185,12 @@ class _Diagnosis:
         yield _Reading("inverse pose", "the workpiece seen from the tool", axes, backwards)
         used = self.robot.chain.angle_mode
         angles = [angles_from_matrix(used, T[:3, :3]) for T in theirs]
-        for mode in ANGLE_MODES:
-            if ANGLE_MODES[mode].factors == ANGLE_MODES[used].factors:
+        for same in modes_apart():
+            if used in same:
                 continue
             other = theirs.copy()
-            other[:, :3, :3] = [matrix_from_angles(mode, triple) for triple in angles]
-            text = f"the angles A, B, C mean {mode}, R = {ANGLE_MODES[mode].meaning}, not {used}"
+            other[:, :3, :3] = [matrix_from_angles(same[0], triple) for triple in angles]
+            text = f"the angles A, B, C mean {' or '.join(same)}, R = {ANGLE_MODES[same[0]].meaning}, not {used}"
             yield _Reading("angle convention", text, axes, other)
 
     def _constants(self, reading: _Reading) -> Iterator[_Constant]:
@@ -204,12 +209,12 @@ class _Diagnosis:
 
     def _tool_offset(self, ours: Matrices, theirs: Matrices) -> _Constant:
         offset = mean_transform(np.array([inverse(F) @ T for F, T in zip(ours, theirs, strict=True)]))
-        text = f"a constant offset on the tool side: {_transform_text(offset)} in the tool frame"
+        text = f"a constant offset on the tool side: {transform_text(offset)} in the tool frame"
         return _Constant("tool offset", text, ours @ offset)
 
     def _base_offset(self, ours: Matrices, theirs: Matrices) -> _Constant:
         offset = mean_transform(np.array([T @ inverse(F) for F, T in zip(ours, theirs, strict=True)]))
-        text = f"a constant offset on the workpiece side: {_transform_text(offset)} in the workpiece frame"
+        text = f"a constant offset on the workpiece side: {transform_text(offset)} in the workpiece frame"
         return _Constant("base offset", text, offset @ ours)
 
     def _shifts(self, ours: Matrices, theirs: Matrices) -> Iterator[_Constant]:
@@ -217,18 +222,18 @@ class _Diagnosis:
         difference = theirs[:, :3, 3] - ours[:, :3, 3]
         moved = ours.copy()
         moved[:, :3, 3] += difference.mean(axis=0)
-        text = f"a constant shift of {_mm_text(difference.mean(axis=0))} mm in the workpiece frame"
+        text = f"a constant shift of {mm_text(difference.mean(axis=0))} mm in the workpiece frame"
         yield _Constant("base offset", text, moved)
         local = np.einsum("nji,nj->ni", ours[:, :3, :3], difference).mean(axis=0)
         moved = ours.copy()
         moved[:, :3, 3] += ours[:, :3, :3] @ local
-        yield _Constant("tool offset", f"a constant shift of {_mm_text(local)} mm in the tool frame", moved)
+        yield _Constant("tool offset", f"a constant shift of {mm_text(local)} mm in the tool frame", moved)
 
     def _axis_zero(self, n: int, reading: _Reading) -> _Constant | None:
         """Return the shift of an axis' zero that fits best."""
         axis, kinematics = self.robot.axes[n], self.robot.kinematics
         factor = kinematics.si_factors[n]
-        targets = [as_pose(T) for T in reading.theirs] if _all_rigid(reading.theirs) else []
+        targets = [as_pose(T) for T in reading.theirs] if all_rigid(reading.theirs) else []
         residuals = [kinematics.residual(target, self.judged) for target in targets]
         starts = [0.0] if axis.kind == "linear" else [math.radians(start) for start in _ZERO_STARTS_DEG]
         best: tuple[float, float, Matrices] | None = None
@@ -260,33 +265,3 @@ class _Diagnosis:
                 bottom += float(J[:, n] @ J[:, n])
             shift += top / bottom
         return shift
-
-
-def mean_transform(transforms: Matrices) -> NDArray[np.float64]:
-    """Return the mean (4, 4) of rigid transforms (n, 4, 4); of the rotations the one nearest to all."""
-    u, _, v = np.linalg.svd(transforms[:, :3, :3].mean(axis=0))
-    T = np.eye(4)
-    T[:3, :3] = u @ np.diag([1.0, 1.0, float(np.sign(np.linalg.det(u @ v)))]) @ v
-    T[:3, 3] = transforms[:, :3, 3].mean(axis=0)
-    return T
-
-
-def _all_rigid(transforms: Matrices) -> bool:
-    R = transforms[:, :3, :3]
-    return bool(np.abs(R @ np.transpose(R, (0, 2, 1)) - np.eye(3)).max() < 1e-6 and (np.linalg.det(R) > 0).all())
-
-
-def _listed(names: tuple[str, ...]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
-
-
-def _mm_text(vector: Vector) -> str:
-    return "(" + ", ".join(f"{mm_from_m(float(v)) + 0.0:.6g}" for v in vector) + ")"
-
-
-def _transform_text(T: NDArray[np.float64]) -> str:
-    vector = T[:3, 3]
-    sine = math.sqrt(max(0.0, float(((T[:3, :3] - np.eye(3)) ** 2).sum()))) / math.sqrt(8.0)
-    angle = deg_from_rad(2.0 * math.asin(min(1.0, sine)))
-    turn = f", turned by {angle:.6g} deg" if angle > 1e-6 else ""
-    return f"{_mm_text(vector)} mm{turn}"

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Final, Literal, get_args
 from numpy.typing import ArrayLike
 
 from chainbuild.errors import ChainbuildError
+from chainbuild.robot.robot import as_pose
 from chainbuild.solve.analytic import method_of, solve_analytic
 from chainbuild.solve.controller import budget_of, solve_controller
 from chainbuild.solve.damped import solve
+from chainbuild.solve.options import IkOptions
 from chainbuild.solve.result import IkResult
 from chainbuild.solve.start import Held
 
@@ -22,8 +24,48 @@ Solver = Literal["auto", "damped", "analytic", "controller"]
 SOLVERS: Final[tuple[str, ...]] = get_args(Solver)
 
 
+def inverse(
+    robot: Robot,
+    T: pin.SE3 | ArrayLike,
+    start: ArrayLike | None,
+    held: Held | None,
+    solver: str = "auto",
+    options: IkOptions | None = None,
+    absolute_c_deg: float | None = None,
+) -> IkResult:
+    """Return axis values for a pose as `Robot.ik` does; see there.
+
+    Most calls end with the damped solver's answer; only where it has none, or where something else was asked for, are
+    the other solvers and their modules looked at.
+    """
+    damped = None
+    if solver in ("auto", "damped") and absolute_c_deg is None:
+        damped = solve(robot, T, start, held, options)
+        if damped.success:
+            return damped
+    from chainbuild.solve.coupled import kept
+    from chainbuild.solve.programmed import solve_programmed
+
+    given = as_pose(T)
+
+    def solve_whole(target: pin.SE3, begin: ArrayLike | None) -> IkResult:
+        if solver == "controller":
+            begin = start  # its budget counts from where the robot stands
+        known = damped if target is given and begin is start else None
+        found = solve_by(robot, target, begin, held, solver, options, known)
+        return kept(robot, found, target, begin, held, solver)
+
+    return solve_programmed(robot, given, start, held, solve_whole, absolute_c_deg)
+
+
 def solve_by(
-    robot: Robot, target: pin.SE3, start: ArrayLike | None, held: Held | None, solver: str = "auto"
+    robot: Robot,
+    target: pin.SE3,
+    start: ArrayLike | None,
+    held: Held | None,
+    solver: str = "auto",
+    options: IkOptions | None = None,
+    damped: IkResult | None = None,
 ) -> IkResult:
     """Return axis values for a pose by the solver asked for.
 
@@ -34,6 +76,8 @@ def solve_by(
         held: See `Robot.ik`.
         solver: "damped"; "analytic": a closed form, the branch nearest to the start; "controller": the budget that the
             machine data grant the controller; "auto": damped, and a closed form where that finds nothing.
+        options: Options of the damped solver.
+        damped: What the damped solver said, where it was asked already.
 
     Raises:
         ChainbuildError: an unknown solver, or one that the robot has not.
@@ -44,7 +88,7 @@ def solve_by(
         return solve_analytic(robot, target, start, held)
     if solver == "controller":
         return solve_controller(robot, target, start, held, budget_of(robot))
-    found = solve(robot, target, start, held)
+    found = solve(robot, target, start, held, options) if damped is None else damped
     if solver == "damped" or found.success:
         return found
     return _second_opinion(robot, target, start, held, found)

@@ -34,17 +34,32 @@ def eaik_robot(serial: Serial) -> Any | None:
     return robot if robot.hasKnownDecomposition() else None
 
 
+def eaik_answers(robot: Any, serial: Serial, target: Matrix, *, least_squares: bool) -> list[Vector]:
+    """Return EAIK's joint values (6,) for a pose.
+
+    Args:
+        robot: EAIK's model.
+        serial: The chain it was built from.
+        target: (4, 4) tool in the workpiece frame [m].
+        least_squares: True: also those that EAIK marks as best approximations; at the edge of the reach, where
+            branches meet, some are exact but for rounding.
+    """
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = target[:3, :3] @ serial.M[:3, :3].T, target[:3, 3]
+    found = robot.IK(pose)
+    rows = np.asarray(found.Q, dtype=float).reshape(-1, 6)
+    marked = np.asarray(found.is_LS, dtype=bool).reshape(-1)
+    chosen = zip(rows, marked, strict=True)
+    return [row for row, approximate in chosen if np.isfinite(row).all() and (least_squares or not approximate)]
+
+
 def eaik_solver(serial: Serial) -> ArmSolver | None:
     """Return the solver of six rotary axes through EAIK, or None."""
     robot = eaik_robot(serial)
     if robot is None:
         return None
-    R_zero = serial.M[:3, :3]
 
-    def solve(target: Matrix, keep: Sequence[float]) -> list[Solution]:  # noqa: ARG001
-        pose = np.eye(4)
-        pose[:3, :3], pose[:3, 3] = target[:3, :3] @ R_zero.T, target[:3, 3]
-        rows = np.atleast_2d(np.asarray(robot.IK(pose).Q, dtype=float))
-        return [(row, (False,) * 6) for row in rows if row.shape == (6,) and np.isfinite(row).all()]
+    def solve(target: Matrix, _keep: Sequence[float]) -> list[Solution]:
+        return [(row, (False,) * 6) for row in eaik_answers(robot, serial, target, least_squares=True)]
 
     return solve

@@ -1,10 +1,11 @@
-"""The box a solver searches in: limits, whole turns, random starts, a bound on the reach."""
+"""The region a solver searches in: limits, coupled limits, whole turns, a bound on the reach."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -12,79 +13,131 @@ from numpy.typing import NDArray
 
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import Chain
+from chainbuild.solve import rules
 
 if TYPE_CHECKING:
-    import pinocchio as pin
-
     from chainbuild.robot.robot import Robot
 
 Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
 
-_ENDLESS_START = math.pi  # random starts of axes without end are drawn from ± this
-_START_STAGGER = 0.07  # default start: the middle of the limits, moved by this share so that no two axes line up
-_INSIDE_SLACK = 1e-12
+_ENDLESS_START: Final = math.pi  # random starts of axes without end are drawn from ± this
+_START_STAGGER: Final = 0.07  # default start: the middle of the limits, moved by this share so that no two axes line up
+_WHOLE: Final = 1e-12  # how far a gear factor may be from a whole number
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Box:
-    """Limits of some axes in SI.
+    """Limits of some axes in SI, and limits on sums of them.
 
     Attributes:
         lower: (n,) lower limits, -inf where endless.
         upper: (n,) upper limits, +inf where endless.
         periodic: (n,) True where a whole turn leads to the same pose.
         names: Axis names.
+        sums: (c, n) rows g of the coupled limits sum_lower ≤ g·y ≤ sum_upper, each of length 1.
+        sum_lower: (c,) lower coupled limits.
+        sum_upper: (c,) upper coupled limits.
+        sum_names: Names of the coupled limits.
     """
 
     lower: Vector
     upper: Vector
     periodic: NDArray[np.bool_]
     names: tuple[str, ...]
+    sums: Matrix
+    sum_lower: Vector
+    sum_upper: Vector
+    sum_names: tuple[str, ...]
+    _limits: list[tuple[float, float]] = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_limits", list(zip(self.lower.tolist(), self.upper.tolist(), strict=True)))
+
+    def outside(self, y: Vector) -> list[int]:
+        """Return the indices of the axes beyond their limits."""
+        # Plain floats: for a handful of axes quicker than arrays.
+        beyond = []
+        for n, (value, (lower, upper)) in enumerate(zip(y.tolist(), self._limits, strict=True)):
+            if not lower <= value <= upper:
+                beyond.append(n)  # noqa: PERF401 - a comprehension would cost twice as much where nothing is found
+        return beyond
 
     def into(self, y: Vector) -> Vector:
         """Return y with periodic axes outside their limits moved by whole turns to the nearest place inside."""
-        outside = self.periodic & ((y < self.lower) | (y > self.upper))
-        if not outside.any():
+        beyond = self.outside(y)
+        if not beyond:
             return y
         y = y.copy()
-        for n in np.flatnonzero(outside):
-            bound = self.lower[n] if y[n] < self.lower[n] else self.upper[n]
-            turns = math.ceil(abs(bound - y[n]) / math.tau)
-            moved = y[n] + math.copysign(turns * math.tau, bound - y[n])
-            if self.lower[n] <= moved <= self.upper[n]:
-                y[n] = moved
+        for n in beyond:
+            if self.periodic[n]:
+                y[n] = self._turned_inside(n, float(y[n]))
         return y
+
+    def _turned_inside(self, n: int, value: float) -> float:
+        lower, upper = float(self.lower[n]), float(self.upper[n])
+        gap = lower - value if value < lower else upper - value
+        moved = value + math.copysign(math.ceil(abs(gap) / math.tau) * math.tau, gap)
+        return moved if lower <= moved <= upper else value
 
     def clamp(self, y: Vector) -> Vector:
-        """Return y cut to the limits."""
+        """Return y cut to the limits of the axes."""
         return np.minimum(np.maximum(y, self.lower), self.upper)
 
-    def inside(self, y: Vector) -> bool:
-        """Return whether y keeps the limits."""
-        return bool(((y >= self.lower - _INSIDE_SLACK) & (y <= self.upper + _INSIDE_SLACK)).all())
-
-    def names_outside(self, y: Vector) -> list[str]:
-        """Return the names of the axes whose limits y violates."""
-        outside = (y < self.lower - _INSIDE_SLACK) | (y > self.upper + _INSIDE_SLACK)
-        return [name for name, out in zip(self.names, outside, strict=True) if out]
-
-    def nearest(self, y: Vector, wanted: Vector) -> Vector:
-        """Return y with periodic axes moved by whole turns as near as the limits allow to `wanted`."""
-        y = y.copy()
-        for n in np.flatnonzero(self.periodic):
-            turns = round((wanted[n] - y[n]) / math.tau)
-            step = 1 if turns < 0 else -1
-            while turns and not self.lower[n] <= y[n] + turns * math.tau <= self.upper[n]:
-                turns += step
-            y[n] += turns * math.tau
+    def onto_sums(self, y: Vector) -> Vector:
+        """Return y moved the shortest way onto each coupled limit it violates, one after the other."""
+        for g, lower, upper in zip(self.sums, self.sum_lower, self.sum_upper, strict=True):
+            value = float(g.dot(y))
+            if not lower <= value <= upper:
+                y = self.clamp(y + (min(max(value, lower), upper) - value) * g)
         return y
 
-    def random(self, rng: np.random.Generator) -> Vector:
-        """Return a random point inside the limits."""
-        lower = np.where(np.isfinite(self.lower), self.lower, -_ENDLESS_START)
-        upper = np.where(np.isfinite(self.upper), self.upper, _ENDLESS_START)
-        point: Vector = lower + (upper - lower) * rng.random(len(lower))
-        return point
+    def inside(self, y: Vector) -> bool:
+        """Return whether y keeps all limits."""
+        return self.excess(y) <= rules.INSIDE_SLACK
+
+    def excess(self, y: Vector) -> float:
+        """Return by how much y violates its limits, coupled ones included; 0 inside."""
+        total = sum(max(self.lower[n] - y[n], y[n] - self.upper[n]) for n in self.outside(y))
+        if len(self.sums):
+            value = self.sums @ y
+            total += float(np.maximum(np.maximum(self.sum_lower - value, value - self.sum_upper), 0.0).sum())
+        return float(total)
+
+    def violated(self, y: Vector) -> list[tuple[int, float, float]]:
+        """Return index, value and limit of each axis that y puts beyond its limits."""
+        beyond = [(n, float(y[n]), float(self.lower[n] if y[n] < self.lower[n] else self.upper[n])) for n in self.outside(y)]
+        return [(n, value, limit) for n, value, limit in beyond if abs(value - limit) > rules.INSIDE_SLACK]
+
+    def violated_sums(self, y: Vector) -> list[str]:
+        """Return the names of the coupled limits that y violates."""
+        value = self.sums @ y
+        out = (value < self.sum_lower - rules.INSIDE_SLACK) | (value > self.sum_upper + rules.INSIDE_SLACK)
+        return [name for name, beyond in zip(self.sum_names, out, strict=True) if beyond]
+
+    def nearest(self, y: Vector, wanted: Vector) -> Vector:
+        """Return y with periodic axes moved by whole turns as near as all limits allow to `wanted`."""
+        if max(map(abs, (wanted - y).tolist())) <= math.pi:
+            return y
+        turns = np.where(self.periodic, np.round((wanted - y) / math.tau), 0.0)
+        moved = y.copy()
+        for n in np.flatnonzero(turns):
+            count, towards = float(turns[n]), -math.copysign(1.0, turns[n])
+            while count and not self.lower[n] <= y[n] + count * math.tau <= self.upper[n]:
+                count += towards
+            moved[n] += count * math.tau
+        return moved if not len(self.sums) or self.inside(moved) else y
+
+    def restricted(self, free: NDArray[np.intp], x: Vector) -> Box:
+        """Return the region of some axes while the others stay at x."""
+        if len(free) == len(self.lower):
+            return self
+        held = np.delete(np.arange(len(x)), free)
+        fixed_part = self.sums[:, held] @ x[held]
+        names = tuple(self.names[n] for n in free)
+        axes = (self.lower[free], self.upper[free], self.periodic[free], names)
+        sums = (self.sums[:, free], self.sum_lower - fixed_part, self.sum_upper - fixed_part)
+        return Box(*axes, *_unit_rows(*sums, self.sum_names))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,21 +156,6 @@ class Freedoms:
     si_factors: Vector
     reach: float
 
-    def within(self, free: NDArray[np.intp]) -> Box:
-        """Return the box of some axes."""
-        if len(free) == len(self.box.lower):
-            return self.box
-        names = tuple(self.box.names[n] for n in free)
-        return Box(self.box.lower[free], self.box.upper[free], self.box.periodic[free], names)
-
-    def out_of_reach(self, target: pin.SE3) -> str:
-        """Return why a target is certainly too far away, or an empty string."""
-        distance = float(np.linalg.norm(target.translation))
-        if distance <= self.reach:
-            return ""
-        reach = f"the kinematic reaches {self.reach * 1000:.1f} mm"
-        return f"too far: {distance * 1000:.1f} mm from the workpiece frame, {reach}"
-
 
 _prepared: WeakKeyDictionary[Robot, Freedoms] = WeakKeyDictionary()
 
@@ -135,12 +173,37 @@ def _prepare(robot: Robot) -> Freedoms:
     factors = robot.kinematics.si_factors
     lower = np.array([-math.inf if a.endless else a.lower for a in axes]) * factors
     upper = np.array([math.inf if a.endless else a.upper for a in axes]) * factors
-    box = Box(lower, upper, periodic_axes(robot.chain), tuple(a.name for a in axes))
-    span_low = np.where(np.isfinite(lower), lower, -_ENDLESS_START)
-    span_high = np.where(np.isfinite(upper), upper, _ENDLESS_START)
+    box = Box(lower, upper, periodic_axes(robot.chain), tuple(a.name for a in axes), *_coupled(robot.chain, factors))
+    span_low, span_high = finite_span(lower, upper)
     stagger = _START_STAGGER * np.where(np.arange(len(axes)) % 2 == 0, 1.0, -1.0)
     middle = (span_low + span_high) / 2.0 + stagger * np.minimum(span_high - span_low, math.tau)
     return Freedoms(box, middle, factors, _reach(robot))
+
+
+def finite_span(lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
+    """Return limits to draw starts from: those given, ± half a turn where there are none."""
+    return (
+        np.where(np.isfinite(lower), lower, -_ENDLESS_START),
+        np.where(np.isfinite(upper), upper, _ENDLESS_START),
+    )
+
+
+def _coupled(chain: Chain, factors: Vector) -> tuple[Matrix, Vector, Vector, tuple[str, ...]]:
+    """Return the chain's limits on sums of axes as rows over SI axis values."""
+    rows = chain.constraints
+    sums = np.array([row.sum.coefficients for row in rows]).reshape(len(rows), len(factors)) / factors
+    offset = np.array([row.sum.offset for row in rows])
+    lower, upper = (np.array([getattr(row, end) for row in rows], dtype=float) - offset for end in ("lower", "upper"))
+    return _unit_rows(sums, lower, upper, tuple(row.name for row in rows))
+
+
+def _unit_rows(
+    sums: Matrix, lower: Vector, upper: Vector, names: Sequence[str]
+) -> tuple[Matrix, Vector, Vector, tuple[str, ...]]:
+    """Scale rows to length 1; a row that no axis moves stays as it is."""
+    length = np.linalg.norm(sums, axis=1)
+    length[length == 0.0] = 1.0
+    return sums / length[:, None], lower / length, upper / length, tuple(names)
 
 
 def periodic_axes(chain: Chain) -> NDArray[np.bool_]:
@@ -156,7 +219,7 @@ def periodic_axes(chain: Chain) -> NDArray[np.bool_]:
     result = np.zeros(len(chain.axes), dtype=bool)
     for n, axis in enumerate(chain.axes):
         moved = A[:, n] != 0.0
-        whole = np.abs(A[:, n] - np.round(A[:, n])) < _INSIDE_SLACK
+        whole = np.abs(A[:, n] - np.round(A[:, n])) < _WHOLE
         result[n] = axis.kind == "rotary" and bool((revolute[moved] & whole[moved]).all())
     return result
 

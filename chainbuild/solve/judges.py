@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot.robot import as_pose
 from chainbuild.solve.axis_values import axes_for
-from chainbuild.solve.eaik_arm import eaik_robot, eaik_solver
+from chainbuild.solve.eaik_arm import eaik_answers, eaik_robot
 from chainbuild.solve.opw_arm import opw_arm
 from chainbuild.solve.query import Query
 
@@ -181,8 +181,8 @@ def _joint_values(robot: Robot, serial: Serial, axes: Vector) -> Vector:
 def _eaik(robot: Robot) -> Judge:
     _installed("eaik", "EAIK")
     query, serial = _serial(robot)
-    model, solver = eaik_robot(serial), eaik_solver(serial)
-    if model is None or solver is None:
+    model = eaik_robot(serial)
+    if model is None:
         raise ChainbuildError("EAIK does not know this kinematic", parameter="solver", permitted="six rotary axes")
     R_zero = serial.M[:3, :3]
 
@@ -192,15 +192,11 @@ def _eaik(robot: Robot) -> Judge:
         return T
 
     def ik(T: Matrix) -> list[Vector]:
-        answers = (_axes_from_joints(query, serial, values) for values, _ in solver(T, ()))
-        # EAIK marks least-squares answers itself; they are no claims to meet the pose.
-        return [answer for answer in answers if answer is not None and _meets(robot, answer, T)]
+        rows = eaik_answers(model, serial, T, least_squares=False)
+        answers = (_axes_from_joints(query, serial, row) for row in rows)
+        return [answer for answer in answers if answer is not None]
 
     return Judge("EAIK", fk, ik, note="model built from the chain's axes")
-
-
-def _meets(robot: Robot, axes: Vector, T: Matrix) -> bool:
-    return bool(np.abs(robot.fk(axes).homogeneous - T).max() < 1e-3)
 
 
 def _opw(robot: Robot) -> Judge:

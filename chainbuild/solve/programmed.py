@@ -88,7 +88,8 @@ class RunningAngle:
 def _angle_rates(angle_mode: str, angles: tuple[float, float, float]) -> Vector:
     """Return the row (3,) that makes the rate of C of an angular velocity in the tool frame."""
     R, columns = np.eye(3), []
-    for (letter, _, sign), angle in zip(reversed(frames.ANGLE_MODES[angle_mode].factors), reversed(angles), strict=True):
+    factors = frames.ANGLE_MODES[angle_mode].factors
+    for (letter, _, sign), angle in zip(reversed(factors), reversed(angles), strict=True):
         direction = np.eye(3)["xyz".index(letter)] * sign
         columns.append(R.T @ direction)
         R = frames.rot_about(direction, angle) @ R

@@ -13,6 +13,7 @@ from chainbuild.chain.elements import Axis
 from chainbuild.tables.reader import Chunk, Table
 
 RESULT_COLUMNS: Final = ("status", "position_error_mm", "rotation_error_deg")
+VIOLATIONS_COLUMN: Final = "violations"
 
 
 class AxisTable(Table):
@@ -31,7 +32,7 @@ class AxisTable(Table):
 
     def __init__(self, path: Path, axes: Sequence[Axis]) -> None:
         names = tuple(axis.name for axis in axes)
-        super().__init__(path, lambda _: (names, (*names, *RESULT_COLUMNS)))
+        super().__init__(path, lambda _: (names, (*names, *RESULT_COLUMNS, VIOLATIONS_COLUMN)))
 
     def rows(self) -> Iterator[tuple[int, NDArray[np.float64]]]:
         """Read the rows that are left: line number and axis values (n_axes,)."""
@@ -45,12 +46,15 @@ class IkWriter:
     Args:
         stream: Where to.
         axes: The machine's axes, in the order of the columns.
+        violations: True: one more column names the limits that are violated.
     """
 
-    def __init__(self, stream: TextIO, axes: Sequence[Axis]) -> None:
+    def __init__(self, stream: TextIO, axes: Sequence[Axis], *, violations: bool = False) -> None:
         self._stream = stream
         self._empty = "," * max(len(axes) - 1, 0)
-        stream.write(",".join([*(axis.name for axis in axes), *RESULT_COLUMNS]) + "\n")
+        self._violations = violations
+        last = (VIOLATIONS_COLUMN,) if violations else ()
+        stream.write(",".join([*(axis.name for axis in axes), *RESULT_COLUMNS, *last]) + "\n")
 
     def write(
         self,
@@ -58,6 +62,7 @@ class IkWriter:
         status: str,
         position_error_mm: float,
         rotation_error_deg: float | None,
+        violated: Sequence[str] = (),
     ) -> None:
         """Write one row.
 
@@ -66,10 +71,17 @@ class IkWriter:
             status: "ok", "unreachable", "limits" or "stalled".
             position_error_mm: Distance to the pose.
             rotation_error_deg: Angle to it; None where the table gave no orientation.
+            violated: Names of the limits that keep the pose out of reach.
         """
         shown = self._empty if axes is None else numbers(axes)
         angle = "" if rotation_error_deg is None else number(rotation_error_deg)
-        self._stream.write(f"{shown},{status},{number(position_error_mm)},{angle}\n")
+        last = f",{joined(violated)}" if self._violations else ""
+        self._stream.write(f"{shown},{status},{number(position_error_mm)},{angle}{last}\n")
+
+
+def joined(names: Sequence[str]) -> str:
+    """Return the field that holds several names."""
+    return "; ".join(names)
 
 
 def number(value: float) -> str:
@@ -82,4 +94,13 @@ def numbers(values: NDArray[np.float64]) -> str:
     return ",".join(map(repr, (values + 0.0).tolist()))
 
 
-__all__ = ["RESULT_COLUMNS", "AxisTable", "Chunk", "IkWriter", "number", "numbers"]
+__all__ = [
+    "RESULT_COLUMNS",
+    "VIOLATIONS_COLUMN",
+    "AxisTable",
+    "Chunk",
+    "IkWriter",
+    "joined",
+    "number",
+    "numbers",
+]

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from chainbuild import frames
-from chainbuild.chain.elements import Axis, Task
+from chainbuild.chain.elements import Chain, Task
 from chainbuild.errors import Span, TableError
 from chainbuild.solve.crosscheck import Recording
 from chainbuild.tables.axes import RESULT_COLUMNS
@@ -23,22 +23,21 @@ from chainbuild.tables.reader import Table
 from chainbuild.units import m_from_mm
 
 
-def read_recording(path: Path, axes: Sequence[Axis], angle_mode: str) -> Recording:
+def read_recording(path: Path, chain: Chain) -> Recording:
     """Read axis values and poses from one table.
 
     Columns: the axes by name, x_mm, y_mm, z_mm, and an orientation: qx, qy, qz, qw, else a_deg, b_deg, c_deg in the
-    controller's angles, else tool_x, tool_y, tool_z, else none.
+    controller's angles, else the tool direction tool_x, tool_y, tool_z, else none.
 
     Args:
         path: The file.
-        axes: The machine's axes.
-        angle_mode: Name in `frames.ANGLE_MODES`.
+        chain: The machine's axes, and what its angles and its tool direction are.
 
     Raises:
         FileAccessError: the file cannot be read.
         TableError: a column is missing or unknown, or a row holds no numbers.
     """
-    names = tuple(axis.name for axis in axes)
+    names = tuple(axis.name for axis in chain.axes)
     orientation: list[str] = []
 
     def choose(found: Sequence[str]) -> tuple[Sequence[str], Sequence[str]]:
@@ -55,9 +54,7 @@ def read_recording(path: Path, axes: Sequence[Axis], angle_mode: str) -> Recordi
     poses = np.tile(np.eye(4), (len(rows), 1, 1))
     poses[:, :3, 3] = [[m_from_mm(v) for v in row] for row in rows[:, count : count + 3].tolist()]
     if orientation:
-        poses[:, :3, :3] = [
-            _rotation(tuple(orientation), row, angle_mode, path) for row in rows[:, count + 3 :].tolist()
-        ]
+        poses[:, :3, :3] = [_rotation(tuple(orientation), row, chain, path) for row in rows[:, count + 3 :].tolist()]
     return Recording(rows[:, :count].copy(), poses, _judged(tuple(orientation)), str(path))
 
 
@@ -67,14 +64,15 @@ def _judged(orientation: tuple[str, ...]) -> Task:
     return "direction" if orientation == TOOL_COLUMNS else "pose"
 
 
-def _rotation(orientation: tuple[str, ...], values: list[float], angle_mode: str, path: Path) -> frames.Matrix:
-    """Return the rotation of a row; of a tool vector, some rotation whose z it is."""
+def _rotation(orientation: tuple[str, ...], values: list[float], chain: Chain, path: Path) -> frames.Matrix:
+    """Return the rotation of a row; of a tool direction, some rotation that has it."""
     if orientation == ANGLE_COLUMNS:
-        return frames.matrix_from_angles(angle_mode, values)
+        return frames.matrix_from_angles(chain.angle_mode, values)
     if not any(values):
         raise TableError(f"({', '.join(orientation)}) is zero", span=Span(str(path)), permitted="length 1")
     if orientation == QUATERNION_COLUMNS:
         return frames.matrix_from_quaternion(values)
-    z = frames.unit(values)
-    x = frames.unit(np.cross(np.eye(3)[int(np.argmin(np.abs(z)))], z))
-    return np.column_stack((x, np.cross(z, x), z))
+    tool = frames.unit(values)
+    aside = frames.unit(np.cross(np.eye(3)[int(np.argmin(np.abs(tool)))], tool))
+    third = np.cross(tool, aside)
+    return np.column_stack((tool, aside, third) if chain.tool_axis == "x" else (aside, third, tool))

@@ -80,10 +80,7 @@ class _Building:
         lower: Chain | None = None
         for member in group.members:
             chain, T = self.partial(group, member), self.base(group, member)
-            if lower is None:
-                lower = displaced(chain, T)
-            else:
-                lower = stack(lower, T, chain)
+            lower = displaced(chain, T) if lower is None else stack(lower, T, chain)
         assert lower is not None  # a group has members
         return lower
 
@@ -184,17 +181,16 @@ class _Building:
         for k, entry in self.source.trafo.indexed("lock_dof").items():
             if entry.integer(0, 1) == 0:
                 continue
-            n = next(
-                (n for n, p in enumerate(chain.partials) if 0 <= k - ahead - p.first_axis < len(p.chain.axes)), None
-            )
+            axis = k - ahead
+            n = next((n for n, p in enumerate(chain.partials) if 0 <= axis - p.first_axis < len(p.chain.axes)), None)
             if n is None:
                 last = ahead + len(chain.axes) - 1
                 raise MachineDataError(
-                    f"lock_dof[{k}] is no axis of a partial kinematic", span=entry.span, parameter=entry.name,
+                    f"{entry.name} is no axis of a partial kinematic", span=entry.span, parameter=entry.name,
                     permitted=f"{ahead} to {last}", code="CB455",
                 )  # fmt: skip
             partial = chain.partials[n]
-            letter = coordinate_letters(members[n].type, partial.chain)[k - ahead - partial.first_axis]
+            letter = coordinate_letters(members[n].type, partial.chain)[axis - partial.first_axis]
             found[n] = (*found.get(n, ()), letter)
         return found
 

@@ -203,10 +203,9 @@ class _Reading:
                 raise self.refusal(_INCOMPLETE_PRIORITY, text, entry.span, entry.name, _known(members))
             ranked.append(found[0])
         if sorted(t.index for t in ranked) != sorted(t.index for t in members):
-            text = f"{name}.move_prio names {len(set(t.index for t in ranked))} of {len(members)} members"
-            raise self.refusal(
-                _INCOMPLETE_PRIORITY, text, entries[-1].span, entries[-1].name, "all members once, or none"
-            )
+            text = f"{name}.move_prio names {len({t.index for t in ranked})} of {len(members)} members"
+            last, permitted = entries[-1], "all members once, or none"
+            raise self.refusal(_INCOMPLETE_PRIORITY, text, last.span, last.name, permitted)
         return tuple(ranked.index(member) for member in members)
 
     def workpiece(self, draft: _Draft, drafts: Sequence[_Draft]) -> int | None:

@@ -90,9 +90,12 @@ class TwinCatMachine(Machine):
         tool = self._tool(chosen)
         length = finite_length_mm(tool_length_mm) + self.overlay.tool_length_mm + (tool.length_mm if tool else 0.0)
         lists = [entry for entry, number in self._axis_lists if number in ("", "0", str(chosen.index + 1))]
-        # An overlay is written for the kinematic that it names, else for the default.
-        main = self._trafo(chosen, None, Collector(strict=False))[0] is trafo
-        return Source(trafo, chosen, tool, length, lists, self.overlay, second, main)
+        return Source(trafo, chosen, tool, length, lists, self.overlay, second, trafo is self._main(chosen))
+
+    def _main(self, channel: Channel) -> Trafo | None:
+        """Return the kinematic that the overlay is written for: the one it names, else the default."""
+        named = [trafo for trafo in channel.trafos if self.overlay.kinematic in (trafo.id, trafo.name)]
+        return named[0] if named else self._default(channel)
 
     def _entries(self, channel: Channel) -> list[tuple[KinematicEntry, Trafo]]:
         default = self._default(channel)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from chainbuild import frames
 from chainbuild.errors import ChainbuildError
 from chainbuild.findings import Collector
 from chainbuild.machine import ParameterRow
-from chainbuild.twincat.catalogue import catalogue
+from chainbuild.twincat.catalogue import why_unsupported
 from chainbuild.twincat.hdtable import type_data
+from chainbuild.twincat.named_parameters import named_parameter, slot_name
 from chainbuild.twincat.reader import Assignment
 from chainbuild.twincat.source import Source
 from chainbuild.twincat.toollist import acting_params
+from chainbuild.twincat.universal import UNIVERSAL
 
 _ANGLE_MEANING = "Order of the pose angles A, B, C"
 
@@ -44,10 +48,28 @@ def parameter_rows(source: Source, collector: Collector) -> tuple[ParameterRow, 
                 span=entry_.span if entry_ else None,
             )
         )
-    rows.extend(
-        ParameterRow(entry.name, "", _shown(entry), "", "", True, "", entry.span) for entry in trafo.extras.values()
-    )
-    return (*rows, _angle_row(source)) if trafo.type in catalogue() else tuple(rows)
+    if trafo.type == UNIVERSAL:
+        rows = [_slot_row(row) for row in rows]
+    rows.extend(_named_row(name, entry) for name, entry in trafo.extras.items())
+    return tuple(rows) if why_unsupported(trafo.type) else (*rows, _angle_row(source))
+
+
+def _named_row(name: str, entry: Assignment) -> ParameterRow:
+    """Return a parameter that the list gives by name."""
+    known, value = named_parameter(name), _shown(entry)
+    if known is None:
+        return ParameterRow(entry.name, "", value, "", "", True, "", entry.span)
+    return ParameterRow(entry.name, "", known.scaled(value), known.unit, known.meaning, True, known.source, entry.span)
+
+
+def _slot_row(row: ParameterRow) -> ParameterRow:
+    """Return a PARAM[] slot of KIN_TYP 91 as what it stands for."""
+    name = slot_name(int(row.symbol.removeprefix("HD")) - 1)
+    known = named_parameter(name)
+    if known is None or not isinstance(row.value, float | int):
+        return row
+    meaning = f"{name}: {known.meaning}"
+    return replace(row, value=known.scaled(row.value), unit=known.unit, meaning=meaning, source=known.source)
 
 
 def _shown(entry: Assignment) -> float | str:

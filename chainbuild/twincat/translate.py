@@ -11,8 +11,8 @@ from chainbuild.errors import UnsupportedKinematicError
 from chainbuild.findings import Collector
 from chainbuild.overlay import Overlay
 from chainbuild.twincat.axislist import with_limits
-from chainbuild.twincat.coupling import COUPLING, coupling_draft
-from chainbuild.twincat.coupling_groups import MULTISTEP, coupling_data, member_named
+from chainbuild.twincat.coupling import coupling_draft
+from chainbuild.twincat.coupling_groups import COUPLING, MULTISTEP, coupling_data, member_named
 from chainbuild.twincat.draft import serial_draft
 from chainbuild.twincat.source import Source
 from chainbuild.twincat.two_steps import two_steps
@@ -43,13 +43,14 @@ def translate(source: Source, name: str, title: str, conventions: Mapping[str, s
     axes = _limited(chain.axes, ahead, source, collector)
     for unused in choose.unused():
         collector.add("CB405", f"the chosen convention {unused} has no bearing on this kinematic")
-    return replace(
+    finished = replace(
         chain.with_axes(axes),
         name=name,
         title=title,
         conventions=choose.used(),
         findings=tuple(dict.fromkeys(collector.findings)),
     )
+    return source.overlay.apply_geometry(finished) if source.main else finished
 
 
 def draft(source: Source, choose: Choices, collector: Collector) -> Chain:
@@ -62,7 +63,7 @@ def draft(source: Source, choose: Choices, collector: Collector) -> Chain:
     if trafo.step > 0 or source.second is not None:
         raise UnsupportedKinematicError(
             "a coupling kinematic cannot be part of a transformation of two steps", span=trafo.span,
-            parameter=f"{trafo.prefix}.id", permitted="a coupling alone, in the first step", alarm=MULTISTEP, code="CB455",
+            parameter=f"{trafo.prefix}.id", permitted="a coupling alone in step 0", alarm=MULTISTEP, code="CB455",
         )  # fmt: skip
     return coupling_draft(source, choose, collector)
 
@@ -88,18 +89,15 @@ def _limited(axes: tuple[Axis, ...], ahead: int, source: Source, collector: Coll
     """
     simulated = tuple(Axis.unlimited(f"TCP axis {n}", "linear") for n in range(ahead))
     listed = with_limits((*simulated, *axes), source.channel.axes, source.axis_lists, collector)
-    return _overlay_for(axes, source, collector).apply_limits(listed[ahead:])
+    return _overlay_for(axes, source).apply_limits(listed[ahead:])
 
 
-def _overlay_for(axes: tuple[Axis, ...], source: Source, collector: Collector) -> Overlay:
+def _overlay_for(axes: tuple[Axis, ...], source: Source) -> Overlay:
     """Return the overlay; for a kinematic that it is not written for, without what it says of other axes."""
     overlay = source.overlay
     if source.main:
         return overlay
     known = {axis.name for axis in axes}
-    foreign = sorted({*overlay.limits, *overlay.speeds, *overlay.endless} - known)
-    if foreign:
-        collector.add("CB457", f"the overlay's axes {', '.join(foreign)} belong to another kinematic of the file")
     return replace(
         overlay,
         limits={name: limits for name, limits in overlay.limits.items() if name in known},

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from chainbuild import frames
 from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.elements import Chain
-from chainbuild.chain.poses import pose, pose_jacobian
+from chainbuild.chain.poses import angle_rates, pose, pose_jacobian
 from chainbuild.errors import ChainbuildError, UnsupportedKinematicError
 from chainbuild.findings import Collector
 from chainbuild.twincat.catalogue import catalogue
@@ -27,7 +27,6 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 _POSITION: Final = 3
-_LETTERS: Final = {"x": 0, "y": 1, "z": 2}
 _NEWTON_STEPS: Final = 50
 _CLOSE: Final = 1e-11
 
@@ -50,12 +49,10 @@ def two_steps(first: Chain, first_trafo: Trafo, second: Chain, second_trafo: Tra
     wanted = tuple(axis.kind for axis in second.axes)
     if wanted != kinds[: len(wanted)]:
         raise UnsupportedKinematicError(
-            f"KIN_TYP {second_trafo.type} takes {_units(wanted)}, KIN_TYP {first_trafo.type} below it gives {_units(kinds)}",
+            f"KIN_TYP {second_trafo.type} takes {_units(wanted)}, KIN_TYP {first_trafo.type} gives {_units(kinds)}",
             span=second_trafo.span, parameter=f"{second_trafo.prefix}.id", permitted="steps that fit", code="CB460",
         )  # fmt: skip
-    text = (
-        f"KIN_TYP {second_trafo.type} stands on KIN_TYP {first_trafo.type}: its axes are the first step's coordinates"
-    )
+    text = f"KIN_TYP {second_trafo.type} takes the coordinates of KIN_TYP {first_trafo.type} for its axis values"
     hint = "joints are those of the second step, which no drive moves by itself"
     collector.add("CB459", text, span=second_trafo.span, hint=hint)
     return replace(
@@ -104,10 +101,10 @@ class Coordinates:
     def kinds(self) -> tuple[AxisKind, ...]:
         """What each coordinate is."""
         axes = self.chain.axes
-        tail = [axis.kind for axis in axes[_POSITION:]] if self.orientation == "axes" else ["rotary"] * 3
-        if self.orientation == "angles" and len(axes) <= _POSITION:
-            tail = []
-        return ("linear", "linear", "linear", *tail)  # type: ignore[arg-type]
+        tail: list[AxisKind] = [axis.kind for axis in axes[_POSITION:]]
+        if self.orientation == "angles" and tail:
+            tail = ["rotary", "rotary", "rotary"]
+        return ("linear", "linear", "linear", *tail)
 
     def values(self, axes: Vector) -> Vector:
         """Return the coordinates of axis values, mm and degrees on both sides."""
@@ -126,18 +123,9 @@ class Coordinates:
             return np.vstack([J[:3], tail])
         if len(self.kinds) == _POSITION:
             return J[:3]
-        return np.vstack([J[:3], np.linalg.pinv(self._angle_rates(axes)) @ J[3:]])
-
-    def _angle_rates(self, axes: Vector) -> Matrix:
-        """Return (3, 3): the angular velocity that each of A, B, C makes."""
-        mode = frames.ANGLE_MODES[self.chain.angle_mode]
-        angles = dict(zip("ABC", frames.angles_from_matrix(mode.name, pose(self.chain, axes)[:3, :3]), strict=True))
-        rates, R = np.zeros((3, 3)), np.eye(3)
-        for axis, letter, sign in mode.factors:
-            direction = np.eye(3)[_LETTERS[axis]]
-            rates[:, "ABC".index(letter)] = sign * (R @ direction)
-            R = R @ frames.rot_about(direction, sign * angles[letter])
-        return rates
+        mode = self.chain.angle_mode
+        angles = frames.angles_from_matrix(mode, pose(self.chain, axes)[:3, :3])
+        return np.vstack([J[:3], np.linalg.pinv(angle_rates(mode, angles)) @ J[3:]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

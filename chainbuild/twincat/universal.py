@@ -55,7 +55,7 @@ def universal_draft(
     moves = [element for k in data.chain for element in _motion(data, axes, k, choose, collector)]
     if table:
         moves = [_reversed(element) for element in reversed(moves)]
-    end = [
+    end: list[Element] = [
         shift(*data.zero_position_mm),
         turn(_tool_frame(data.zero_orientation, choose)),
         mark("flange"),

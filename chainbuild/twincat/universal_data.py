@@ -154,7 +154,7 @@ class _Reading:
         if wrong:
             k = wrong[0]
             raise self.refusal(
-                f"axis[{k}].type", f"axis {k} is {kinds[k]}", "three linear axes at the indices 0 to 2, then rotary ones",
+                f"axis[{k}].type", f"axis {k} is {kinds[k]}", "three linear axes at 0 to 2, then rotary ones",
                 _first_slot(k),
             )  # fmt: skip
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from chainbuild.chain.bodies import TOOL_SIDE, WORKPIECE_SIDE, detail_bodies, link_bodies, machine_size, shown_limits
 from chainbuild.chain.elements import Link
-from chainbuild.out.bodies import TOOL_SIDE, WORKPIECE_SIDE, detail_bodies, link_bodies, machine_size, shown_limits
 from tests.inspect.robots import ROBOTS, arm, gantry, scara, table
 
 

@@ -9,9 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.bodies import machine_size, shown_limits
 from chainbuild.errors import ChainbuildError
 from chainbuild.inspect.sweep import link_placements, rest_pose, sweep
-from chainbuild.out.bodies import machine_size, shown_limits
 from chainbuild.robot.robot import Robot
 from tests.inspect.robots import ROBOTS, arm, scara
 

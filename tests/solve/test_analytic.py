@@ -182,14 +182,12 @@ def ur5() -> Robot:
 
 
 def test_eaik_solves_what_has_an_offset_wrist() -> None:
-    pytest.importorskip("eaik")
     robot = ur5()
     assert method_of(robot) == "EAIK"
     check(robot, 60)
 
 
 def test_restarts_find_what_eaik_finds() -> None:
-    pytest.importorskip("eaik")
     robot = ur5()
     for axes in poses(robot, 4):
         target = robot.fk(axes)

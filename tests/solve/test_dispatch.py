@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 
+from chainbuild.chain.elements import AxisSum, ControllerSolver
 from chainbuild.errors import ChainbuildError
 from chainbuild.solve import dispatch
 from chainbuild.solve.controller import solve_controller
@@ -16,11 +15,8 @@ from tests.test_robot import arm
 AXES = np.array([10.0, -80.0, 70.0, 20.0, 40.0, 30.0])
 
 
-@dataclass(frozen=True)
-class Granted:
-    max_count: int = 8
-    precision: float = 1e-6
-    limit2_deg: float = 0.0
+def granted(max_count: int = 8, precision: float = 1e-6, limit2_deg: float = 0.0) -> ControllerSolver:
+    return ControllerSolver(max_count, precision, 3.0, limit2_deg, AxisSum((0.0, 0.0, 0.0, 0.0, 1.0, 0.0), 0.0))
 
 
 @pytest.mark.parametrize("solver", ["auto", "damped", "analytic"])
@@ -65,13 +61,13 @@ def test_every_branch_through_the_robot() -> None:
 def test_the_controllers_budget() -> None:
     robot = arm()
     target = robot.fk(AXES)
-    near = solve_controller(robot, target, AXES + 1.0, None, Granted())
+    near = solve_controller(robot, target, AXES + 1.0, None, granted())
     assert near.success
     assert 0 < near.iterations <= 8
     np.testing.assert_allclose(near.axes, AXES, atol=1e-4)
-    short = solve_controller(robot, target, AXES + 20.0, None, Granted(max_count=1))
+    short = solve_controller(robot, target, AXES + 20.0, None, granted(max_count=1))
     assert (short.success, short.status, short.iterations) == (False, "stalled", 1)
     assert "budget of 1 iterations" in short.reason
-    singular = solve_controller(robot, target, AXES + 1.0, None, Granted(limit2_deg=45.0))
-    assert singular.status == "stalled"
+    singular = solve_controller(robot, target, AXES + 1.0, None, granted(limit2_deg=45.0))
+    assert singular.status == "limits"
     assert "75370" in singular.reason

@@ -38,7 +38,7 @@ def test_parameters_explain_the_file() -> None:
     assert (rows["HD21"].value, rows["HD21"].unit) == (1, "")
     assert (rows["HD8"].value, rows["HD8"].given, rows["HD8"].span) == (0, False, None)
     assert "not in the table" in rows["HD13"].meaning
-    assert rows["trafo[0].base[2]"].value == -5
+    assert (rows["trafo[0].base[2]"].value, rows["trafo[0].base[2]"].unit) == (-0.0005, "mm")
     assert (rows["P-CHAN-00112"].value, rows["P-CHAN-00112"].given) == (2, True)
     assert "KIN_TYP manual 3.3" in rows["HD7"].source
     assert "CB403" in codes(found.chain())

@@ -1,4 +1,4 @@
-"""Primitive bodies that stand for the links of a chain, for drawings and URDF.
+"""Primitive bodies that stand for the links of a chain, for drawings, collision and URDF.
 
 Machine data say where the joints are and nothing about the castings between them. The bodies are therefore drawn:
 a cylinder (rotary) or box (linear) from joint to joint, as thick as looks right for a machine of that size.
@@ -13,10 +13,11 @@ import numpy as np
 
 from chainbuild import frames
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint, Matrix, Vector
+from chainbuild.chain.rods import CRANK, ROD_END, ROD_PIN, has_rods
 
 Colour = tuple[float, float, float]
 Kind = Literal["cylinder", "box", "sphere"]
-Part = Literal["link", "joint", "rail", "flange", "tool", "table"]
+Part = Literal["link", "joint", "rail", "lever", "flange", "tool", "table"]
 
 # Red, green, blue in 0…1. Warm: what carries the tool. Cool: what carries the workpiece.
 BASE_COLOUR: Colour = (0.29, 0.32, 0.37)
@@ -63,10 +64,10 @@ def link_bodies(chain: Chain) -> tuple[Body, ...]:
 
 
 def detail_bodies(chain: Chain) -> tuple[Body, ...]:
-    """Return what makes a drawing readable: joint housings, rails, flange, tool and table."""
+    """Return what makes a drawing readable: joint housings, rails, flange, tool, table and the lever of a rod."""
     drawing = _Drawing(chain)
     bodies = [drawing.joint_body(joint, n) for n, joint in enumerate(chain.joints)]
-    return (*bodies, *drawing.tip_bodies())
+    return (*bodies, *drawing.lever_bodies(), *drawing.tip_bodies())
 
 
 def machine_size(chain: Chain) -> float:
@@ -143,7 +144,7 @@ class _Drawing:
         points = [joint.T_parent_joint[:3, 3] for joint in self.children[link]]
         if not points:
             ends = {f.name: f.T_link_frame[:3, 3] for f in self.chain.frames if f.link == link}
-            points = [ends[name] for name in ("flange", "tool", "workpiece") if name in ends][:1]
+            points = [ends[name] for name in (ROD_END, "flange", "tool", "workpiece") if name in ends][:1]
         return max(points, key=lambda p: round(float(np.linalg.norm(p)), 9), default=np.zeros(3))
 
     def link_body(self, link: str) -> Body:
@@ -199,6 +200,15 @@ class _Drawing:
         workpiece = self.chain.frame("workpiece")
         down: Vector = -1.45 * self.radius(link) * workpiece.T_link_frame[:3, 2]
         return down if workpiece.link == link else np.zeros(3)
+
+    def lever_bodies(self) -> list[Body]:
+        """Return what carries the pin of a parallelogram's rod on the forearm."""
+        if not has_rods(self.chain):
+            return []
+        pin = self.chain.frame(ROD_PIN)
+        end, radius = pin.T_link_frame[:3, 3], self.radius(f"{CRANK}_link")
+        length = float(np.linalg.norm(end))
+        return [_body(pin.link, "lever", _along(end, end / 2), "cylinder", (radius, length), self.colour(pin.link))]
 
     def tip_bodies(self) -> list[Body]:
         chain, bodies = self.chain, []

@@ -1,0 +1,78 @@
+"""What an overlay says about the bodies of a machine: radii, shapes, meshes, rods. Frozen data, no maths."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+ShapeKind = Literal["capsule", "sphere", "box", "cylinder", "hull", "mesh"]
+Numbers = tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """One body fixed to a link, in place of the one drawn by rule.
+
+    Attributes:
+        kind: "capsule", "sphere", "box", "cylinder", "hull" (convex hull of a mesh) or "mesh".
+        points: Capsule and cylinder: both ends of the axis, (x, y, z, x, y, z); sphere: the centre [m].
+        radius: Of capsule, cylinder and sphere [m].
+        size: Edges of the box along x, y, z [m].
+        place: Box, hull and mesh: x, y, z [m] in the link's frame, then A, B, C [deg] of Rz(A)·Ry(B)·Rx(C).
+        file: Hull and mesh: the file, STL, OBJ or whatever else the mesh reader knows.
+        scale: Hull and mesh: metres a unit of the file.
+    """
+
+    kind: ShapeKind
+    points: Numbers = ()
+    radius: float = 0.0
+    size: Numbers = ()
+    place: Numbers = (0.0,) * 6
+    file: Path | None = None
+    scale: float = 0.001
+
+
+@dataclass(frozen=True, slots=True)
+class RodData:
+    """Dimensions of a parallelogram's rods.
+
+    Attributes:
+        crank: Length of the crank [m]; None: a quarter of the upper arm.
+        angle_deg: Angle from the forearm's direction to the crank, about the axis of the elbow; 180: behind it.
+        radius: Radius of crank and rod [m]; None: a fifth of the crank.
+        sideways: Offset of the rods along the axis of the elbow [m].
+    """
+
+    crank: float | None = None
+    angle_deg: float = 180.0
+    radius: float | None = None
+    sideways: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Geometry:
+    """The overlay's table `[geometry]`.
+
+    Attributes:
+        radii: Link → radius [m] of its drawn body.
+        shapes: Link → bodies in place of the drawn one.
+        rods: Whether the parallelogram's rods are links of the chain. They add joints.
+        rod_data: Their dimensions, also for analyses that add them for themselves.
+        ignore: Pairs of links whose collision does not count.
+    """
+
+    radii: Mapping[str, float] = field(default_factory=dict)
+    shapes: Mapping[str, tuple[Shape, ...]] = field(default_factory=dict)
+    rods: bool = False
+    rod_data: RodData = RodData()
+    ignore: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Every link that is named, in order."""
+        return (*self.radii, *self.shapes, *(link for pair in self.ignore for link in pair))
+
+
+NO_GEOMETRY = Geometry()

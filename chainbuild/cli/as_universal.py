@@ -1,0 +1,30 @@
+"""`chainbuild as-universal`: a machine as the universal kinematic KIN_TYP 91."""
+
+from __future__ import annotations
+
+from chainbuild.cli.show import note, output
+from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, UsageError
+
+
+def as_universal(file: str, /, *, output_file: Output = None, options: MachineOptions = DEFAULT_OPTIONS) -> int:
+    """Write a machine as a parameter list of KIN_TYP 91, the universal kinematic.
+
+    The list gives the same poses, up to the constant shift that its head says. Every axis has a direction and a point
+    of its own there, which can be corrected where the machine is out of true. Machines with three linear axes and up
+    to three rotary ones can be written.
+
+    Args:
+        file: A machine file, or the name of a shipped machine.
+        output_file: List to write. Without it: stdout.
+        options: Which kinematic.
+    """
+    from chainbuild.twincat.as_universal import as_universal as universal_list
+
+    if options.tool_length:
+        raise UsageError("--tool-length: the tool is no part of the list; it acts on both kinematics alike")
+    text = universal_list(options.machine(file), options.kinematic, options.channel, options.choices())
+    with output(output_file) as stream:
+        stream.write(text)
+    if output_file:
+        note(str(output_file))
+    return 0

@@ -1,0 +1,46 @@
+"""Axis values on the command line: `--at 0,-90,90,0,0,0`, or a CSV table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from chainbuild.cli.usage import UsageError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from chainbuild.robot.robot import Robot
+
+# Values with a leading minus sign are values, not options.
+At = Annotated[tuple[str, ...], Parameter(negative="", show_default=False, allow_leading_hyphen=True)]
+
+
+def values_of(robot: Robot, text: str) -> NDArray[np.float64]:
+    """Return axis values (n_axes,) given as numbers separated by commas.
+
+    Raises:
+        UsageError: not numbers.
+        AxisValueError: wrong count or not finite.
+    """
+    try:
+        numbers = [float(word) for word in text.split(",")]
+    except ValueError:
+        raise UsageError(f"--at {text}: numbers separated by commas are due") from None
+    return robot.axis_values(numbers)
+
+
+def rows_of(robot: Robot, at: tuple[str, ...], axes: Path | None) -> NDArray[np.float64]:
+    """Return the rows (N, n_axes) that options give: positions first, then those of a table."""
+    import numpy as np
+
+    from chainbuild.tables import AxisTable
+
+    rows = [values_of(robot, text) for text in at]
+    if axes is not None:
+        with AxisTable(axes, robot.axes) as table:
+            rows.extend(values for _, values in table.rows())
+    return np.array(rows).reshape(len(rows), len(robot.axes))

@@ -1,0 +1,182 @@
+"""`chainbuild collide`: does the robot touch itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from chainbuild.cli.axisvalues import At, rows_of
+from chainbuild.cli.show import console, note, print_json, table
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
+from chainbuild.units import m_from_mm, mm_from_m
+
+if TYPE_CHECKING:
+    from chainbuild.analysis.paths import Contact
+    from chainbuild.robot.collision import CollisionModel, Distance
+
+_COLLIDES = 3
+
+
+@Parameter(name="*", group="Pairs")
+@dataclass(frozen=True, slots=True)
+class PairOptions:
+    """Which pairs of links can collide at all.
+
+    Attributes:
+        pairs: List the pairs of links that never, always or sometimes collide, by sampling.
+        samples: Positions to sample for that.
+        srdf: Folder to write the SRDF to, as FOLDER/NAME/NAME.srdf.
+    """
+
+    pairs: Annotated[bool, Parameter(negative="")] = False
+    samples: int = 10_000
+    srdf: Path | None = None
+
+
+DEFAULT_PAIRS = PairOptions()
+
+
+def collide(
+    file: str,
+    /,
+    *,
+    at: At = (),
+    axes: Path | None = None,
+    clearance: float = 0.0,
+    picture: Path | None = None,
+    json: Json = False,
+    sampling: PairOptions = DEFAULT_PAIRS,
+    options: MachineOptions = DEFAULT_OPTIONS,
+) -> int:
+    """Find self-collisions at axis values, or along a path without missing any between its rows.
+
+    Bodies are capsules along the links, as drawn by rule; the overlay's table [geometry] gives radii, shapes, hulls and
+    meshes. The command ends with 3 where something collides.
+
+    Args:
+        file: A machine file, or the name of a shipped machine.
+        at: Axis values in channel order, mm and degrees, separated by commas; may be repeated.
+        axes: CSV table of axis values: a path, straight lines of the axes between the rows.
+        clearance: Millimetres that bodies must stay apart.
+        picture: SVG file to write: the smallest distance over the rows.
+        json: Print JSON.
+        sampling: Which pairs can collide.
+        options: Which kinematic.
+    """
+    from chainbuild.robot.collision import CollisionModel
+
+    robot = options.robot(file)
+    rows = rows_of(robot, at, axes)
+    asked = sampling.pairs or sampling.srdf is not None
+    if not (len(rows) or asked):
+        raise UsageError("--at, --axes, --pairs or --srdf is due")
+    model = CollisionModel(robot)
+    data: dict[str, Any] = {"bodies": [solid.name for solid in model.solids]}
+    if asked:
+        data["pairs"] = _sample(model, sampling, json)
+    if not len(rows):
+        if json:
+            print_json(data)
+        return 0
+    found = _positions(model, rows, axes is not None, m_from_mm(clearance))
+    if picture:
+        note(f"wrote {_draw(model, rows, picture)}")
+    if json:
+        print_json(data | found.data())
+    else:
+        found.print()
+    return _COLLIDES if found.collides else 0
+
+
+class _Found:
+    """Contacts along the rows, and the closest bodies at each position."""
+
+    def __init__(self, contacts: list[Contact], closest: list[Distance | None], names: list[str]) -> None:
+        self.contacts, self.closest, self.names = contacts, closest, names
+
+    @property
+    def collides(self) -> bool:
+        return bool(self.contacts)
+
+    def data(self) -> dict[str, Any]:
+        return {
+            "collides": self.collides,
+            "contacts": [
+                {
+                    "row": contact.row,
+                    "share": contact.share,
+                    "axes": dict(zip(self.names, contact.axes.tolist(), strict=True)),
+                    "bodies": list(contact.pair),
+                    "distance_mm": mm_from_m(contact.distance),
+                }
+                for contact in self.contacts
+            ],
+            "closest": [
+                None
+                if one is None
+                else {
+                    "bodies": list(one.pair),
+                    "distance_mm": mm_from_m(one.distance),
+                    "points_mm": (one.points * 1000.0).tolist(),
+                }
+                for one in self.closest
+            ],
+        }
+
+    def print(self) -> None:
+        shown = table("Closest bodies", "Row", "Bodies", "Distance [mm]")
+        for row, one in enumerate(self.closest, start=1):
+            if one is not None and (len(self.closest) <= 20 or one.distance <= 0.0):
+                shown.add_row(str(row), " – ".join(one.pair), f"{mm_from_m(one.distance):.3f}")
+        console().print(shown)
+        for contact in self.contacts:
+            values = ", ".join(f"{n} {v:.4g}" for n, v in zip(self.names, contact.axes.tolist(), strict=True))
+            between = f"row {contact.row + 1}" if contact.share == 0.0 else f"behind row {contact.row + 1}"
+            print(f"{between}: {' and '.join(contact.pair)} touch at {values}")
+        if not self.contacts:
+            print("no collision")
+
+
+def _positions(model: CollisionModel, rows: Any, is_path: bool, clearance: float) -> _Found:
+    from chainbuild.analysis.paths import contacts
+
+    names = [axis.name for axis in model.robot.axes]
+    closest = [model.nearest(row) for row in rows]
+    if is_path:
+        return _Found(list(contacts(model, rows, clearance)), closest, names)
+    found = [contact for row in rows for contact in contacts(model, row[None, :], clearance)]
+    return _Found(found, closest, names)
+
+
+def _sample(model: CollisionModel, sampling: PairOptions, as_json: bool) -> dict[str, Any]:
+    from chainbuild.analysis.pairs import classify_pairs
+    from chainbuild.out.srdf import write_srdf
+
+    found = classify_pairs(model.robot, sampling.samples)
+    if sampling.srdf is not None:
+        note(f"wrote {write_srdf(model.robot, found, sampling.srdf)}")
+    if not as_json:
+        shown = table(f"Pairs of links at {found.samples} positions", "Links", "Collide", "Positions")
+        for pair in found.pairs:
+            shown.add_row(" – ".join(pair.links), pair.verdict, str(pair.hits))
+        console().print(shown)
+        print(f"never: with {found.confidence:.0%} confidence at less than {found.bound:.2g} of all positions")
+    return {
+        "samples": found.samples,
+        "confidence": found.confidence,
+        "bound": found.bound,
+        "verdicts": [{"links": list(p.links), "verdict": p.verdict, "hits": p.hits} for p in found.pairs],
+    }
+
+
+def _draw(model: CollisionModel, rows: Any, path: Path) -> Path:
+    import numpy as np
+
+    from chainbuild.out.picture import distance_picture, write_picture
+
+    nearest = [model.nearest(row) for row in rows]
+    distances = np.array([np.nan if one is None else one.distance for one in nearest])
+    return write_picture(path, distance_picture(distances, model.robot.chain.title))

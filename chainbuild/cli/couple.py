@@ -1,0 +1,121 @@
+"""`chainbuild couple`: a tool position handed out to the partial kinematics of a coupling."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from chainbuild.cli.show import console, number, print_json, table
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
+
+if TYPE_CHECKING:
+    from chainbuild.robot.robot import Robot
+    from chainbuild.solve.distribute import Distribution
+
+Words = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
+_LETTERS = "XYZABC"
+_DIGITS = 9  # of mm and degrees: the last ones are noise
+
+
+def couple(
+    file: str,
+    /,
+    *,
+    tcp: Words = (),
+    program: Words = (),
+    lock: Words = (),
+    current: Words = (),
+    axes: Annotated[bool, Parameter(negative="")] = False,
+    json: Json = False,
+    options: MachineOptions = DEFAULT_OPTIONS,
+) -> int:
+    """Hand a tool position out to the partial kinematics of a coupling, KIN_TYP 210.
+
+    In the order of their priorities each partial takes all of the motion that its Cartesian freedoms allow. Shown are
+    six Cartesian values a partial; those it cannot move by itself stay empty.
+
+    Args:
+        file: A machine file, or the name of a shipped machine.
+        tcp: LETTER=VALUE: a coordinate of the tool in the workpiece frame, in mm or degrees; may be repeated. Those not
+            named stay as they are.
+        program: PARTIAL.LETTER=VALUE: a coordinate of a partial that is programmed directly; may be repeated.
+        lock: PARTIAL.LETTER: a coordinate that a motion of the tool does not move; may be repeated.
+        current: PARTIAL.LETTER=VALUE: where a partial stands; may be repeated. Without it: 0.
+        axes: Also compute the axis values: every partial brought to its Cartesian values.
+        json: Print JSON.
+        options: Which kinematic.
+    """
+    robot = options.robot(file)
+    found = robot.distribute(
+        dict(_pairs("--tcp", tcp)) or None,
+        axes=dict(_pairs("--program", program)),
+        locked=lock,
+        current=_by_partial(_pairs("--current", current)),
+    )
+    values = [float(value) for value in found.axes()] if axes else None
+    if json:
+        print_json(_data(robot, found, values))
+    else:
+        _print(robot, found, values)
+    return 0
+
+
+def _pairs(option: str, words: Iterable[str]) -> list[tuple[str, float]]:
+    """Return NAME=VALUE words, also several joined by commas, as pairs."""
+    found = []
+    for word in (part for text in words for part in text.split(",")):
+        name, equals, value = word.partition("=")
+        try:
+            found.append((name.strip(), float(value)))
+        except ValueError:
+            equals = ""
+        if not (name.strip() and equals):
+            raise UsageError(f"{option} {word}: NAME=VALUE is due")
+    return found
+
+
+def _by_partial(pairs: Iterable[tuple[str, float]]) -> dict[str, dict[str, float]]:
+    found: dict[str, dict[str, float]] = {}
+    for name, value in pairs:
+        partial, dot, letter = name.rpartition(".")
+        if not dot:
+            raise UsageError(f"--current {name}: PARTIAL.LETTER=VALUE is due")
+        found.setdefault(partial, {})[letter] = value
+    return found
+
+
+def _print(robot: Robot, found: Distribution, values: list[float] | None) -> None:
+    shown = table("Distribution (mm, degrees)", "Partial", *_LETTERS)
+    for part in found.partials:
+        cells = (number(_rounded(v)) if free else "" for v, free in zip(part.values, part.free, strict=True))
+        shown.add_row(part.name, *cells)
+    shown.add_row("TCP", *(number(_rounded(value)) for value in found.tcp))
+    out = console()
+    out.print(shown)
+    if values is not None:
+        listed = table("Axes", *(axis.name for axis in robot.axes))
+        listed.add_row(*(number(_rounded(value)) for value in values))
+        out.print(listed)
+
+
+def _data(robot: Robot, found: Distribution, values: list[float] | None) -> dict[str, Any]:
+    data: dict[str, Any] = {
+        "tcp": {letter: _rounded(value) for letter, value in zip(_LETTERS, found.tcp, strict=True)},
+        "partials": {
+            part.name: {
+                letter: _rounded(value)
+                for letter, value, free in zip(_LETTERS, part.values, part.free, strict=True)
+                if free
+            }
+            for part in found.partials
+        },
+    }
+    if values is not None:
+        data["axes"] = {axis.name: _rounded(value) for axis, value in zip(robot.axes, values, strict=True)}
+    return data
+
+
+def _rounded(value: float) -> float:
+    return round(float(value), _DIGITS) + 0.0

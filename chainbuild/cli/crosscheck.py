@@ -1,0 +1,127 @@
+"""`chainbuild crosscheck`: the model against another solver, or against poses recorded on the controller."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
+
+from cyclopts import Parameter
+
+from chainbuild.cli.show import note, print_json, warn
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError, all_findings
+from chainbuild.units import m_from_mm, rad_from_deg
+
+if TYPE_CHECKING:
+    from chainbuild.solve.crosscheck import CheckOptions, CrossCheck
+
+Kind = Literal["auto", "fk", "ik"]
+SampleName = Literal["random", "grid", "singular"]
+
+_DIFFERS = 3
+
+
+@Parameter(name="*", group="Poses")
+@dataclass(frozen=True, slots=True)
+class PoseOptions:
+    """Which poses are compared, and when they agree.
+
+    Attributes:
+        count: Number of poses to compare at.
+        samples: Kind of poses: random, grid, singular; may be repeated. Without it: all three.
+        seed: Seed of the poses.
+        position_tolerance: Millimetres within which poses agree. Without it: 0.001, for recordings 0.01.
+        rotation_tolerance: Degrees within which they agree. Without it: 6e-5, for recordings 0.006.
+    """
+
+    count: int = 300
+    samples: Annotated[tuple[SampleName, ...], Parameter(negative="", show_default=False)] = ()
+    seed: int = 0
+    position_tolerance: float | None = None
+    rotation_tolerance: float | None = None
+
+    def check_options(self, kind: Kind) -> CheckOptions:
+        """Return the options of the comparison."""
+        from chainbuild.solve.crosscheck import CheckOptions
+
+        distance, angle = self.position_tolerance, self.rotation_tolerance
+        return CheckOptions(
+            count=self.count,
+            samples=self.samples or get_args(SampleName),
+            seed=self.seed,
+            position_tolerance=None if distance is None else m_from_mm(distance),
+            rotation_tolerance=None if angle is None else rad_from_deg(angle),
+            kind=kind,
+        )
+
+
+DEFAULT_POSES = PoseOptions()
+
+
+def crosscheck(
+    file: str,
+    /,
+    *,
+    solver: str | None = None,
+    recording: Path | None = None,
+    kind: Kind = "auto",
+    html: Path | None = None,
+    json: Json = False,
+    poses: PoseOptions = DEFAULT_POSES,
+    options: MachineOptions = DEFAULT_OPTIONS,
+) -> int:
+    """Compare the model with another solver, or with poses recorded on the controller, and name what differs.
+
+    A recording has one column an axis and x_mm, y_mm, z_mm with qx, qy, qz, qw, or a_deg, b_deg, c_deg, or tool_x,
+    tool_y, tool_z. Where poses differ, an error with structure is named (a constant offset, a flipped axis, two
+    swapped ones, a wrong zero, another angle convention), and every choice of the machine's conventions is tried. The
+    command ends with 3 where something differs.
+
+    Args:
+        file: A machine file, or the name of a shipped machine.
+        solver: eaik, opw, roboticstoolbox, or MODULE:FUNCTION: axis values in mm and degrees to a 4×4 pose in metres,
+            or such a pose to rows of axis values.
+        recording: CSV table of axis values and poses.
+        kind: What the function computes; auto: told by what it returns.
+        html: HTML page with plots to write.
+        json: Print JSON.
+        poses: Which poses.
+        options: Which kinematic.
+    """
+    if (solver is None) == (recording is None):
+        raise UsageError("either --solver or --recording is due")
+    check = _compare(file, recording or solver or "", poses.check_options(kind), options)
+    if html:
+        from chainbuild.out.report_html import write_crosscheck_page
+
+        note(f"wrote {write_crosscheck_page(check, html)}")
+    _print(check, json)
+    return 0 if check.agrees else _DIFFERS
+
+
+def _compare(file: str, other: Path | str, check_options: CheckOptions, options: MachineOptions) -> CrossCheck:
+    """Compare the machine with a recording (a path) or another solver (its name)."""
+    from chainbuild.solve.convention_trials import Selection
+    from chainbuild.solve.crosscheck import crosscheck as compare
+    from chainbuild.tables.recording import read_recording
+
+    machine = options.machine(file)
+    chain = options.chain(machine)
+    warn(all_findings(machine, chain))
+    return compare(
+        chain.build(),
+        read_recording(other, chain) if isinstance(other, Path) else other,
+        check_options,
+        machine=machine,
+        selection=Selection(options.kinematic, options.channel, options.tool_length),
+        conventions=options.choices(),
+    )
+
+
+def _print(check: CrossCheck, as_json: bool) -> None:
+    from chainbuild.out.report import crosscheck_data, crosscheck_text
+
+    if as_json:
+        print_json(crosscheck_data(check))
+    else:
+        print(crosscheck_text(check), end="")

@@ -1,0 +1,128 @@
+"""`chainbuild limits`: limits of one axis that hang on another, and those of a parallelogram."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from chainbuild.cli.axisvalues import At, values_of
+from chainbuild.cli.progress import counted
+from chainbuild.cli.show import console, note, print_json, table
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from chainbuild.analysis.parallelogram import LimitReport
+    from chainbuild.analysis.sweep import FreeInterval, Sweep
+    from chainbuild.robot.robot import Robot
+
+
+def limits(
+    file: str,
+    /,
+    *,
+    axis: str | None = None,
+    over: str | None = None,
+    at: At = (),
+    steps: int = 37,
+    picture: Path | None = None,
+    json: Json = False,
+    options: MachineOptions = DEFAULT_OPTIONS,
+) -> int:
+    """Sweep one axis over another and find where the robot is free of itself, to a hundredth of a degree.
+
+    Without --axis: the limit angles of a ROBX parallelogram (MD62964), with a verdict on the file's values and a
+    proposal to paste.
+
+    Args:
+        file: A machine file, or the name of a shipped machine.
+        axis: Axis whose free interval is sought.
+        over: Axis that is swept.
+        at: Values of all axes that the sweep begins with, separated by commas. Without it: the middle of the limits.
+        steps: Values of the swept axis.
+        picture: SVG file to write: the free interval over the swept axis.
+        json: Print JSON.
+        options: Which kinematic.
+    """
+    if (axis is None) != (over is None):
+        raise UsageError("--axis and --over go together")
+    robot = options.robot(file)
+    if axis is None or over is None:
+        if at:
+            raise UsageError("--at goes with --axis and --over")
+        _parallelogram(robot, steps, picture, json)
+    else:
+        _sweep(robot, axis, over, at, steps, picture, json)
+    return 0
+
+
+def _sweep(
+    robot: Robot, axis: str, over: str, at: tuple[str, ...], steps: int, picture: Path | None, as_json: bool
+) -> None:
+    import numpy as np
+
+    from chainbuild.analysis.sweep import axis_index, sweep
+    from chainbuild.chain.bodies import shown_limits
+    from chainbuild.robot.collision import CollisionModel
+
+    model = CollisionModel(robot)
+    index = axis_index(model, over)
+    low, high = (float(bound[index]) for bound in shown_limits(robot.chain))
+    if steps < 1:
+        raise UsageError("--steps: at least 1")
+    begin = values_of(robot, at[-1]) if at else None
+    with counted("positions", steps) as done:
+        found: Sweep = sweep(model, axis, over, begin, np.linspace(low, high, steps).tolist(), done=done)
+    labels = f"{over} [{found.unit_over}]", f"{axis} [{found.unit_moved}]"
+    if picture:
+        _draw(picture, found.intervals, f"{robot.chain.title}: {axis} over {over}", labels)
+    if as_json:
+        print_json({"axis": axis, "over": over, "intervals": [asdict(i) for i in found.intervals]})
+    else:
+        _print(found.intervals, f"Free interval of {axis}", labels)
+
+
+def _parallelogram(robot: Robot, steps: int, picture: Path | None, as_json: bool) -> None:
+    from chainbuild.analysis.parallelogram import swept_limits
+
+    with counted("positions", steps) as done:
+        found: LimitReport = swept_limits(robot, steps, done)
+    labels = f"{found.over} [deg]", "q3DH − q2DH [deg]"
+    if picture:
+        _draw(picture, found.intervals, f"{robot.chain.title}: parallelogram", labels, found.given)
+    if as_json:
+        data: dict[str, Any] = asdict(found) | {"machine_data": list(found.machine_data())}
+        print_json(data)
+        return
+    _print(found.intervals, "Free interval of the parallelogram's angle", labels)
+    for verdict in found.verdicts:
+        print(verdict)
+    if found.drawn:
+        print("all bodies are drawn by rule: an estimate; [geometry] of the overlay gives their dimensions")
+    for line in found.machine_data():
+        print(line)
+
+
+def _draw(
+    picture: Path,
+    intervals: Sequence[FreeInterval],
+    title: str,
+    labels: tuple[str, str],
+    marks: Sequence[float] = (),
+) -> None:
+    from chainbuild.out.picture import interval_picture, write_picture
+
+    note(f"wrote {write_picture(picture, interval_picture(intervals, title, *labels, marks))}")
+
+
+def _print(intervals: Sequence[FreeInterval], title: str, labels: tuple[str, str]) -> None:
+    shown = table(title, labels[0], "From", "To", "Below", "Above")
+    for one in intervals:
+        if one.lower is None or one.upper is None:
+            shown.add_row(f"{one.over:.6g}", "–", "–", "nothing is free", "")
+            continue
+        ends = [" – ".join(pair) if pair else "end of the range" for pair in (one.lower_pair, one.upper_pair)]
+        shown.add_row(f"{one.over:.6g}", f"{one.lower:.2f}", f"{one.upper:.2f}", *ends)
+    console().print(shown)

@@ -1,0 +1,240 @@
+"""`chainbuild singularity`: how close axis values are to a singularity, in numbers and in words."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from chainbuild.cli.axisvalues import At, rows_of
+from chainbuild.cli.show import console, note, number, print_json, table, warn
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError, all_findings
+from chainbuild.units import mm_from_m
+
+if TYPE_CHECKING:
+    from chainbuild.analysis.names import Report
+    from chainbuild.analysis.nearest import Nearest
+    from chainbuild.analysis.singularity import Singularity
+    from chainbuild.analysis.thresholds import Judgement, Stretch, Thresholds
+    from chainbuild.robot.robot import Robot
+
+
+@Parameter(name="*", group="Singularity")
+@dataclass(frozen=True, slots=True)
+class MeasureOptions:
+    """How a position is measured and what is said about it.
+
+    Attributes:
+        speed: Speed of the tool in mm/s (deg/s where only turns are lost) that axis speeds are given for.
+        length: Characteristic length in mm that makes lengths and angles comparable. Without it: the length of the
+            chain from its first joint to the tips.
+        nearest: Also search the nearest singularity.
+    """
+
+    speed: float = 10.0
+    length: float | None = None
+    nearest: Annotated[bool, Parameter(negative="")] = False
+
+
+DEFAULT_MEASURES = MeasureOptions()
+
+
+def singularity(
+    file: str,
+    /,
+    *,
+    at: At = (),
+    axes: Path | None = None,
+    picture: Path | None = None,
+    json: Json = False,
+    measures: MeasureOptions = DEFAULT_MEASURES,
+    options: MachineOptions = DEFAULT_OPTIONS,
+) -> int:
+    """Say how close axis values are to a singularity: measures, names in words, axis speeds.
+
+    Args:
+        file: A machine file, or the name of a shipped machine.
+        at: Axis values in channel order, mm and degrees, separated by commas; may be repeated.
+        axes: CSV table of axis values: a path, of which the rows at or close to a singularity are named.
+        picture: SVG file to write: the smallest singular value over the rows.
+        json: Print JSON.
+        measures: How to measure.
+        options: Which kinematic.
+    """
+    from chainbuild.analysis.thresholds import thresholds_of
+
+    machine = options.machine(file)
+    chain = options.chain(machine)
+    warn(all_findings(machine, chain))
+    robot = chain.build()
+    rows = rows_of(robot, at, axes)
+    if not len(rows):
+        raise UsageError("--at or --axes is due")
+    limits = thresholds_of(machine, chain)
+    shown = _Shown(robot, rows, limits, measures)
+    if picture:
+        note(f"wrote {shown.draw(picture)}")
+    if json:
+        print_json(shown.data())
+    elif len(rows) == 1:
+        shown.print_position()
+    else:
+        shown.print_path()
+    return 0
+
+
+class _Shown:
+    """One position or path with all that is said about it."""
+
+    def __init__(self, robot: Robot, rows: Any, limits: Thresholds | None, measures: MeasureOptions) -> None:
+        from chainbuild.analysis.measures import measure_batch
+        from chainbuild.analysis.names import examine, examine_path
+        from chainbuild.analysis.nearest import nearest_singularity
+        from chainbuild.analysis.thresholds import judge, judge_path
+        from chainbuild.units import m_from_mm
+
+        length = None if measures.length is None else m_from_mm(measures.length)
+        self.robot, self.rows, self.limits = robot, rows, limits
+        self.table = measure_batch(robot, rows, length)
+        self.reports: list[tuple[int, Report]]
+        if len(rows) == 1:
+            self.reports = [(0, examine(robot, rows[0], measures.speed, length))]
+        else:
+            self.reports = list(examine_path(robot, rows, measures.speed))
+        chosen = [row for row, _ in self.reports] if measures.nearest else []
+        self.nearest: dict[int, Nearest] = {row: nearest_singularity(robot, rows[row], length) for row in chosen}
+        self.judgements: dict[int, Judgement] = {}
+        self.stretches: tuple[Stretch, ...] = ()
+        if limits is not None:
+            self.judgements = {row: judge(robot, rows[row], limits) for row, _ in self.reports}
+            self.stretches = tuple(judge_path(robot, rows, limits)) if len(rows) > 1 else ()
+
+    def draw(self, path: Path) -> Path:
+        from chainbuild.analysis.names import NEAR
+        from chainbuild.out.picture import measure_picture, write_picture
+
+        return write_picture(path, measure_picture(self.table.smallest, self.robot.chain.title, NEAR))
+
+    def data(self) -> dict[str, Any]:
+        return {
+            "task": self.robot.task,
+            "length_mm": mm_from_m(self.reports[0][1].measures.length) if self.reports else None,
+            "thresholds": asdict(self.limits) if self.limits else None,
+            "smallest": [float(value) for value in self.table.smallest],
+            "manipulability": [float(value) for value in self.table.manipulability],
+            "condition": [_finite(value) for value in self.table.condition],
+            "rows": [self._row(row, report) for row, report in self.reports],
+            "stretches": [asdict(stretch) for stretch in self.stretches],
+        }
+
+    def _row(self, row: int, report: Report) -> dict[str, Any]:
+        speed, nearest = report.speed, self.nearest.get(row)
+        names = [axis.name for axis in self.robot.axes]
+        return {
+            "row": row,
+            "axes": dict(zip(names, report.axes.tolist(), strict=True)),
+            "singular_values": report.measures.singular_values.tolist(),
+            "lost": report.measures.lost.tolist(),
+            "runaway": dict(zip(names, report.measures.runaway.tolist(), strict=True)),
+            "names": [asdict(found) for found in report.names],
+            "notices": [asdict(found) for found in report.notices],
+            "speeds": {one.axis.name: _finite(one.needed) for one in speed.axes},
+            "possible_speed": speed.possible,
+            "alarm": speed.alarm,
+            "judgement": asdict(self.judgements[row]) if row in self.judgements else None,
+            "nearest": None if nearest is None else _nearest_data(nearest, names),
+        }
+
+    def print_position(self) -> None:
+        out, report = console(), self.reports[0][1]
+        measures = report.measures
+        values = ", ".join(f"{value:.4g}" for value in measures.singular_values)
+        shown = table("Measures", "Measure", "Value")
+        shown.add_row("singular values, scaled", values)
+        shown.add_row("smallest", f"{measures.smallest:.6g}")
+        shown.add_row("manipulability", f"{measures.manipulability:.4g}")
+        shown.add_row("condition", f"{measures.condition:.4g}")
+        shown.add_row("characteristic length", f"{mm_from_m(measures.length):.6g} mm")
+        judgement = self.judgements.get(0)
+        if judgement is not None and self.limits is not None:
+            shown.add_row("for the control", f"{judgement.level} ({_thresholds(self.limits)})")
+        out.print(shown)
+        self._print_speeds(report)
+        for found in (*report.names, *report.notices):
+            _print_singularity(found)
+        if not report.names:
+            print("no singularity near")
+        if 0 in self.nearest:
+            _print_nearest(self.nearest[0], self.robot)
+
+    def _print_speeds(self, report: Report) -> None:
+        shown = table(
+            f"Axis speeds at {report.speed.tool_speed:g} mm/s of the tool, worst direction", "Axis", "Needs", "Can"
+        )
+        for row in report.speed.axes:
+            unit = "deg/s" if row.axis.unit == "deg" else "mm/s"
+            needed = "∞" if math.isinf(row.needed) else f"{row.needed:.4g} {unit}"
+            shown.add_row(row.axis.name, needed, f"{number(row.limit)} {unit}" if row.limit is not None else "–")
+        console().print(shown)
+        if report.speed.alarm:
+            print(f"an axis would be too quick: alarm {report.speed.alarm} in JOG")
+
+    def print_path(self) -> None:
+        shown = table("Close to singularities", "Row", "Smallest", "Kind", "What")
+        for row, report in self.reports:
+            for found in (*report.names, *report.notices):
+                shown.add_row(str(row + 1), f"{self.table.smallest[row]:.3g}", _kind(found), found.sentence)
+        console().print(shown)
+        for stretch in self.stretches:
+            alarm = f": alarm {stretch.alarm}" if stretch.alarm else ""
+            print(f"rows {stretch.first + 1} … {stretch.last + 1}: {stretch.level}, {stretch.length_mm:.1f} mm{alarm}")
+        for row, nearest in self.nearest.items():
+            print(f"row {row + 1}: ", end="")
+            _print_nearest(nearest, self.robot)
+        print(f"{len(self.rows)} rows, the smallest singular value is {float(self.table.smallest.min()):.4g}")
+
+
+def _kind(found: Singularity) -> str:
+    return f"{found.kind} ({found.alias})" if found.alias else found.kind.replace("_", " ")
+
+
+def _print_singularity(found: Singularity) -> None:
+    print(f"{_kind(found)}: {found.sentence}")
+    if found.remark:
+        print(f"  {found.remark}")
+
+
+def _print_nearest(nearest: Nearest, robot: Robot) -> None:
+    if not nearest.found:
+        print("no singularity found by the descent from here")
+        return
+    moves = [
+        f"{axis.name} {change:+.4g}{'°' if axis.unit == 'deg' else ' mm'}"
+        for axis, change in zip(robot.axes, nearest.change.tolist(), strict=True)
+        if abs(change) > 5e-4
+    ]
+    place = "" if nearest.inside else " (outside the limits)"
+    print(f"nearest singularity at {nearest.distance:.4g} rad{place}: {', '.join(moves) or 'here'}")
+
+
+def _thresholds(limits: Thresholds) -> str:
+    text = f"SD41670 {limits.threshold:g}, SD41671 {limits.clearance:g}, ITERLIMIT {limits.iter_limit_deg:g}°"
+    return text if limits.given else f"{text}: recommended, not in the file"
+
+
+def _nearest_data(nearest: Nearest, names: list[str]) -> dict[str, Any]:
+    return {
+        "found": nearest.found,
+        "axes": dict(zip(names, nearest.axes.tolist(), strict=True)),
+        "change": dict(zip(names, nearest.change.tolist(), strict=True)),
+        "distance": nearest.distance,
+        "smallest": nearest.smallest,
+        "inside": nearest.inside,
+    }
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,149 @@
+"""`chainbuild workspace`: maps of the workspace and of singularities."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from chainbuild.cli.axisvalues import At, values_of
+from chainbuild.cli.progress import counted
+from chainbuild.cli.show import console, note, print_json, table
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, Output, UsageError
+
+if TYPE_CHECKING:
+    from chainbuild.analysis.maps import Map
+    from chainbuild.analysis.mapspec import MapSpec
+    from chainbuild.robot.robot import Robot
+
+Section = Literal["rz", "xz", "xy", "yz", "volume"]
+
+
+@Parameter(name="*", group="Map")
+@dataclass(frozen=True, slots=True)
+class MapOptions:
+    """What the map shows.
+
+    Attributes:
+        section: rz: distance from the z axis and height; xz, xy, yz: a slab through the origin; volume: all of space.
+        over: Axis across and axis up: a map over two axes in place of a section; give it twice.
+        at: Values of the other axes for a map over two axes, all axes separated by commas.
+        cells: Cells along each side.
+        samples: Positions drawn evenly from the axis limits.
+        seed: Seed of the positions.
+        collisions: Leave out positions at which the robot collides with itself.
+        workers: Processes. Without it: one for each core.
+    """
+
+    section: Section = "rz"
+    over: Annotated[tuple[str, ...], Parameter(negative="", show_default=False)] = ()
+    at: At = ()
+    cells: int = 200
+    samples: int = 1_000_000
+    seed: int = 0
+    collisions: Annotated[bool, Parameter(negative="")] = False
+    workers: int | None = None
+
+    def spec(self, robot: Robot) -> MapSpec:
+        """Return the specification of the map."""
+        from chainbuild.analysis.mapspec import MapSpec
+
+        if self.at and not self.over:
+            raise UsageError("--at goes with --over")
+        at = tuple(values_of(robot, self.at[-1]).tolist()) if self.at else ()
+        kind = "axes" if self.over else self.section
+        return MapSpec(kind, self.over, at, self.cells, self.samples, self.seed, self.collisions)
+
+
+DEFAULT_MAP = MapOptions()
+
+
+def workspace(
+    file: str,
+    /,
+    *,
+    output_file: Output = None,
+    picture: Path | None = None,
+    json: Json = False,
+    chart: MapOptions = DEFAULT_MAP,
+    options: MachineOptions = DEFAULT_OPTIONS,
+) -> int:
+    """Map where the tool reaches, and how close to singularities it is there.
+
+    Each cell holds the largest of the smallest scaled singular values found in it. A run that was stopped goes on where
+    it was when started again with the same output.
+
+    Args:
+        file: A machine file, or the name of a shipped machine.
+        output_file: NPZ file to keep the map in.
+        picture: SVG file to write.
+        json: Print JSON.
+        chart: What the map shows.
+        options: Which kinematic.
+    """
+    from chainbuild.analysis.maps import PART, make_map
+
+    robot = options.robot(file)
+    spec = chart.spec(robot)
+    if chart.workers is not None and chart.workers < 1:
+        raise UsageError("--workers: at least 1")
+    total = spec.cells**2 if spec.kind == "axes" else spec.samples
+    with counted("map", -(-total // PART)) as done:
+        found = make_map(robot, spec, output_file, chart.workers, lambda count, _: done(count))
+    if output_file:
+        note(f"wrote {output_file}")
+    if picture:
+        from chainbuild.out.picture import map_picture, write_picture
+
+        note(f"wrote {write_picture(picture, map_picture(found, robot.chain.title))}")
+    _print(found, json)
+    return 0
+
+
+def _print(found: Map, as_json: bool) -> None:
+    import numpy as np
+
+    from chainbuild.analysis.names import NEAR
+
+    values = found.smallest[np.isfinite(found.smallest)]
+    extents = [(float(edge[0]), float(edge[-1])) for edge in _hit_edges(found)]
+    data: dict[str, Any] = {
+        "spec": found.spec.data(),
+        "directions": [
+            {"name": label, "from": low, "to": high}
+            for label, (low, high) in zip(found.grid.labels, extents, strict=True)
+        ],
+        "cells": int(found.count.size),
+        "reached": int((found.count > 0).sum()),
+        "positions": int(found.count.sum()),
+        "collided": found.collided,
+        "singular_cells": int((values <= NEAR).sum()),
+        "best": float(values.max()) if values.size else None,
+    }
+    if as_json:
+        print_json(data)
+        return
+    shown = table(f"Map ({found.spec.kind})", "What", "Value")
+    for entry in data["directions"]:
+        shown.add_row(entry["name"], f"{entry['from']:.4g} … {entry['to']:.4g}")
+    shown.add_row("cells reached", f"{data['reached']} of {data['cells']}")
+    shown.add_row("positions", str(data["positions"]))
+    if found.spec.collisions:
+        shown.add_row("left out for self-collision", str(found.collided))
+    shown.add_row(f"cells nowhere above {NEAR}", str(data["singular_cells"]))
+    shown.add_row("largest smallest singular value", "–" if data["best"] is None else f"{data['best']:.4g}")
+    console().print(shown)
+
+
+def _hit_edges(found: Map) -> list[Any]:
+    """Return for each direction the borders of the cells that were hit."""
+    import numpy as np
+
+    edges = []
+    for n, edge in enumerate(found.grid.edges):
+        others = tuple(m for m in range(found.count.ndim) if m != n)
+        hit = np.flatnonzero((found.count > 0).any(axis=others))
+        edges.append(edge[hit[0] : hit[-1] + 2] if hit.size else edge)
+    return edges

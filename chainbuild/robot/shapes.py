@@ -1,0 +1,125 @@
+"""From bodies and overlay shapes to coal geometry: capsules where the rule draws cylinders."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any, Literal
+
+import coal
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild import frames
+from chainbuild.chain.bodies import Body, detail_bodies, link_bodies
+from chainbuild.chain.elements import Chain, Matrix, Vector
+from chainbuild.chain.geometry import Shape
+from chainbuild.chain.rods import LEVEL_LINKS
+from chainbuild.errors import FileAccessError, Span
+
+# Details of a drawing that are solid and no part of a link's own body.
+_SOLID = ("lever", "tool", "table")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solid:
+    """One body for collision.
+
+    Attributes:
+        name: Unique name: the link's, with a number where it has several.
+        link: Link that carries it.
+        kind: "capsule", "sphere", "box", "cylinder", "hull" or "mesh".
+        T_link_solid: (4, 4) placement [m].
+        reach: Radius [m] of a ball about the link's origin that holds it.
+        size: Capsule and cylinder: (radius, length of the axis); sphere: (radius,); box: edges; else empty [m].
+        geometry: Coal's geometry.
+    """
+
+    name: str
+    link: str
+    kind: Literal["capsule", "sphere", "box", "cylinder", "hull", "mesh"]
+    T_link_solid: Matrix
+    reach: float
+    size: tuple[float, ...]
+    geometry: Any
+
+
+def solids_of(chain: Chain) -> tuple[Solid, ...]:
+    """Return the bodies of a chain: those of the overlay, else capsules, spheres and boxes as they are drawn.
+
+    Raises:
+        FileAccessError: a mesh cannot be read.
+    """
+    shapes = chain.geometry.shapes
+    found: list[Solid] = []
+    for body in (*link_bodies(chain), *detail_bodies(chain)):
+        # A level link stands for an angle and has no body.
+        if body.link in shapes or body.link in LEVEL_LINKS or (body.part != "link" and body.part not in _SOLID):
+            continue
+        found.append(_drawn(body))
+    for link, own in shapes.items():
+        found.extend(_given(link, shape) for shape in own)
+    return tuple(_numbered(found))
+
+
+def _numbered(solids: list[Solid]) -> list[Solid]:
+    counts: dict[str, int] = {}
+    named = []
+    for solid in solids:
+        count = counts[solid.link] = counts.get(solid.link, 0) + 1
+        named.append(solid if count == 1 else replace(solid, name=f"{solid.link}.{count}"))
+    return named
+
+
+def _drawn(body: Body) -> Solid:
+    if body.kind == "cylinder" and body.part != "table":
+        radius, length = body.dimensions
+        return _solid(body.link, "capsule", body.T_link_body, (radius, length), coal.Capsule(radius, length))
+    if body.kind == "cylinder":
+        radius, length = body.dimensions
+        return _solid(body.link, "cylinder", body.T_link_body, (radius, length), coal.Cylinder(radius, length))
+    if body.kind == "sphere":
+        return _solid(body.link, "sphere", body.T_link_body, body.dimensions, coal.Sphere(body.dimensions[0]))
+    return _solid(body.link, "box", body.T_link_body, body.dimensions, coal.Box(*body.dimensions))
+
+
+def _given(link: str, shape: Shape) -> Solid:
+    if shape.kind == "sphere":
+        T = frames.shift(*shape.points)
+        return _solid(link, "sphere", T, (shape.radius,), coal.Sphere(shape.radius))
+    if shape.kind in ("capsule", "cylinder"):
+        start, end = np.array(shape.points[:3]), np.array(shape.points[3:])
+        length = float(np.linalg.norm(end - start))
+        make = coal.Capsule if shape.kind == "capsule" else coal.Cylinder
+        T = _along(end - start, (start + end) / 2)
+        return _solid(link, shape.kind, T, (shape.radius, length), make(shape.radius, length))
+    T = frames.f_frame(shape.place[:3], shape.place[3:])
+    if shape.kind == "box":
+        return _solid(link, "box", T, shape.size, coal.Box(*shape.size))
+    return _solid(link, shape.kind, T, (), _mesh(str(shape.file), shape.scale, shape.kind == "hull"))
+
+
+@cache
+def _mesh(file: str, scale: float, hull: bool) -> Any:
+    try:
+        mesh = coal.MeshLoader().load(file, np.full(3, scale))
+    except ValueError:
+        raise FileAccessError("the mesh cannot be read", span=Span(file)) from None
+    if not hull:
+        return mesh
+    mesh.buildConvexHull(True, "Qt")
+    return mesh.convex
+
+
+def _solid(link: str, kind: Any, T: Matrix, size: tuple[float, ...], geometry: Any) -> Solid:
+    geometry.computeLocalAABB()
+    centre = T[:3, :3] @ np.asarray(geometry.aabb_center) + T[:3, 3]
+    reach = float(np.linalg.norm(centre)) + float(geometry.aabb_radius)
+    return Solid(link, link, kind, T, reach, tuple(size), geometry)
+
+
+def _along(direction: Vector, centre: NDArray[np.float64]) -> Matrix:
+    """Return a frame whose z points along a direction other than zero, with its origin at `centre`."""
+    z = frames.unit(direction)
+    x = frames.unit(np.cross(np.eye(3)[int(np.argmin(np.abs(z)))], z))
+    return frames.transform(np.column_stack([x, np.cross(z, x), z]), centre)

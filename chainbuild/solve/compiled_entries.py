@@ -1,0 +1,98 @@
+"""Entry points of the compiled path, kept on disk.
+
+numba compiles an entry point at its first call and keeps the machine code beside this file (or in the user's cache
+folder), so that only the first call after an installation takes long. It tells stale code by this file and by the
+variables an entry point closes over, not by the files of the functions it calls: hence the fingerprint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+from zlib import crc32
+
+import numba
+import numpy as np
+
+from chainbuild.solve import compiled_kernels, compiled_search, rules
+from chainbuild.solve.compiled_kernels import FAST, unpack, work_of
+from chainbuild.solve.compiled_search import is_rigid, search, track
+
+_SOURCES: Final = (compiled_kernels.__file__, compiled_search.__file__, rules.__file__)
+_FINGERPRINT: Final = crc32(b"".join(Path(source).read_bytes() for source in _SOURCES))
+
+
+def _search_one(fingerprint: int) -> Callable[..., Any]:
+    @numba.njit(cache=True, **FAST)
+    def search_one(data, sizes, target, points, has_start, accuracy, restarts, answer):
+        """Check the target, then search; see `compiled_search.search`.
+
+        Args:
+            data: The problem in one array.
+            sizes: Its sizes, see `unpack`.
+            target: (4, 4) tool in the workpiece frame.
+            points: (2, n) start, and where whole turns shall end near to.
+            has_start: Whether the start counts.
+            accuracy: (4,) squared error, distance, angle, and how far the rotation may be from one.
+            restarts: Starts after the first.
+            answer: (2, n) out: the answer or the nearest, and a point outside the limits.
+        """
+        if fingerprint < 0 or not is_rigid(target, accuracy[3]):
+            return rules.NOT_RIGID, 0, 0, np.inf, np.inf
+        problem = unpack(data, sizes)
+        return search(
+            problem, work_of(sizes[1]), target, points[0], has_start, points[1], accuracy, restarts, answer[0], answer[1]
+        )
+
+    return search_one
+
+
+def _search_many(fingerprint: int) -> Callable[..., Any]:
+    @numba.njit(cache=True, parallel=True, **FAST)
+    def search_many(data, sizes, targets, starts, has_start, wanted, accuracy, restarts, y, counts, errors):
+        """Search for many targets on all cores.
+
+        Args:
+            data: The problem in one array.
+            sizes: Its sizes, see `unpack`.
+            targets: (N, 4, 4).
+            starts: (N, n) or (1, n) for all.
+            has_start: Whether the starts count.
+            wanted: (n,) where whole turns shall end near to without a start.
+            accuracy: (4,) see `search_one`.
+            restarts: Starts after the first.
+            y: (N, n) out: the answers or the nearest.
+            counts: (N, 3) out: outcome, steps, starts after the first.
+            errors: (N, 2) out: distance and angle left.
+        """
+        for i in numba.prange(len(targets)):
+            counts[i, 0] = rules.NOT_RIGID + 0 * fingerprint
+            if is_rigid(targets[i], accuracy[3]):
+                problem = unpack(data, sizes)
+                start = starts[i if len(starts) > 1 else 0]
+                near_to = start if has_start else wanted
+                outside = np.empty(sizes[1])
+                work = work_of(sizes[1])
+                ended = search(
+                    problem, work, targets[i], start, has_start, near_to, accuracy, restarts, y[i], outside
+                )
+                counts[i, 0], counts[i, 1], counts[i, 2], errors[i, 0], errors[i, 1] = ended
+
+    return search_many
+
+
+def _track_many(fingerprint: int) -> Callable[..., Any]:
+    @numba.njit(cache=True, **FAST)
+    def track_many(data, sizes, targets, first, accuracy, most, y, counts, errors):
+        """Follow a path; see `compiled_search.track`."""
+        if fingerprint < 0:
+            return first
+        return track(unpack(data, sizes), work_of(sizes[1]), targets, first, accuracy, most, y, counts, errors)
+
+    return track_many
+
+
+search_one: Final = _search_one(_FINGERPRINT)
+search_many: Final = _search_many(_FINGERPRINT)
+track_many: Final = _track_many(_FINGERPRINT)

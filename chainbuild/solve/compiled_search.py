@@ -1,0 +1,333 @@
+"""The damped search as compiled code, second part: limits, descent, restarts, many poses.
+
+See `plain.py` for the same search step by step on Pinocchio.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numba
+import numpy as np
+
+from chainbuild.solve import rules
+from chainbuild.solve.compiled_kernels import FAST, damped_step, pose_and_jacobian, tool_error, weigh
+
+_TURN: Final = 2.0 * math.pi
+_OK: Final = rules.OK
+_LIMITS: Final = rules.LIMITS
+_STALLED: Final = rules.STALLED
+_UNREACHABLE: Final = rules.UNREACHABLE
+_SLACK: Final = rules.INSIDE_SLACK
+
+
+@numba.njit(**FAST)
+def turned_inside(problem, n, value):
+    """Return the value moved by whole turns to the nearest place inside the limits, or as it is where there is none."""
+    lower, upper = problem.lower[n], problem.upper[n]
+    if problem.periodic[n] == 0.0 or (lower <= value <= upper):
+        return value
+    gap = lower - value if value < lower else upper - value
+    moved = value + math.copysign(math.ceil(abs(gap) / _TURN) * _TURN, gap)
+    return moved if lower <= moved <= upper else value
+
+
+@numba.njit(**FAST)
+def turn_inside(problem, y):
+    """Move what is outside its limits by whole turns where that helps; return whether anything was outside."""
+    outside = False
+    for n in range(len(y)):
+        if not problem.lower[n] <= y[n] <= problem.upper[n]:
+            y[n] = turned_inside(problem, n, y[n])
+            outside = True
+    return outside
+
+
+@numba.njit(**FAST)
+def onto_sums(problem, y):
+    """Move y the shortest way onto each coupled limit it violates, one after the other, then cut it to its limits."""
+    for c in range(len(problem.sums)):
+        value = 0.0
+        for n in range(len(y)):
+            value += problem.sums[c, n] * y[n]
+        gap = min(max(value, problem.sum_lower[c]), problem.sum_upper[c]) - value
+        if gap != 0.0:
+            for n in range(len(y)):
+                y[n] += gap * problem.sums[c, n]
+                y[n] = min(max(y[n], problem.lower[n]), problem.upper[n])
+
+
+@numba.njit(**FAST)
+def excess(problem, y):
+    """Return by how much y violates its limits, coupled ones included; 0 inside."""
+    total, lower, upper = 0.0, problem.lower, problem.upper
+    for n in range(len(y)):
+        total += max(lower[n] - y[n], y[n] - upper[n], 0.0)
+    for c in range(len(problem.sums)):
+        value = 0.0
+        for n in range(len(y)):
+            value += problem.sums[c, n] * y[n]
+        total += max(problem.sum_lower[c] - value, value - problem.sum_upper[c], 0.0)
+    return total
+
+
+@numba.njit(**FAST)
+def stop_at_limits(problem, y, work, damping):
+    """Move y by the step; axes that would leave their limits stop there and the others take over what is left."""
+    lower, upper = problem.lower, problem.upper
+    step, J, error, H, g = work.step, work.J, work.error, work.H, work.g
+    for _ in range(len(y)):
+        stopped = False
+        for n in range(len(y)):
+            value = turned_inside(problem, n, y[n] + step[n])
+            limit = min(max(value, lower[n]), upper[n])
+            if limit != value:
+                for r in range(problem.rows):
+                    error[r] -= J[r, n] * (limit - y[n])
+                    J[r, n] = 0.0
+                y[n] = limit
+                stopped = True
+        if not stopped:
+            break
+        damped_step(problem.rows, J, error, H, g, step, damping)
+    for n in range(len(y)):
+        y[n] = min(max(turned_inside(problem, n, y[n] + step[n]), lower[n]), upper[n])
+
+
+@numba.njit(**FAST)
+def descend(problem, target, y, work, inside, goal, close_enough, steps, stall_share):
+    """Iterate y from one start; return whether the pose is met, the squared error and the steps taken.
+
+    The arrays are named here once: every look into a tuple counts references, which costs more than the arithmetic.
+    """
+    fixed, prismatic, A, b, weights = problem.fixed, problem.prismatic, problem.A, problem.b, problem.weights
+    lower, upper, axis, rows, weighted = problem.lower, problem.upper, problem.axis, problem.rows, problem.weighted
+    T, J, error, H, g, step, small = work.T, work.J, work.error, work.H, work.g, work.step, work.small
+    coupled = len(problem.sums) > 0
+    mark, since, taken, before, length = np.inf, 0, 0, np.inf, 0.0
+    while True:
+        pose_and_jacobian(fixed, prismatic, A, b, y, T, J, small)
+        tool_error(T, target, axis, error, small)
+        if weighted:
+            weigh(weights, J, error)
+        squared = 0.0
+        for r in range(rows):
+            squared += error[r] * error[r]
+        taken += 1
+        if squared < goal and (before < goal or length * (squared / before) <= rules.SHARP**2):
+            return True, squared, taken
+        if squared > stall_share * mark:
+            since += 1
+        else:
+            mark, since = squared, 0
+        if since >= rules.STALL_STEPS or taken >= steps or not squared < np.inf:
+            return squared < close_enough, squared, taken
+        before, damping = squared, rules.DAMPING * squared + rules.DAMPING_FLOOR
+        damped_step(rows, J, error, H, g, step, damping)
+        length = 0.0
+        for n in range(len(y)):
+            length += step[n] * step[n]
+        leaves = False
+        for n in range(len(y)):
+            leaves |= not lower[n] <= y[n] + step[n] <= upper[n]
+        if leaves and inside:
+            stop_at_limits(problem, y, work, damping)
+        else:
+            for n in range(len(y)):
+                y[n] += step[n]
+        if coupled and inside:
+            onto_sums(problem, y)
+
+
+@numba.njit(**FAST)
+def rank_starts(features, scale, target, wanted, distances):
+    """Write the squared distance of each start's pose to the target; `wanted` (12,) is scratch."""
+    for r in range(3):
+        for c in range(4):
+            wanted[4 * r + c] = target[r, c] * scale[4 * r + c]
+    for s in range(len(distances)):
+        squared = 0.0
+        for f in range(12):
+            difference = features[f, s] - wanted[f]
+            squared += difference * difference
+        distances[s] = squared
+
+
+@numba.njit(**FAST)
+def next_start(points, distances, attempt, y):
+    """Write a start not yet taken to y: the one whose pose is nearest, later on any in turns with it."""
+    taken, nearest = attempt % len(distances), np.inf
+    if attempt < rules.NEAREST_FIRST or attempt % 2 == 0 or distances[taken] == np.inf:
+        for s in range(len(distances)):
+            if distances[s] < nearest:
+                nearest, taken = distances[s], s
+    distances[taken] = np.inf
+    for n in range(len(y)):
+        y[n] = points[taken, n]
+
+
+@numba.njit(**FAST)
+def near(problem, y, wanted):
+    """Move periodic axes by whole turns as near to `wanted` as all limits allow; return whether any moved."""
+    lower, upper, periodic, any_turned = problem.lower, problem.upper, problem.periodic, False
+    for n in range(len(y)):
+        any_turned |= periodic[n] != 0.0 and abs(wanted[n] - y[n]) > math.pi
+    if not any_turned:
+        return False
+    moved = y.copy()
+    for n in range(len(y)):
+        if periodic[n] != 0.0:
+            turns = np.round((wanted[n] - y[n]) / _TURN)
+            back = -1.0 if turns > 0.0 else 1.0
+            while turns != 0.0 and not (lower[n] <= y[n] + turns * _TURN <= upper[n]):
+                turns += back
+            moved[n] += turns * _TURN
+    if len(problem.sums) > 0 and excess(problem, moved) > _SLACK:
+        return False
+    y[:] = moved
+    return True
+
+
+@numba.njit(**FAST)
+def errors(problem, target, y, work):
+    """Return the distance [m] and the angle [rad] by which forward kinematics at y misses the target."""
+    pose_and_jacobian(problem.fixed, problem.prismatic, problem.A, problem.b, y, work.T, work.J, work.small)
+    tool_error(work.T, target, problem.shown_axis, work.error, work.small)
+    return lengths(problem.weights, work.error)
+
+
+@numba.njit(**FAST)
+def lengths(weights, error):
+    """Return distance and angle of an error (6,) without weights; shifts of weight 0 do not count."""
+    distance, angle = 0.0, 0.0
+    for r in range(3):
+        if weights[r] > 0.0:
+            distance += error[r] * error[r]
+        angle += error[3 + r] * error[3 + r]
+    return math.sqrt(distance), math.sqrt(angle)
+
+
+@numba.njit(**FAST)
+def is_rigid(T, tolerance):
+    """Return whether T (4, 4) has a right-handed rotation and finite numbers."""
+    for i in range(3):
+        for j in range(i + 1):
+            product = T[0, i] * T[0, j] + T[1, i] * T[1, j] + T[2, i] * T[2, j]
+            if not abs(product - (1.0 if i == j else 0.0)) < tolerance:
+                return False
+        if not abs(T[i, 3]) < np.inf:
+            return False
+    normal = T[0, 2] * (T[1, 0] * T[2, 1] - T[2, 0] * T[1, 1])
+    normal += T[1, 2] * (T[2, 0] * T[0, 1] - T[0, 0] * T[2, 1])
+    normal += T[2, 2] * (T[0, 0] * T[1, 1] - T[1, 0] * T[0, 1])
+    return normal > 0.0 and T[3, 0] == 0.0 and T[3, 1] == 0.0 and T[3, 2] == 0.0 and T[3, 3] == 1.0
+
+
+@numba.njit(**FAST)
+def search(problem, work, target, start, has_start, wanted, accuracy, restarts, y, outside):
+    """Search from the start, then from the table.
+
+    Args:
+        problem: Arrays.
+        work: Scratch.
+        target: (4, 4) tool in the workpiece frame.
+        start: (n,) first point where `has_start`.
+        has_start: Whether there is one.
+        wanted: (n,) where whole turns shall end near to.
+        accuracy: (3,) squared error at which an iteration ends, permitted distance and angle.
+        restarts: Starts after the first.
+        y: (n,) out: the answer, or the nearest found inside the limits.
+        outside: (n,) out: with outcome LIMITS a point that meets the pose and violates them least.
+
+    Returns:
+        Outcome, steps over all starts, starts after the first, distance and angle left at y.
+    """
+    distances = np.empty(len(problem.points))
+    rank_starts(problem.features, problem.scale, target, work.features, distances)
+    close_enough = min(accuracy[1], accuracy[2]) ** 2
+    nearest, least, iterations = np.inf, np.inf, 0
+    best = wanted.copy()
+    for attempt in range(restarts + 1):
+        if attempt == 0 and has_start:
+            y[:] = start
+        else:
+            next_start(problem.points, distances, attempt, y)
+        inside = attempt % rules.FREE_EVERY != rules.FREE_EVERY - 1
+        met, squared, taken = descend(
+            problem, target, y, work, inside, accuracy[0], close_enough, rules.MAX_STEPS, rules.STALL_SHARE
+        )
+        iterations += taken
+        if met:
+            turned = turn_inside(problem, y)
+            beyond = excess(problem, y)
+            if beyond <= _SLACK:
+                # The last step of the descent was forward kinematics at y; only what moved since is looked at again.
+                if near(problem, y, wanted) or turned or problem.weighted or problem.axis != problem.shown_axis:
+                    distance, angle = errors(problem, target, y, work)
+                else:
+                    distance, angle = lengths(problem.weights, work.error)
+                if distance <= accuracy[1] and (angle <= accuracy[2] or not turns_count(problem)):
+                    return _OK, iterations, attempt, distance, angle
+            if beyond < least:
+                least = beyond
+                outside[:] = y
+        elif inside and squared < nearest:
+            nearest = squared
+            best[:] = y
+        if least == np.inf and attempt + 1 >= rules.HOPELESS:
+            break
+    y[:] = best
+    _, nearest, taken = descend(problem, target, y, work, True, accuracy[0], close_enough, rules.POLISH_STEPS, 1.0)
+    distance, angle = errors(problem, target, y, work)
+    outcome = _STALLED if nearest < rules.CLOSE**2 else _UNREACHABLE
+    return (_LIMITS if least < np.inf else outcome), iterations + taken, attempt, distance, angle
+
+
+@numba.njit(**FAST)
+def turns_count(problem):
+    """Return whether the task asks for any turn."""
+    return problem.weights[3] + problem.weights[4] + problem.weights[5] > 0.0
+
+
+@numba.njit(**FAST)
+def track(problem, work, targets, first, accuracy, most, y, counts, errors_):
+    """Follow a path from its pose `first` on, each pose from the last, as long as it stays easy.
+
+    Args:
+        problem: Arrays.
+        work: Scratch.
+        targets: (N, 4, 4) poses.
+        first: Index of the first pose to solve; the row before it is the start.
+        accuracy: (3,) see `search`.
+        most: Largest step of an axis that is taken without looking for a nearer branch.
+        y: (N, n) answers; rows from `first` on are written.
+        counts: (N, 3) out: outcome, steps, starts after the first.
+        errors_: (N, 2) out: distance and angle left.
+
+    Returns:
+        The index of the first pose that was not met within `most`, or N.
+    """
+    close_enough = min(accuracy[1], accuracy[2]) ** 2
+    for i in range(first, len(targets)):
+        now, last = y[i], y[i - 1]
+        now[:] = last
+        if i - 2 >= first:
+            for n in range(len(now)):
+                guess = 2.0 * last[n] - y[i - 2, n]
+                now[n] = min(max(guess, problem.lower[n]), problem.upper[n])
+        met, _, taken = descend(
+            problem, targets[i], now, work, True, accuracy[0], close_enough, rules.MAX_STEPS, rules.STALL_SHARE
+        )
+        if not met or excess(problem, now) > _SLACK:
+            return i
+        largest = 0.0
+        for n in range(len(now)):
+            largest = max(largest, abs(now[n] - last[n]))
+        if largest > most:
+            return i
+        errors_[i, 0], errors_[i, 1] = errors(problem, targets[i], now, work)
+        if not (errors_[i, 0] <= accuracy[1] and (errors_[i, 1] <= accuracy[2] or not turns_count(problem))):
+            return i
+        counts[i, 0], counts[i, 1], counts[i, 2] = _OK, taken, 0
+    return len(targets)

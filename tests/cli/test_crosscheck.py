@@ -1,0 +1,186 @@
+"""`chainbuild crosscheck`: solvers by name, functions, recordings; text, JSON, HTML; exit codes."""
+
+from __future__ import annotations
+
+import json
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import chainbuild
+from chainbuild.solve.samples import make_samples
+from chainbuild.tables import PoseWriter
+from tests.cli.conftest import REFERENCE, Run
+
+ARM = "kr6r900_2"
+TABLE = REFERENCE / "kin58_trt_2.lis"
+
+
+def record(path: Path, there: chainbuild.Chain, shown: chainbuild.Chain, columns: tuple[str, ...]) -> None:
+    """Write what a controller with one model would show, read by a machine with another."""
+    robot = there.build()
+    rows = make_samples(shown.build(), 30, ("random",)).axes
+    lines = [",".join((*(axis.name for axis in shown.axes), *columns))]
+    with (path.parent / "poses.csv").open("w", encoding="utf-8") as stream:
+        writer = PoseWriter(stream, shown.angle_mode)
+        for row in rows:
+            writer.write(robot.fk(row).homogeneous)
+    header, *written = (path.parent / "poses.csv").read_text("utf-8").splitlines()
+    places = [header.split(",").index(column) for column in columns]
+    for row, line in zip(rows, written, strict=True):
+        lines.append(",".join((*map(repr, row.tolist()), *(line.split(",")[n] for n in places))))
+    path.write_text("\n".join(lines) + "\n", "utf-8")
+
+
+POSITION = ("x_mm", "y_mm", "z_mm")
+ANGLES = ("a_deg", "b_deg", "c_deg")
+VECTOR = ("tool_x", "tool_y", "tool_z")
+
+
+@pytest.mark.parametrize(
+    "columns", [POSITION, POSITION + ANGLES, POSITION + VECTOR, (*POSITION, "qx", "qy", "qz", "qw")]
+)
+def test_a_recording_that_agrees(run: Run, columns: tuple[str, ...]) -> None:
+    chain = chainbuild.load(ARM).chain()
+    record(Path("recorded.csv"), chain, chain, columns)
+    outcome = run("crosscheck", ARM, "--recording", "recorded.csv")
+    assert outcome.code == 0
+    assert "30 of 30 poses agree within 0.01 mm" in outcome.out
+    assert outcome.out.endswith("Result: agrees\n")
+
+
+def test_a_recording_that_decides_a_convention(run: Run) -> None:
+    machine = chainbuild.load(TABLE)
+    record(
+        Path("r.csv"),
+        machine.chain(conventions={"table_rotary_sense": "left_handed"}),
+        machine.chain(),
+        POSITION + VECTOR,
+    )
+    outcome = run("crosscheck", TABLE, "--recording", "r.csv")
+    assert outcome.code == 3
+    assert "Conventions that would make it agree:" in outcome.out
+    assert "table_rotary_sense=left_handed" in outcome.out
+    data = json.loads(run("crosscheck", TABLE, "--recording", "r.csv", "--json").out)
+    assert data["agrees"] is False
+    assert {"table_rotary_sense": "left_handed"} in [trial["choices"] for trial in data["trials"] if trial["agrees"]]
+    chosen = run("crosscheck", TABLE, "--recording", "r.csv", "--convention", "table_rotary_sense=left_handed")
+    assert chosen.code == 0
+
+
+def test_a_tool_length_is_named(run: Run) -> None:
+    machine = chainbuild.load(TABLE)
+    record(Path("r.csv"), machine.chain(tool_length_mm=37.5), machine.chain(), POSITION + ANGLES)
+    outcome = run("crosscheck", TABLE, "--recording", "r.csv")
+    assert outcome.code == 3
+    # On a table machine the zero of Z cannot be told from the length of the tool: both are named.
+    assert "(0, 0, -37.5) mm in the tool frame" in outcome.out
+    assert "the zero of Z is off by -37.5 mm" in outcome.out
+    assert "these poses cannot tell it from" in outcome.out
+    assert run("crosscheck", TABLE, "--recording", "r.csv", "--tool-length", "37.5").code == 0
+
+
+def test_a_solver_by_name(run: Run) -> None:
+    outcome = run("crosscheck", ARM, "--solver", "opw", "--count", "45", "--samples", "singular", "--seed", "2")
+    assert outcome.code == 0
+    assert "45 of 45 poses agree" in outcome.out
+    assert "0 wrong" in outcome.out
+    assert "missing in theirs: 0; extra in theirs: 0" in outcome.out
+
+
+def test_a_function_of_the_users_folder(run: Run) -> None:
+    Path("my_solver_of_this_test.py").write_text(
+        "import numpy as np\n"
+        "import chainbuild\n"
+        f"robot = chainbuild.load({ARM!r}).chain().build()\n"
+        "def fk(axes):\n"
+        "    return robot.fk(axes * np.array([1, 1, 1, -1, 1, 1])).homogeneous\n"
+        "def ik(T):\n"
+        "    return [branch.axes for branch in robot.ik_all(T)]\n",
+        "utf-8",
+    )
+    outcome = run("crosscheck", ARM, "--solver", "my_solver_of_this_test:fk", "--count", "30")
+    assert outcome.code == 3
+    assert "Structure: flipped axis: A1 counted in the opposite direction" in outcome.out
+    assert run("crosscheck", ARM, "--solver", "my_solver_of_this_test:ik", "--count", "30").code == 0
+    assert run("crosscheck", ARM, "--solver", "my_solver_of_this_test:nothing").code == 1
+
+
+class _Page(HTMLParser):
+    """Counts the elements of a page and collects its text."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.counts: dict[str, int] = {}
+        self.text = ""
+        self.links: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.counts[tag] = self.counts.get(tag, 0) + 1
+        self.links += [value or "" for name, value in attrs if name in ("src", "href")]
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+def test_the_page_stands_alone(run: Run) -> None:
+    machine = chainbuild.load(TABLE)
+    record(Path("r.csv"), machine.chain(tool_length_mm=37.5), machine.chain(), POSITION + ANGLES)
+    outcome = run("crosscheck", TABLE, "--recording", "r.csv", "--html", "page.html")
+    assert outcome.code == 3
+    assert "wrote page.html" in outcome.err
+    page = _Page()
+    page.feed(Path("page.html").read_text("utf-8"))
+    assert page.links == []
+    assert page.counts["svg"] == 2 * (1 + 5)  # position and rotation: a histogram, and a plot an axis
+    assert page.counts["circle"] == 2 * 5 * 30
+    assert "offset on the tool side" in page.text
+    assert "Largest errors" in page.text
+
+
+def test_json_holds_every_row(run: Run) -> None:
+    data = json.loads(run("crosscheck", ARM, "--solver", "eaik", "--count", "30", "--json").out)
+    assert data["agrees"] is True
+    rows = data["forward"]["rows"]
+    assert len(rows) == data["forward"]["poses"]
+    assert len(rows[0]["axes"]) == 6
+    assert max(row["position_error_mm"] for row in rows) < 1e-9
+    assert data["inverse"]["missing"] == 0
+    assert np.isfinite(data["inverse"]["worst_position_error_mm"])
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "text"),
+    [
+        ((), 2, "either --solver or --recording"),
+        (("--solver", "opw", "--recording", "x.csv"), 2, "either --solver or --recording"),
+        (("--solver", "best"), 1, "there is no solver 'best'"),
+        (("--recording", "absent.csv"), 1, "absent.csv"),
+        (("--solver", "opw", "--position-tolerance", "0"), 1, "tolerance"),
+        (("--solver", "opw", "--samples", "all"), 2, "all"),
+        (("--solver", "opw", "--count", "0"), 1, "no samples"),
+    ],
+)
+def test_bad_requests(run: Run, words: tuple[str, ...], code: int, text: str) -> None:
+    outcome = run("crosscheck", ARM, *words)
+    assert outcome.code == code
+    assert text in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("content", "text"),
+    [
+        ("C1,B1,B2,A1,B3,A2,x_mm,y_mm,z_mm\n", "the recording has no row"),
+        ("C1,B1,B2,A1,B3,x_mm,y_mm,z_mm\n1,2,3,4,5,6,7,8\n", "missing column A2"),
+        ("C1,B1,B2,A1,B3,A2,x_mm,y_mm\n1,2,3,4,5,6,7,8\n", "missing column z_mm"),
+        ("C1,B1,B2,A1,B3,A2,x_mm,y_mm,z_mm,tool_x,tool_y,tool_z\n1,2,3,4,5,6,7,8,9,0,0,0\n", "is zero"),
+        ("C1,B1,B2,A1,B3,A2,x_mm,y_mm,z_mm,colour\n1,2,3,4,5,6,7,8,9,1\n", "unknown column 'colour'"),
+    ],
+)
+def test_bad_recordings(run: Run, content: str, text: str) -> None:
+    Path("bad.csv").write_text(content, "utf-8")
+    outcome = run("crosscheck", ARM, "--recording", "bad.csv")
+    assert outcome.code == 1
+    assert text in outcome.err
