@@ -43,6 +43,9 @@ ASSUMED_LINEAR_LIMIT_MM: Final = 10_000.0
 # Larger axis values than this are taken as a mistake: the arithmetic could not keep 1e-6 mm.
 HUGE_AXIS_VALUE: Final = 1e9
 
+# A pose farther away than this [m] is taken as a mistake.
+HUGE_POSITION_M: Final = 1e6
+
 # Bounds on what is read, so that a wrong file cannot fill the memory.
 MAX_FILE_BYTES: Final = 64 * 2**20
 MAX_LINE_CHARACTERS: Final = 100_000

@@ -122,6 +122,12 @@ def test_other_axes_can_be_held_too() -> None:
         ({"A9": 1.0}, "no axis 'A9'"),
         ({"A1": float("nan")}, "axis A1 has the value nan"),
         ([1.0, 2.0], "2 held values"),
+        (5, "neither a mapping nor a sequence"),
+        ("A1", "neither a mapping nor a sequence"),
+        ({"A1": "x"}, "A1 is held at 'x'"),
+        ({"A1": 1j}, "A1 is held at 1j"),
+        ({"A1": 10**400}, "A1 has the value inf"),
+        ({"A1": [1.0]}, "A1 is held at"),
     ],
 )
 def test_bad_held_values_are_refused(held, text) -> None:

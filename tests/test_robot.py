@@ -110,8 +110,13 @@ def test_axis_values_are_in_mm_and_degrees() -> None:
         ([0.0, float("nan"), 0.0, 0.0, 0.0, 0.0], "axis A2 has the value nan"),
         ([0.0, 0.0, float("inf"), 0.0, 0.0, 0.0], "axis A3 has the value inf"),
         ([0.0, 0.0, 0.0, -1e12, 0.0, 0.0], "axis A4"),
-        (["a"] * 6, "must be numbers"),
-        (None, "6 axis values|must be numbers"),
+        (["a"] * 6, "must be real numbers"),
+        (None, "6 axis values|must be real numbers"),
+        ([1j] * 6, "must be real numbers"),
+        ([10**400] * 6, "must be real numbers"),
+        (np.ma.masked_all(6), "must be real numbers"),
+        (np.array(["2026-01-01"] * 6, dtype="datetime64[D]"), "must be real numbers"),
+        ({}, "6 axis values|must be real numbers"),
     ],
 )
 def test_bad_axis_values_are_one_error(axes, text) -> None:
@@ -121,7 +126,9 @@ def test_bad_axis_values_are_one_error(axes, text) -> None:
             call(axes)
 
 
-@pytest.mark.parametrize("q", [[0.0] * 5, [0.0, 0.0, float("nan"), 0.0, 0.0, 0.0]])
+@pytest.mark.parametrize(
+    "q", [[0.0] * 5, [0.0, 0.0, float("nan"), 0.0, 0.0, 0.0], "x", ["a"] * 6, {}, None, [[1], [2, 3]]]
+)
 def test_bad_joint_values_are_one_error(q) -> None:
     with pytest.raises(AxisValueError, match="6 finite joint values"):
         arm().axes_from_q(q)
@@ -133,6 +140,9 @@ def test_bad_joint_values_are_one_error(q) -> None:
         np.eye(3),
         np.diag([1.0, 1.0, -1.0, 1.0]),
         2.0 * np.eye(4),
+        np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [5, 0, 0, 1]], dtype=float),
+        np.array([[1, 0, 0, 1e300], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], dtype=float),
+        np.ma.masked_all((4, 4)),
         np.full((4, 4), np.nan),
         "pose",
     ],

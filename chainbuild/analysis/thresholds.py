@@ -58,13 +58,13 @@ class Judgement:
         value: The quantity held against the thresholds.
         level: "singular" (SD41670), "watched" (SD41671) or "clear".
         hand_deg: How far axis 5 is from 0 or half a turn, by its mathematical angle; None where there is none.
-        wrist_limit: Whether it is below ITERLIMIT.
+        hand_limit: Whether it is below ITERLIMIT.
     """
 
     value: float
     level: Level
     hand_deg: float | None
-    wrist_limit: bool
+    hand_limit: bool
 
 
 @dataclass(frozen=True, slots=True)

@@ -73,7 +73,7 @@ def ik(
             statuses[result.status] += 1
             angle = deg_from_rad(result.rotation_error) if table.oriented else None
             axes, distance = result.axes if result.success else None, mm_from_m(result.position_error)
-            violated = () if result.success else robot.violated_limits(result.axes)
+            violated = () if result.success else result.violated or robot.violated_limits(result.axes)
             writer.write(axes, result.status, distance, angle, violated)
     failed = statuses.total() - statuses["ok"]
     if failed:

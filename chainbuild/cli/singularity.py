@@ -160,7 +160,8 @@ class _Shown:
         shown.add_row("characteristic length", f"{mm_from_m(measures.length):.6g} mm")
         judgement = self.judgements.get(0)
         if judgement is not None and self.limits is not None:
-            shown.add_row("for the control", f"{judgement.level} ({_thresholds(self.limits)})")
+            level = f"{judgement.level}{', A5 within ITERLIMIT' if judgement.hand_limit else ''}"
+            shown.add_row("for the control", f"{level} ({_thresholds(self.limits)})")
         out.print(shown)
         self._print_speeds(report)
         for found in (*report.names, *report.notices):

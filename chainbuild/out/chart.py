@@ -117,7 +117,7 @@ class Chart:
         self._text(x + 18.0, _TOP + 10.0, high)
         self._text(x + 18.0, _TOP + self.height, low)
         middle = _TOP + self.height / 2.0
-        self._text(x + 26.0, middle, title, anchor="middle", turn=f"rotate(-90 {x + 26.0} {middle:.1f})")
+        self._text(x + 46.0, middle, title, anchor="middle", turn=f"rotate(-90 {x + 46.0:.1f} {middle:.1f})")
 
     def text(self) -> str:
         """Return the SVG."""

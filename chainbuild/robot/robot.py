@@ -20,6 +20,7 @@ from chainbuild.robot.task import choose_task
 if TYPE_CHECKING:
     from chainbuild.solve.branches import Branch
     from chainbuild.solve.distribute import Distribution
+    from chainbuild.solve.options import IkOptions
     from chainbuild.solve.redundancy import Preference
     from chainbuild.solve.result import IkResult
 
@@ -71,10 +72,9 @@ class Robot:
             AxisValueError: wrong count, not numbers, NaN, inf or absurdly large.
         """
         names = ", ".join(axis.name for axis in self.axes)
-        try:
-            values = np.asarray(axes, dtype=float)
-        except (TypeError, ValueError):
-            raise AxisValueError("axis values must be numbers", permitted=names) from None
+        values = _numbers(axes)
+        if values is None:
+            raise AxisValueError("axis values must be real numbers", permitted=names)
         if values.shape != (len(self.axes),):
             raise AxisValueError(
                 f"{len(self.axes)} axis values are due, not an array of shape {values.shape}", permitted=names
@@ -103,8 +103,8 @@ class Robot:
         Raises:
             AxisValueError: wrong count or not finite.
         """
-        values = np.asarray(q, dtype=float)
-        if values.shape != (self.model.nq,) or not np.isfinite(values).all():
+        values = _numbers(q)
+        if values is None or values.shape != (self.model.nq,) or not np.isfinite(values).all():
             raise AxisValueError(f"{self.model.nq} finite joint values are due")
         return self.chain.axis_map.axes(values)
 
@@ -166,12 +166,13 @@ class Robot:
         solver: str = "auto",
         absolute_c_deg: float | None = None,
         prefer: Preference | None = None,
+        options: IkOptions | None = None,
     ) -> IkResult:
         """Find axis values that bring the tool to a pose, inside the limits and verified by forward kinematics.
 
         Args:
             T: Tool in the workpiece frame [m]: `pin.SE3` or a (4, 4) array.
-            start: Axis values (n_axes,) to start from and stay near; None: the middle of the limits.
+            start: Axis values (n_axes,) to start from and stay near; None: a configuration whose pose is near.
             held: Axis name → value to hold, or one value for each input axis (`Axis.held`) in order. Input axes
                 not named are taken from `start`, else 0.
             solver: "damped"; "analytic": a closed form; "controller": the iteration budget of the machine data;
@@ -180,6 +181,7 @@ class Robot:
                 T's orientation does not go with it.
             prefer: On robots with more axes than the pose needs: "near" the start, in the "middle" of the limits, or
                 "dexterous", away from singular positions. None: whatever the solver finds.
+            options: Tolerances, weights, restarts and seed of the damped solver.
 
         ROBX robots of four axes are programmed by position and angle C: where they cannot reach A and B of T, these
         follow.
@@ -192,25 +194,9 @@ class Robot:
             ChainbuildError: T is no rigid transform, or the robot has no such solver.
         """
         # Solvers stand above this room; they are reached from here only.
-        from chainbuild.solve.coupled import kept
-        from chainbuild.solve.dispatch import solve_by
-        from chainbuild.solve.programmed import solve_programmed
-        from chainbuild.solve.saturation import within_limits
+        from chainbuild.solve.dispatch import inverse
 
-        def solve(target: pin.SE3, begin: ArrayLike | None) -> IkResult:
-            if solver == "controller":
-                begin = start  # its budget counts from where the robot stands
-            return kept(self, solve_by(self, target, begin, held, solver), target, begin, held, solver)
-
-        target = as_pose(T)
-        found = solve_programmed(self, target, start, held, solve, absolute_c_deg)
-        if solver == "auto":
-            found = within_limits(self, found, target, start, held)
-        if prefer is None:
-            return found
-        from chainbuild.solve.redundancy import preferred
-
-        return preferred(self, found, target, prefer, start, held)
+        return inverse(self, T, start, held, solver, absolute_c_deg, prefer, options)
 
     def ik_all(
         self,
@@ -283,18 +269,31 @@ def as_pose(T: pin.SE3 | ArrayLike) -> pin.SE3:
     Raises:
         ChainbuildError: not a rigid 4×4 transform of finite numbers.
     """
-    if isinstance(T, pin.SE3):
-        matrix = T.homogeneous
-    else:
-        try:
-            matrix = np.asarray(T, dtype=float)
-        except (TypeError, ValueError):
-            raise ChainbuildError("a pose must be pin.SE3 or a 4×4 array of numbers") from None
-    rigid = matrix.shape == (4, 4) and bool(np.isfinite(matrix).all())
-    if rigid:
-        R = matrix[:3, :3]
-        off = float(np.abs(R @ R.T - np.eye(3)).max())
-        rigid = off < tolerances.ROTATION_MATRIX and float(np.linalg.det(R)) > 0.0
-    if not rigid:
-        raise ChainbuildError("a pose must be a rigid 4×4 transform: finite, with a right-handed rotation")
+    matrix = T.homogeneous if isinstance(T, pin.SE3) else _numbers(T)
+    if matrix is None:
+        raise ChainbuildError("a pose must be pin.SE3 or a 4×4 array of numbers")
+    if matrix.shape != (4, 4) or not _is_rigid(matrix):
+        raise ChainbuildError(
+            "a pose must be a rigid 4×4 transform: finite, with a right-handed rotation and the last row 0 0 0 1",
+            permitted=f"positions below {tolerances.HUGE_POSITION_M:.0e} m",
+        )
     return pin.SE3(np.ascontiguousarray(matrix))
+
+
+def _numbers(values: ArrayLike) -> Vector | None:
+    """Return real numbers as a float array, or None for anything else (masked, complex, dates, text)."""
+    if isinstance(values, np.ma.MaskedArray):
+        return None
+    try:
+        raw = np.asarray(values)
+        return raw.astype(float) if raw.dtype.kind in "biufO" else None
+    except (TypeError, ValueError, OverflowError):
+        return None
+
+
+def _is_rigid(T: Matrix) -> bool:
+    if not (np.abs(T) < tolerances.HUGE_POSITION_M).all() or not np.array_equal(T[3], (0.0, 0.0, 0.0, 1.0)):
+        return False
+    R = T[:3, :3]
+    off = float(np.abs(R @ R.T - np.eye(3)).max())
+    return off < tolerances.ROTATION_MATRIX and float(np.linalg.det(R)) > 0.0

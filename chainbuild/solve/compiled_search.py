@@ -277,6 +277,16 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
             best[:] = y
         if least == np.inf and attempt + 1 >= rules.HOPELESS:
             break
+    if has_start and least < np.inf:
+        # The branch that the start is on tells best what is in the way.
+        y[:] = start
+        met, _, taken = descend(
+            problem, target, y, work, False, accuracy[0], close_enough, rules.MAX_STEPS, rules.STALL_SHARE
+        )
+        iterations += taken
+        if met:
+            turn_inside(problem, y)
+            outside[:] = y
     y[:] = best
     _, nearest, taken = descend(problem, target, y, work, True, accuracy[0], close_enough, rules.POLISH_STEPS, 1.0)
     distance, angle = errors(problem, target, y, work)

@@ -104,4 +104,5 @@ def result_of(problem: Problem, target: Matrix, found: Found, options: IkOptions
     ok = outcome == rules.OK
     reason = "" if ok else reason_of(problem, target, found, options, find)
     axes = problem.shown(y)
-    return IkResult(ok, axes, STATUSES[outcome], distance, angle, iterations, restarts, problem.task, reason)
+    violated = problem.robot.violated_limits(problem.shown(found.outside)) if outcome == rules.LIMITS else ()
+    return IkResult(ok, axes, STATUSES[outcome], distance, angle, iterations, restarts, problem.task, reason, violated)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import pinocchio as pin
 
     from chainbuild.robot.robot import Robot
+    from chainbuild.solve.redundancy import Preference
 
 Solver = Literal["auto", "damped", "analytic", "controller"]
 SOLVERS: Final[tuple[str, ...]] = get_args(Solver)
@@ -30,8 +31,9 @@ def inverse(
     start: ArrayLike | None,
     held: Held | None,
     solver: str = "auto",
-    options: IkOptions | None = None,
     absolute_c_deg: float | None = None,
+    prefer: Preference | None = None,
+    options: IkOptions | None = None,
 ) -> IkResult:
     """Return axis values for a pose as `Robot.ik` does; see there.
 
@@ -41,21 +43,40 @@ def inverse(
     damped = None
     if solver in ("auto", "damped") and absolute_c_deg is None:
         damped = solve(robot, T, start, held, options)
-        if damped.success:
+        if damped.success and prefer is None:
             return damped
+    target = as_pose(T)
+    found = _by_all_means(robot, target, start, held, solver, absolute_c_deg, options, damped)
+    if prefer is None:
+        return found
+    from chainbuild.solve.redundancy import preferred
+
+    return preferred(robot, found, target, prefer, start, held)
+
+
+def _by_all_means(
+    robot: Robot,
+    target: pin.SE3,
+    start: ArrayLike | None,
+    held: Held | None,
+    solver: str,
+    absolute_c_deg: float | None,
+    options: IkOptions | None,
+    damped: IkResult | None,
+) -> IkResult:
+    """Return what the solver asked for and those that help it out come up with; see `inverse`."""
     from chainbuild.solve.coupled import kept
     from chainbuild.solve.programmed import solve_programmed
+    from chainbuild.solve.saturation import within_limits
 
-    given = as_pose(T)
-
-    def solve_whole(target: pin.SE3, begin: ArrayLike | None) -> IkResult:
+    def solve_whole(T: pin.SE3, begin: ArrayLike | None) -> IkResult:
         if solver == "controller":
             begin = start  # its budget counts from where the robot stands
-        known = damped if target is given and begin is start else None
-        found = solve_by(robot, target, begin, held, solver, options, known)
-        return kept(robot, found, target, begin, held, solver)
+        known = damped if T is target and begin is start else None
+        return kept(robot, solve_by(robot, T, begin, held, solver, options, known), T, begin, held, solver)
 
-    return solve_programmed(robot, given, start, held, solve_whole, absolute_c_deg)
+    found = solve_programmed(robot, target, start, held, solve_whole, absolute_c_deg)
+    return within_limits(robot, found, target, start, held) if solver == "auto" else found
 
 
 def solve_by(

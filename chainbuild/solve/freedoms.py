@@ -194,7 +194,8 @@ def _coupled(chain: Chain, factors: Vector) -> tuple[Matrix, Vector, Vector, tup
     sums = np.array([row.sum.coefficients for row in rows]).reshape(len(rows), len(factors)) / factors
     offset = np.array([row.sum.offset for row in rows])
     lower, upper = (np.array([getattr(row, end) for row in rows], dtype=float) - offset for end in ("lower", "upper"))
-    return _unit_rows(sums, lower, upper, tuple(row.name for row in rows))
+    names = [row.name if row.alarm is None else f"{row.name} (alarm {row.alarm})" for row in rows]
+    return _unit_rows(sums, lower, upper, names)
 
 
 def _unit_rows(

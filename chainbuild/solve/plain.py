@@ -96,6 +96,10 @@ class _Search:
                 nearest, best = squared, y
             if least == math.inf and attempt + 1 >= rules.HOPELESS:
                 break
+        if start is not None and least < math.inf:
+            # The branch that the start is on tells best what is in the way.
+            met, y, _ = self.descend(start, False, rules.MAX_STEPS, rules.STALL_SHARE)
+            outside = self.box.into(y) if met else outside
         _, best, nearest = self.descend(best, True, rules.POLISH_STEPS, 1.0)
         outcome = rules.STALLED if nearest < rules.CLOSE**2 else rules.UNREACHABLE
         if least < math.inf:

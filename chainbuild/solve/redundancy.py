@@ -179,14 +179,10 @@ class _Search:
         for _ in range(_MENDING_STEPS):
             error, J = self.residual(x)
             if float(error @ error) < tolerances.IK_RESIDUAL_SQUARED:
-                return x if self.verified(x) else None
+                return None if self.robot.violated_limits(x / self.robot.kinematics.si_factors) else x
             x = x.copy()
             x[self.free] += damped_step(J[:, self.free], error, _DAMPING)
         return None
-
-    def verified(self, x: Vector) -> bool:
-        values = x / self.robot.kinematics.si_factors
-        return not self.robot.violated_limits(values)
 
     def clamped(self, x: Vector) -> Vector:
         lower, upper = self.limits()

@@ -28,6 +28,7 @@ class IkResult:
         restarts: Starts after the first.
         task: "pose", "direction" or "position": what was solved for.
         reason: Words for people; empty on success.
+        violated: With status "limits", where it is known: the names of the limits in the way.
     """
 
     success: bool
@@ -39,3 +40,4 @@ class IkResult:
     restarts: int
     task: Task
     reason: str = ""
+    violated: tuple[str, ...] = ()

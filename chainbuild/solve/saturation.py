@@ -31,6 +31,7 @@ _STARTS: Final = 60
 _NEWTON_STEPS: Final = 25
 _DAMPING: Final = 1e-3  # share of the squared error
 _FLOOR: Final = 1e-12
+_ENDLESS: Final = np.pi  # random starts of axes without end are drawn from ± this
 
 
 def within_limits(
@@ -72,9 +73,11 @@ def within_limits(
 def _starts(box: Box, first: Vector, free: NDArray[np.intp]) -> Iterator[Vector]:
     yield first
     rng = np.random.default_rng(20240229)
+    lower = np.where(np.isfinite(box.lower), box.lower, -_ENDLESS)[free]
+    upper = np.where(np.isfinite(box.upper), box.upper, _ENDLESS)[free]
     for _ in range(_STARTS):
         x = first.copy()
-        x[free] = box.random(rng)[free]
+        x[free] = lower + (upper - lower) * rng.random(len(free))
         yield x
 
 

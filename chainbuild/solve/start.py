@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,7 +42,7 @@ def start_point(robot: Robot, start: ArrayLike | None, held: Held | None) -> tup
     for name, value in _by_name(robot, held).items():
         if name not in names:
             raise AxisValueError(f"there is no axis '{name}' to hold", parameter="held", permitted=", ".join(names))
-        values[names.index(name)], fixed[names.index(name)] = value, True
+        values[names.index(name)], fixed[names.index(name)] = _number(name, value), True
     return robot.axis_values(values) * freedoms.si_factors, fixed
 
 
@@ -50,10 +52,23 @@ def _by_name(robot: Robot, held: Held | None) -> Mapping[str, float]:
     if isinstance(held, Mapping):
         return held
     names = [axis.name for axis in robot.axes if axis.held]
+    permitted = ", ".join(names) or "a mapping of axis name to value"
+    if not isinstance(held, Sequence | np.ndarray) or isinstance(held, str | bytes):
+        raise AxisValueError("held is neither a mapping nor a sequence of numbers", parameter="held", permitted=permitted)
     if len(held) != len(names):
         raise AxisValueError(
             f"{len(held)} held values are given, the robot has {len(names)} input axes",
             parameter="held",
-            permitted=", ".join(names) or "a mapping of axis name to value",
+            permitted=permitted,
         )
     return dict(zip(names, held, strict=True))
+
+
+def _number(name: str, value: object) -> float:
+    """Return a held value; whether it is finite is looked at with the others."""
+    if not isinstance(value, Real):
+        raise AxisValueError(f"axis {name} is held at {value!r}", parameter="held", permitted="a number in mm or degrees")
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf

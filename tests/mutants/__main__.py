@@ -35,7 +35,7 @@ class Job:
 
 
 TWINCAT_SHARED = ("tests/twincat", "-k", "hand or reference or arm45 or families")
-SINUMERIK = ("tests/sinumerik",)
+SINUMERIK = ("tests/sinumerik", "tests/solve/test_controller.py")
 
 
 def targets() -> dict[Path, tuple[str, ...]]:

@@ -1,0 +1,174 @@
+"""Swept limits against planar geometry by hand, and what is said about the limits of a file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import chainbuild
+from chainbuild.analysis.parallelogram import swept_limits
+from chainbuild.analysis.sweep import sweep
+from chainbuild.chain.elements import Chain
+from chainbuild.chain.geometry import Geometry, RodData, Shape
+from chainbuild.errors import ChainbuildError
+from chainbuild.robot.collision import CollisionModel
+from tests.analysis.planar import edge, segment_distance, turned
+
+ARM, CRANK, TOP = 1.1, 0.30, 0.85  # m: upper arm, crank, height of the shoulder of parallelogram_nr
+SHOULDER_X, FORE_X, FORE_Z = 0.4, 1.25, 0.25
+R_ARM, R_ROD, R_COLUMN, R_FORE = 0.09, 0.04, 0.12, 0.10
+COLUMN = (-0.05, -0.35, 0.30, -0.35)  # x, z of both ends of the column's body, in its frame
+BASE = (0.0, 0.1, 0.0, 0.45)
+
+
+def with_bodies(lower: float, upper: float) -> Chain:
+    """The shipped arm with bodies of round numbers and limits of its angle."""
+    chain = chainbuild.load("parallelogram_nr").chain()
+
+    def capsule(x0: float, z0: float, x1: float, z1: float, radius: float) -> Shape:
+        return Shape("capsule", points=(x0, 0.0, z0, x1, 0.0, z1), radius=radius)
+
+    shapes = {
+        "base": (capsule(*BASE, 0.2),),
+        "A1_link": (capsule(*COLUMN, R_COLUMN),),
+        "A2_link": (capsule(0.0, 0.0, ARM, 0.0, R_ARM),),
+    }
+    shapes["A3_link"] = (capsule(0.0, 0.0, FORE_X, FORE_Z, R_FORE),)
+    geometry = Geometry(shapes=shapes, rod_data=RodData(crank=CRANK, radius=R_ROD))
+    (limit,) = chain.constraints
+    return replace(chain, geometry=geometry, constraints=(replace(limit, lower=lower, upper=upper),))
+
+
+def free_by_hand(a2: float) -> tuple[float, float]:
+    """The free angle A2 + A3 + 180 at a value of A2, in the plane of the arm: x forwards, z up.
+
+    Machine zero: upper arm upright; A2 leans it forwards. The elbow's angle is between upper arm and forearm, 0 folded.
+    """
+    shoulder = np.array([SHOULDER_X, TOP])
+    up = turned((0.0, 1.0), a2)
+    elbow = shoulder + ARM * up
+
+    def collides(angle: float) -> bool:
+        # The forearm's frame is pitched by 180 - angle against the upper arm's; its end lies (x, z) in that frame.
+        pitch = a2 - 90.0 + (180.0 - angle)
+        end = elbow + turned((FORE_X, FORE_Z), pitch)
+        along = (end - elbow) / np.linalg.norm(end - elbow)
+        crank = shoulder - CRANK * along
+        rod = crank, crank + ARM * up
+        column = np.array(COLUMN[:2]) + [0.0, TOP], np.array(COLUMN[2:]) + [0.0, TOP]
+        base = np.array(BASE[:2]), np.array(BASE[2:])
+        lever = elbow, elbow - CRANK * along
+        pairs = [
+            (rod, (shoulder, elbow), R_ROD + R_ARM),
+            (rod, column, R_ROD + R_COLUMN),
+            (rod, base, R_ROD + 0.2),
+            ((shoulder, crank), base, R_ROD + 0.2),
+            ((elbow, end), column, R_FORE + R_COLUMN),
+            ((elbow, end), base, R_FORE + 0.2),
+            ((elbow, end), (shoulder, crank), R_FORE + R_ROD),
+        ]
+        del lever  # the overlay's bodies of the forearm take the place of the drawn lever
+        return any(segment_distance(*first, *second) <= radii for first, second, radii in pairs)
+
+    free = next(float(a) for a in sorted(np.arange(2.0, 179.0), key=lambda a: abs(a - 90.0)) if not collides(float(a)))
+    low = high = free
+    while not collides(low):
+        low -= 0.25
+    while not collides(high):
+        high += 0.25
+    return edge(collides, low + 0.25, low), edge(collides, high - 0.25, high)
+
+
+def test_swept_limits_of_a_parallelogram_agree_with_planar_geometry() -> None:
+    report = swept_limits(with_bodies(30.0, 150.0).build(), steps=10)
+    assert not report.drawn
+    assert report.blocked == ()
+    assert (report.over, report.moved) == ("A2", "A3")
+    seen = set()
+    for interval in report.intervals:
+        low, high = free_by_hand(interval.over)
+        assert interval.lower == pytest.approx(low, abs=0.01)
+        assert interval.upper == pytest.approx(high, abs=0.01)
+        seen |= {interval.lower_pair, interval.upper_pair}
+    assert len(seen) > 1  # the arm limits some, the column others
+    assert report.proposal is not None
+    low = max(interval.lower or 0.0 for interval in report.intervals)
+    high = min(interval.upper or 0.0 for interval in report.intervals)
+    assert low <= report.proposal[0] < low + 0.011
+    assert high - 0.011 < report.proposal[1] <= high
+    first, second = report.machine_data()
+    assert first == f"N62964 $MC_ROBX_SW_LIMITS_PARALLEL[0]={report.proposal[0]:.2f}"
+    assert second.startswith("N62964 $MC_ROBX_SW_LIMITS_PARALLEL[1]=")
+
+
+def test_verdicts_on_the_limits_of_a_file() -> None:
+    fitting = swept_limits(with_bodies(30.0, 150.0).build(), steps=7).proposal
+    assert fitting is not None
+    low, high = fitting
+    assert swept_limits(with_bodies(low, high).build(), steps=7).verdicts == ("the limits fit",)
+    wide = swept_limits(with_bodies(low - 3.0, high + 3.0).build(), steps=7).verdicts
+    assert len(wide) == 2
+    assert all("too wide" in verdict and "touch" in verdict for verdict in wide)
+    tight = swept_limits(with_bodies(low + 12.0, high - 7.0).build(), steps=7).verdicts
+    assert tight == (
+        "the lower limit is too tight: 12.0° of free angle are wasted",
+        "the upper limit is too tight: 7.0° of free angle are wasted",
+    )
+
+
+def test_without_rods_in_the_way_the_dead_points_end_the_range() -> None:
+    chain = with_bodies(30.0, 150.0)
+    thin = dict.fromkeys(("base", "A1_link", "A2_link", "A3_link"), 0.001)
+    geometry = Geometry(radii=thin, rod_data=RodData(crank=CRANK, radius=0.001, sideways=0.5))
+    links = tuple(replace(link, radius=thin.get(link.name)) for link in chain.links)
+    report = swept_limits(replace(chain, geometry=geometry, links=links).build(), steps=3)
+    for interval in report.intervals:
+        assert interval.lower is not None
+        assert interval.upper is not None
+        # Folded, the forearm meets the crank at the shoulder just before crank and rod are in line.
+        assert interval.upper - interval.lower == pytest.approx(180.0, abs=0.3)
+        assert interval.upper_pair is None
+
+
+def test_only_parallelograms_have_such_limits() -> None:
+    with pytest.raises(ChainbuildError, match="no parallelogram"):
+        swept_limits(chainbuild.load("kr6r900").chain().build())
+    with pytest.raises(ChainbuildError, match="sweep"):
+        swept_limits(with_bodies(30.0, 150.0).build(), steps=1)
+
+
+def test_any_axis_over_any_other() -> None:
+    model = CollisionModel(chainbuild.load("palletiser_kin96").chain().build())
+    found = sweep(model, "G3", "G2", values=np.linspace(-40.0, 85.0, 9).tolist())
+    assert (found.moved, found.over, found.unit_moved, found.unit_over) == ("G3", "G2", "deg", "deg")
+    assert len(found.intervals) == 9
+    lower, upper = -20.0, 60.0
+    for one in found.intervals:
+        assert one.lower is not None
+        assert one.upper is not None
+        at = np.array([0.0, one.over, 0.0, 0.0])
+        for value, pair, limit in ((one.lower, one.lower_pair, lower), (one.upper, one.upper_pair, upper)):
+            at[2] = value
+            assert not model.collides(at)
+            if pair is None:
+                assert value == limit
+                continue
+            at[2] = value + np.sign(limit - value) * 0.01
+            assert model.collides(at)
+    assert any(one.upper_pair for one in found.intervals)
+
+
+def test_sweeps_that_make_no_sense() -> None:
+    model = CollisionModel(chainbuild.load("palletiser_kin96").chain().build())
+    with pytest.raises(ChainbuildError, match="no axis 'B7'"):
+        sweep(model, "B7", "G2")
+    with pytest.raises(ChainbuildError, match="against itself"):
+        sweep(model, "G2", "G2")
+    with pytest.raises(ChainbuildError, match="empty"):
+        sweep(model, "G3", "G2", bounds=(10.0, 10.0))
+    everywhere = Geometry(shapes={"base": (Shape("box", size=(9.0, 9.0, 9.0)),)})
+    blocked = CollisionModel(replace(model.robot.chain, geometry=everywhere).build(), [("base", "G3_link")])
+    (one,) = sweep(blocked, "G3", "G2", values=[0.0]).intervals
+    assert (one.lower, one.upper) == (None, None)

@@ -1,0 +1,157 @@
+"""Measures, speeds and thresholds against plain linear algebra."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import chainbuild
+from chainbuild.analysis.jacobians import pose_jacobians
+from chainbuild.analysis.measures import measure, measure_batch, scaling_of, smallest_value
+from chainbuild.analysis.speeds import speeds
+from chainbuild.analysis.thresholds import Thresholds, judge, judge_path, thresholds_of
+from chainbuild.chain.bodies import shown_limits
+from chainbuild.errors import ChainbuildError
+
+MACHINES = ["kr6r900", "ac_table_kin58", "cardan_head_kin59", "plasma_head_kin25", "palletiser_kin96", "scara_kin36"]
+
+
+def samples(robot: chainbuild.Robot, count: int) -> np.ndarray:
+    lower, upper = shown_limits(robot.chain)
+    return lower + (upper - lower) * np.random.default_rng(2).uniform(0.1, 0.9, (count, len(lower)))
+
+
+@pytest.mark.parametrize("name", [*MACHINES, "irb2600_track", "irb2600_table"])
+def test_jacobians_in_batch_are_pinocchios(name: str) -> None:
+    robot = chainbuild.load(name).chain().build()
+    axes = samples(robot, 30)
+    seen = 0
+    for part, positions, J in pose_jacobians(robot, axes):
+        for row, position, jacobian in zip(axes[part], positions, J, strict=True):
+            np.testing.assert_allclose(jacobian, robot.jacobian(row), atol=1e-12)
+            np.testing.assert_allclose(position, robot.fk(row).translation, atol=1e-12)
+            seen += 1
+    assert seen == 30
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_batch_is_the_single_measure(name: str) -> None:
+    robot = chainbuild.load(name).chain().build()
+    axes = samples(robot, 20)
+    table = measure_batch(robot, axes)
+    for n, row in enumerate(axes):
+        single = measure(robot, row)
+        assert table.smallest[n] == pytest.approx(single.smallest, abs=1e-12)
+        assert smallest_value(robot, row) == pytest.approx(single.smallest, abs=1e-12)
+        assert table.manipulability[n] == pytest.approx(single.manipulability, rel=1e-9)
+        assert table.condition[n] == pytest.approx(single.condition, rel=1e-6)
+
+
+def test_lost_and_runaway_are_singular_vectors() -> None:
+    robot = chainbuild.load("kr6r900").chain().build()
+    axes = [10.0, -80.0, 70.0, 20.0, 2.0, 5.0]
+    found, scaling = measure(robot, axes), scaling_of(robot)
+    J = scaling.apply(robot.jacobian(axes))
+    np.testing.assert_allclose(J @ found.runaway, found.smallest * found.lost, atol=1e-12)
+    assert np.linalg.norm(found.lost) == pytest.approx(1.0)
+
+
+def test_the_length_scales_what_is_a_length() -> None:
+    robot = chainbuild.load("kr6r900").chain().build()
+    axes = [10.0, -80.0, 70.0, 20.0, 30.0, 5.0]
+    J = robot.jacobian(axes)
+    J[:3] /= 0.5
+    np.testing.assert_allclose(measure(robot, axes, 0.5).singular_values, np.linalg.svd(J, compute_uv=False))
+    for wrong in (0.0, -1.0, float("nan")):
+        with pytest.raises(ChainbuildError, match="characteristic length"):
+            measure(robot, axes, wrong)
+
+
+def test_input_axes_are_no_freedoms() -> None:
+    robot = chainbuild.load("irb2600_track").chain().build()
+    axes = np.zeros(len(robot.axes))
+    held = [n for n, axis in enumerate(robot.axes) if axis.held]
+    assert held
+    assert (measure(robot, axes).runaway[held] == 0.0).all()
+
+
+def test_shape_of_batches_is_checked() -> None:
+    robot = chainbuild.load("kr6r900").chain().build()
+    for wrong in ([[0.0] * 5], [0.0] * 6, [[np.nan] * 6]):
+        with pytest.raises(ChainbuildError, match="shape"):
+            measure_batch(robot, wrong)
+
+
+def test_speeds_follow_from_the_inverse_jacobian() -> None:
+    robot = chainbuild.load("kr6r900").chain().build()
+    axes = [10.0, -80.0, 70.0, 20.0, 30.0, 5.0]
+    inverse = np.linalg.inv(robot.jacobian(axes))
+    along = np.array([0.6, 0.0, 0.8])
+    found = speeds(robot, axes, 250.0, along)
+    expected = np.degrees(np.abs(inverse[:, :3] @ along) * 0.25)
+    np.testing.assert_allclose([row.needed for row in found.axes], expected, rtol=1e-9)
+    worst = speeds(robot, axes, 250.0)
+    np.testing.assert_allclose(
+        [row.needed for row in worst.axes], np.degrees(np.linalg.norm(inverse[:, :3], axis=1) * 0.25), rtol=1e-9
+    )
+    turning = speeds(robot, axes, 30.0, motion="turn")
+    np.testing.assert_allclose([r.needed for r in turning.axes], 30.0 * np.linalg.norm(inverse[:, 3:], axis=1))
+    assert worst.possible is not None
+    again = speeds(robot, axes, worst.possible)
+    assert max(row.needed / row.limit for row in again.axes if row.limit) == pytest.approx(1.0)
+    assert worst.alarm is None
+
+
+def test_speeds_blow_up_at_the_singularity() -> None:
+    robot = chainbuild.load("kr6r900").chain().build()
+    near = speeds(robot, [0.0, -90.0, 90.0, 0.0, 0.1, 0.0], 10.0)
+    assert near.alarm == 75324
+    assert {row.axis.name for row in near.axes if row.excessive} == {"A4", "A6"}
+    at = speeds(robot, [0.0, -90.0, 90.0, 0.0, 0.0, 0.0], 10.0)
+    assert {row.axis.name for row in at.axes if np.isinf(row.needed)} == {"A4", "A6"}
+    assert speeds(chainbuild.load("kr6r900_2").chain().build(), [0.0] * 6, 1e6).alarm is None  # ROBX's alarm
+    for wrong in (0.0, float("inf"), -1.0):
+        with pytest.raises(ChainbuildError, match="speed"):
+            speeds(robot, [0.0] * 6, wrong)
+    with pytest.raises(ChainbuildError, match="direction"):
+        speeds(robot, [0.0] * 6, 10.0, [0.0, 0.0, 0.0])
+
+
+def test_thresholds_of_the_control(tmp_path) -> None:
+    machine = chainbuild.load("kr6r900")
+    chain = machine.chain()
+    limits = thresholds_of(machine, chain)
+    assert limits == Thresholds(2e-6, 1e-3, 3.0, ())
+    text = machine.path.read_text("utf-8").replace("M17", "$SN_SINGULARITY_THRESHOLD=1e-5\nM17")
+    file = tmp_path / "own.tea"
+    file.write_text(text, "utf-8")
+    own = chainbuild.load(file)
+    given = thresholds_of(own, own.chain())
+    assert given is not None
+    assert (given.threshold, given.given) == (1e-5, ("SINGULARITY_THRESHOLD",))
+    other = chainbuild.load("kr6r900_2")
+    assert thresholds_of(other, other.chain()) is None
+
+
+def test_judgements_of_the_control() -> None:
+    robot = chainbuild.load("kr6r900").chain().build()
+
+    def at(a5: float) -> list[float]:
+        return [0.0, -90.0, 90.0, 0.0, a5, 0.0]
+
+    limits = Thresholds()
+    found = [judge(robot, at(a5), limits) for a5 in (0.0, 0.1, 2.0, 10.0)]
+    assert [one.level for one in found] == ["singular", "watched", "clear", "clear"]
+    assert [one.hand_limit for one in found] == [True, True, True, False]
+    assert found[2].hand_deg == pytest.approx(2.0)
+    # A path along A1 with A5 = 0 is singular all the way, and longer than 30 mm.
+    path = [[a1, -90.0, 90.0, 0.0, a5, 0.0] for a1, a5 in ((0, 20), (1, 0), (4, 0), (8, 0), (9, 30))]
+    (stretch,) = judge_path(robot, path, limits)
+    assert (stretch.first, stretch.last, stretch.level, stretch.alarm) == (1, 3, "singular", 75327)
+    reach = float(np.hypot(*robot.fk(path[1]).translation[:2]))
+    chords = 2000.0 * reach * (np.sin(np.radians(1.5)) + np.sin(np.radians(2.0)))
+    assert stretch.length_mm == pytest.approx(chords)
+    product = judge(robot, at(2.0), limits, "product")
+    assert product.value < found[2].value
+    with pytest.raises(ChainbuildError, match="quantity"):
+        judge(robot, at(2.0), limits, "sum")  # type: ignore[arg-type]
