@@ -23,8 +23,11 @@ if TYPE_CHECKING:
     from chainbuild.machines import shipped
     from chainbuild.out.urdf import write_urdf
     from chainbuild.robot.robot import Robot
+    from chainbuild.solve.options import IkOptions
     from chainbuild.solve.result import IkResult
+    from chainbuild.solve.table import IkTable
     from chainbuild.twincat.catalogue import catalogue
+    from chainbuild.urdf_in import from_urdf
 
 __version__ = "0.1.0"
 
@@ -41,7 +44,10 @@ _LAZY = {
     "shipped": "chainbuild.machines",
     "write_urdf": "chainbuild.out.urdf",
     "Robot": "chainbuild.robot.robot",
+    "IkOptions": "chainbuild.solve.options",
     "IkResult": "chainbuild.solve.result",
+    "IkTable": "chainbuild.solve.table",
+    "from_urdf": "chainbuild.urdf_in",
     "catalogue": "chainbuild.twincat.catalogue",
 }
 
@@ -51,13 +57,16 @@ __all__ = [
     "ChainbuildError",
     "Convention",
     "Finding",
+    "IkOptions",
     "IkResult",
+    "IkTable",
     "Machine",
     "Robot",
     "__version__",
     "catalogue",
     "check",
     "conventions",
+    "from_urdf",
     "load",
     "shipped",
     "write_urdf",

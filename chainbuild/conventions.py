@@ -65,11 +65,14 @@ def conventions() -> Mapping[str, Convention]:
 
 
 def check_choice(name: str, choice: str, span: Span | None = None) -> None:
-    """Refuse an unknown convention or an unknown choice.
+    """Refuse an unknown convention or an unknown choice, also where either is no string.
 
     Raises:
         ConventionError: with the list of what is known.
     """
+    if not isinstance(name, str) or not isinstance(choice, str):
+        text = f"convention {name!r} has the choice {choice!r}: both are strings"
+        raise ConventionError(text, span=span, permitted="name: choice")
     known = conventions().get(name)
     if known is None:
         raise ConventionError(f"unknown convention '{name}'", span=span, permitted=", ".join(sorted(conventions())))

@@ -96,6 +96,10 @@ class FileAccessError(ChainbuildError):
     """A file cannot be read or written, or is not text."""
 
 
+class FileContentError(FileAccessError):
+    """A file is there but holds no text that could be read: empty, binary, too large or a line too long."""
+
+
 class ParseError(ChainbuildError):
     """A line of machine data, CSV or overlay does not follow its syntax."""
 

@@ -5,7 +5,14 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from chainbuild.errors import ChainbuildError, FileAccessError, ParseError, Span
+from chainbuild.errors import (
+    ChainbuildError,
+    FileAccessError,
+    FileContentError,
+    ParseError,
+    Span,
+    UnsupportedKinematicError,
+)
 from chainbuild.findings import Collector, Finding
 from chainbuild.machine import Machine
 from chainbuild.machines import shipped, shipped_path
@@ -29,22 +36,17 @@ def load(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None = 
 def check(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None = None) -> tuple[Finding, ...]:
     """Return every finding of a machine file, errors included; never raises on content.
 
-    The file is read to its end and every kinematic it configures is translated.
+    The file is read to its end and every kinematic it configures is translated. A type that is not built is an error
+    where it is the default kinematic, else a warning: the file can be used without it.
 
     Raises:
-        FileAccessError: the file is missing or may not be read.
+        FileAccessError: the file is missing, a folder, or may not be read.
     """
     collector = Collector(strict=False)
     try:
-        machine = _read(path, overlay, collector)
-        entries = machine.kinematics()
-        ids = [(entry.channel, entry.id) for entry in entries]
-        for entry in entries:
-            twice = ids.count((entry.channel, entry.id)) > 1
-            named = entry.name if twice else entry.id
-            # Without a name it is the file's default, to which a second transformation step may belong.
-            default = entry.default and machine.overlay.kinematic is None
-            _try_chain(machine, None if default else named, entry.channel, collector)
+        _check_kinematics(_read(path, overlay, collector), collector)
+    except FileContentError as error:
+        collector.add_error(error)
     except FileAccessError:
         raise
     except ChainbuildError as error:
@@ -52,11 +54,34 @@ def check(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None =
     return tuple(dict.fromkeys(collector.findings))
 
 
-def _try_chain(machine: Machine, kinematic: int | str | None, channel: int, collector: Collector) -> None:
+def _check_kinematics(machine: Machine, collector: Collector) -> None:
+    """Translate every kinematic of a file, the default as `Machine.chain` without arguments takes it."""
+    named = machine.overlay.kinematic is not None
+    entries = machine.kinematics()
+    if named and entries:
+        _try_chain(machine, None, None, collector)
+    ids = [(entry.channel, entry.id) for entry in entries]
+    names: set[tuple[int, str]] = set()
+    for entry in entries:
+        # Without a name it is the file's default, to which a second transformation step may belong.
+        wanted: int | str | None = None
+        if named or not entry.default:
+            told_by_name = ids.count((entry.channel, entry.id)) > 1 and (entry.channel, entry.name) not in names
+            wanted = entry.name if told_by_name and entry.name else entry.id
+        names.add((entry.channel, entry.name))
+        _try_chain(machine, wanted, entry.channel, collector)
+
+
+def _try_chain(machine: Machine, kinematic: int | str | None, channel: int | None, collector: Collector) -> None:
     try:
         chain = machine.chain(kinematic=kinematic, channel=channel)
         collector.findings.extend(chain.findings)
         chain.build()
+    except UnsupportedKinematicError as error:
+        if kinematic is None:
+            collector.add_error(error)
+        else:
+            collector.add("CB223", error.message, span=error.span)
     except ChainbuildError as error:
         collector.add_error(error)
 
@@ -64,7 +89,7 @@ def _try_chain(machine: Machine, kinematic: int | str | None, channel: int, coll
 def _read(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None, collector: Collector) -> Machine:
     file = find_machine(path)
     source = read_source(file)
-    beside: Overlay = find_overlay(file, Path(overlay) if overlay is not None else None)
+    beside: Overlay = find_overlay(file, _as_path(overlay) if overlay is not None else None)
     # A dialect is imported when it is needed: most users have one. TwinCAT comes first: its container is XML, whose
     # text could hold anything.
     from chainbuild import twincat
@@ -89,16 +114,23 @@ def _first_line(source: SourceText) -> Span:
     return Span(source.file)
 
 
+def _as_path(path: str | os.PathLike[str]) -> Path:
+    try:
+        return Path(path)
+    except TypeError as error:
+        raise FileAccessError(f"not a path: {error}") from None
+
+
 def find_machine(path: str | os.PathLike[str]) -> Path:
     """Return the file that a path or a shipped machine's name means; an existing path wins.
 
     Raises:
         FileAccessError: there is neither.
     """
+    file = _as_path(path)
     try:
-        file = Path(path)
         exists = file.exists()
-    except (TypeError, ValueError, OSError) as error:
+    except (ValueError, OSError) as error:
         raise FileAccessError(f"not a path: {error}") from None
     if exists:
         return file

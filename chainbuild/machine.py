@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import math
+import operator
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from pathlib import Path
+from typing import Final
 
+from chainbuild import tolerances
 from chainbuild.chain.elements import Chain
 from chainbuild.errors import ConventionError, MachineDataError, Span
 from chainbuild.findings import Collector, Finding
 from chainbuild.overlay import Overlay
+
+_ID_DIGITS: Final = 9
+_HUGE_NUMBER: Final = 10**_ID_DIGITS  # beyond any id or channel
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,20 +143,73 @@ class Machine(ABC):
 
 
 def finite_length_mm(value: object) -> float:
-    """Return a tool length as a float.
+    """Return a tool length as a float; any real number is one, also numpy's and arrays without dimension.
 
     Raises:
         MachineDataError: not a finite number of plausible size.
     """
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e9:
+    if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):
+        value = value.item()
+    wrong, length, shown = "is not a number", 0.0, ""
+    if isinstance(value, Real) and not isinstance(value, bool):
+        try:
+            length = float(value)
+        except OverflowError:
+            length = tolerances.HUGE_AXIS_VALUE
+        shown = f" {length:g}"
+        wrong = "" if math.isfinite(length) else "is not finite"
+        if not wrong and abs(length) >= tolerances.HUGE_AXIS_VALUE:
+            wrong = "is too large"
+    if wrong:
         raise MachineDataError(
-            f"the tool length {value!r} is not a finite number", parameter="tool_length_mm", permitted="a number in mm"
-        )
-    return float(value)
+            f"the tool length{shown or f' {value!r:.40}'} {wrong}", parameter="tool_length_mm",
+            permitted=f"a number in mm, below {tolerances.HUGE_AXIS_VALUE:g} in size",
+        )  # fmt: skip
+    return length
+
+
+def checked_kinematic(value: object) -> int | str | None:
+    """Return what names a kinematic: an id, a name, or None.
+
+    Raises:
+        MachineDataError: anything else, True and "" among it.
+    """
+    if value is None or (isinstance(value, str) and value):
+        return value
+    number = _as_int(value)
+    if number is None or abs(number) >= _HUGE_NUMBER:
+        shown = "a huge number" if number else f"{value!r:.40}"
+        raise MachineDataError(f"{shown} names no kinematic", parameter="kinematic", permitted="an id, a name or None")
+    return number
+
+
+def checked_channel(value: object) -> int | None:
+    """Return what names a channel: a whole number or None.
+
+    Raises:
+        MachineDataError: anything else.
+    """
+    number = _as_int(value)
+    if (number is None and value is not None) or abs(number or 0) >= _HUGE_NUMBER:
+        shown = "a huge number" if number else f"{value!r:.40}"
+        raise MachineDataError(f"{shown} names no channel", parameter="channel", permitted="a whole number or None")
+    return number
+
+
+def _as_int(value: object) -> int | None:
+    """Return a whole number of any kind, numpy's among them, as int; None where it is none."""
+    if value is None or isinstance(value, bool):
+        return None
+    try:
+        return operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        return None
 
 
 def choose_kinematic(entries: Sequence[KinematicEntry], wanted: int | str | None, file: str) -> KinematicEntry:
     """Return the entry that `wanted` names by id or name; None: the one marked default.
+
+    An id that stands for several means the one without a name, which no name could tell, else the first.
 
     Raises:
         MachineDataError: nothing is configured, or `wanted` is not among it.
@@ -157,12 +218,19 @@ def choose_kinematic(entries: Sequence[KinematicEntry], wanted: int | str | None
         raise MachineDataError("the file configures no kinematic", span=Span(file))
     if wanted is None:
         return next((entry for entry in entries if entry.default), entries[0])
-    matches = [e for e in entries if wanted in (e.id, e.name)]
-    if not matches and isinstance(wanted, str) and wanted.isdigit():
-        matches = [e for e in entries if e.id == int(wanted)]
+    matches = [e for e in entries if wanted == e.name] or matching_id(entries, wanted)
     if not matches:
         known = ", ".join(f"{e.id} ({e.name})" if e.name else str(e.id) for e in entries)
         raise MachineDataError(
             f"the file configures no kinematic {wanted!r}", span=Span(file), parameter="kinematic", permitted=known
         )
-    return matches[0]
+    return next((e for e in matches if not e.name), matches[0])
+
+
+def matching_id(entries: Sequence[KinematicEntry], wanted: int | str | None) -> list[KinematicEntry]:
+    """Return the entries with an id, given as a number or as its digits."""
+    if isinstance(wanted, str):
+        if not (wanted.isascii() and wanted.isdigit() and len(wanted) <= _ID_DIGITS):
+            return []
+        wanted = int(wanted)
+    return [entry for entry in entries if entry.id == wanted]

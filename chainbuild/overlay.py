@@ -9,13 +9,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from chainbuild import tolerances
 from chainbuild.chain.elements import Axis, Chain, Link
 from chainbuild.chain.geometry import NO_GEOMETRY, Geometry
 from chainbuild.chain.geometry_table import geometry_from_table
 from chainbuild.chain.rods import with_rods
 from chainbuild.conventions import check_choice
-from chainbuild.errors import ChainError, FileAccessError, OverlayError, Span
-from chainbuild.text import read_source
+from chainbuild.errors import ChainError, FileAccessError, MachineDataError, OverlayError, Span
+from chainbuild.text import read_source, toml_line
 
 SUFFIX = ".chainbuild.toml"
 
@@ -57,12 +58,16 @@ class Overlay:
         """Return the axes with the overlay's limits, speeds and endless axes.
 
         Raises:
-            OverlayError: the overlay names an axis that the kinematic does not have.
+            OverlayError: the overlay names an axis that the kinematic does not have, or an endless one that is linear.
         """
-        known = {axis.name for axis in axes}
-        for name in (*self.limits, *self.speeds, *self.endless):
-            if name not in known:
-                raise self._error(f"the kinematic has no axis '{name}'", name, ", ".join(a.name for a in axes))
+        kinds = {axis.name: axis.kind for axis in axes}
+        named = [(key, name) for key in ("limits", "speeds") for name in getattr(self, key)]
+        for key, name in (*named, *(("endless", name) for name in self.endless)):
+            if name not in kinds:
+                raise self.error(f"the kinematic has no axis '{name}'", (key, name), ", ".join(kinds))
+            if key == "endless" and kinds[name] == "linear":
+                rotary = ", ".join(axis for axis, kind in kinds.items() if kind == "rotary") or "none"
+                raise self.error(f"axis '{name}' is linear and cannot turn without end", (key, name), rotary)
         return tuple(self._limited(axis) for axis in axes)
 
     def apply_geometry(self, chain: Chain) -> Chain:
@@ -77,11 +82,12 @@ class Overlay:
             try:
                 chain = with_rods(chain, self.geometry.rod_data)
             except ChainError as error:
-                raise self._error(error.message, "rods", "rods of arms whose axes 2 and 3 are parallel") from None
+                permitted = "rods of arms whose axes 2 and 3 are parallel"
+                raise self.error(error.message, ("geometry", "rods"), permitted) from None
         known = [link.name for link in chain.links]
         for name in self.geometry.links:
             if name not in known:
-                raise self._error(f"the kinematic has no link '{name}'", name, ", ".join(known))
+                raise self.error(f"the kinematic has no link '{name}'", ("geometry", name), ", ".join(known))
         radii = self.geometry.radii
         links = tuple(Link(link.name, radii.get(link.name, link.radius)) for link in chain.links)
         return replace(chain, links=links, geometry=self.geometry)
@@ -94,19 +100,28 @@ class Overlay:
             axis = replace(axis, max_speed=self.speeds[axis.name])
         return replace(axis, endless=axis.endless or axis.name in self.endless)
 
-    def _error(self, text: str, parameter: str, permitted: str) -> OverlayError:
-        return OverlayError(text, span=_span(self.path, parameter), parameter=parameter, permitted=permitted)
+    def span(self, *keys: str) -> Span | None:
+        """Return where a key stands in the file, such as ("limits", "A1"); None where there is no file."""
+        return None if self.path is None else _span(self.path, *keys)
+
+    def blamed(self, error: MachineDataError, key: str) -> MachineDataError:
+        """Return an error that points at the overlay's key, where it gives one, in place of the machine file."""
+        if getattr(self, key) is not None:
+            error.span = self.span(key) or error.span
+        return error
+
+    def error(self, text: str, keys: tuple[str, ...], permitted: str) -> OverlayError:
+        """Return an error that points at a key."""
+        return OverlayError(text, span=self.span(*keys), parameter=".".join(keys), permitted=permitted)
 
 
-def _span(path: Path | None, key: str) -> Span | None:
-    """Find the line of a key again; tomllib keeps none."""
-    if path is None:
-        return None
-    pattern = re.compile(rf"^\s*\[?\s*[\"']?{re.escape(key)}\b")
-    for number, line in enumerate(read_source(path).lines(), start=1):
-        if pattern.match(line):
-            return Span(str(path), number, 1, line)
-    return Span(str(path))
+def _span(path: Path, *keys: str) -> Span:
+    try:
+        lines = read_source(path, may_be_empty=True).lines()
+    except FileAccessError:
+        return Span(str(path))
+    number = toml_line(lines, keys)
+    return Span(str(path), number, 1, lines[number - 1]) if number else Span(str(path))
 
 
 def overlay_path(machine_file: Path) -> Path:
@@ -118,13 +133,15 @@ def read_overlay(path: Path) -> Overlay:
     """Read an overlay.
 
     Raises:
-        FileAccessError: the file cannot be read.
+        FileAccessError: the file cannot be read; an empty one is an overlay that says nothing.
         OverlayError: TOML syntax, an unknown key (the known ones are listed), or a value of the wrong kind.
     """
-    text = read_source(path).text
+    text = read_source(path, may_be_empty=True).text
     try:
         data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except RecursionError:
+        raise OverlayError("no valid TOML: nested too deeply", span=Span(str(path))) from None
+    except ValueError as error:  # TOMLDecodeError, and what int() says of thousands of digits
         found = re.search(r"line (\d+)", str(error))
         raise OverlayError(f"no valid TOML: {error}", span=Span(str(path), int(found[1]) if found else 0)) from None
     values: dict[str, Any] = {}
@@ -150,15 +167,19 @@ def find_overlay(machine_file: Path, named: Path | None = None) -> Overlay:
     return read_overlay(beside) if present else Overlay()
 
 
-def _refuse(path: Path, key: str, permitted: str) -> OverlayError:
-    return OverlayError(
-        f"the value of '{key}' has the wrong kind", span=_span(path, key), parameter=key, permitted=permitted
-    )
+def _refuse(path: Path, key: str, permitted: str, text: str = "") -> OverlayError:
+    """Return the error of a value; `key` has its table before a dot."""
+    text = text or f"the value of '{key}' has the wrong kind"
+    table, _, name = key.partition(".")
+    return OverlayError(text, span=_span(path, table, *([name] if name else [])), parameter=key, permitted=permitted)
 
 
 def _number(path: Path, key: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e9:
+    if isinstance(value, bool) or not isinstance(value, int | float):
         raise _refuse(path, key, "a finite number")
+    if not abs(value) < tolerances.HUGE_AXIS_VALUE:
+        shown = f"'{key}' is {value:g}" if isinstance(value, float) else f"'{key}' is too large"
+        raise _refuse(path, key, f"a finite number below {tolerances.HUGE_AXIS_VALUE:g}", shown)
     return float(value)
 
 
@@ -177,20 +198,23 @@ def _table(path: Path, key: str, value: object) -> dict[str, object]:
 def _limits(path: Path, key: str, value: object) -> dict[str, tuple[float, float]]:
     result = {}
     for axis, pair in _table(path, key, value).items():
+        place = f"{key}.{axis}"
         if not isinstance(pair, list) or len(pair) != 2:
-            raise _refuse(path, axis, "[lower, upper] in mm or degrees")
-        lower, upper = _number(path, axis, pair[0]), _number(path, axis, pair[1])
+            raise _refuse(path, place, "[lower, upper] in mm or degrees")
+        lower, upper = _number(path, place, pair[0]), _number(path, place, pair[1])
         if not lower < upper:
-            raise _refuse(path, axis, "lower below upper")
+            text = f"the limits of axis '{axis}' leave no range: {lower:g} to {upper:g}"
+            raise _refuse(path, place, "lower below upper", text)
         result[axis] = (lower, upper)
     return result
 
 
 def _speeds(path: Path, key: str, value: object) -> dict[str, float]:
-    speeds = {axis: _number(path, axis, speed) for axis, speed in _table(path, key, value).items()}
+    speeds = {axis: _number(path, f"{key}.{axis}", speed) for axis, speed in _table(path, key, value).items()}
     for axis, speed in speeds.items():
         if speed <= 0:
-            raise _refuse(path, axis, "a speed above 0 in mm/s or deg/s")
+            text = f"the speed of axis '{axis}' is {speed:g}"
+            raise _refuse(path, f"{key}.{axis}", "a speed above 0 in mm/s or deg/s", text)
     return speeds
 
 
@@ -201,19 +225,20 @@ def _names(path: Path, key: str, value: object) -> tuple[str, ...]:
 
 
 def _conventions(path: Path, key: str, value: object) -> dict[str, str]:
-    chosen = {name: _text(path, name, choice) for name, choice in _table(path, key, value).items()}
+    chosen = {name: _text(path, f"{key}.{name}", choice) for name, choice in _table(path, key, value).items()}
     for name, choice in chosen.items():
-        check_choice(name, choice, _span(path, name))
+        check_choice(name, choice, _span(path, key, name))
     return chosen
 
 
 def _tool(path: Path, key: str, value: object) -> dict[str, float | tuple[float, ...]]:
     result: dict[str, float | tuple[float, ...]] = {}
     for name, entry in _table(path, key, value).items():
+        place = f"{key}.{name}"
         if isinstance(entry, list):
-            result[name] = tuple(_number(path, name, item) for item in entry)
+            result[name] = tuple(_number(path, place, item) for item in entry)
         else:
-            result[name] = _number(path, name, entry)
+            result[name] = _number(path, place, entry)
     return result
 
 
@@ -222,14 +247,19 @@ def _files(path: Path, key: str, value: object) -> tuple[Path, ...]:
 
 
 def _kinematic(path: Path, key: str, value: object) -> int | str:
-    if isinstance(value, bool) or not isinstance(value, int | str):
+    if isinstance(value, bool) or not isinstance(value, int | str) or value == "":
         raise _refuse(path, key, "an id or a name")
     return value
 
 
 def _geometry(path: Path, key: str, value: object) -> Geometry:
     table = _table(path, key, value)
-    return geometry_from_table(table, path.parent, lambda name, permitted: _refuse(path, name, permitted))
+
+    def refuse(name: str, permitted: str) -> OverlayError:
+        text = f"the value of '{name}' has the wrong kind"
+        return OverlayError(text, span=_span(path, key, name), parameter=name, permitted=permitted)
+
+    return geometry_from_table(table, path.parent, refuse)
 
 
 _READERS = {

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from chainbuild import tolerances
-from chainbuild.errors import FileAccessError, Span
+from chainbuild.errors import FileAccessError, FileContentError, Span
 
+_TOML_HEADER = re.compile(r"\s*\[\[?([^\[\]]+)\]")
+_TOML_NAME = re.compile(r'"[^"]*"|\'[^\']*\'|[^.\s"\']+')
 _BOMS = ((b"\xef\xbb\xbf", "utf-8"), (b"\xff\xfe", "utf-16-le"), (b"\xfe\xff", "utf-16-be"))
 
 
@@ -30,29 +34,71 @@ class SourceText:
         return self.text.split("\n")
 
 
-def read_source(path: Path) -> SourceText:
-    """Read a machine file: UTF-8 or Latin-1, any line ends, with bounds on size and line length.
+def read_source(path: Path, *, may_be_empty: bool = False) -> SourceText:
+    """Read a machine file or overlay: UTF-8 or Latin-1, any line ends, with bounds on size and line length.
+
+    Args:
+        path: The file.
+        may_be_empty: True where a file without content says something, too.
 
     Raises:
-        FileAccessError: missing, a directory, not permitted, empty, binary, too large or a line too long.
+        FileAccessError: missing, a directory or not permitted.
+        FileContentError: empty, binary, too large or a line too long.
     """
     name = str(path)
     raw = _read_bytes(path)
-    if not raw.strip():
-        raise FileAccessError("the file is empty", span=Span(name))
+    if not raw.strip() and not may_be_empty:
+        raise FileContentError("the file is empty", span=Span(name))
     text, encoding = _decode(raw)
     if "\0" in text:
         line = text[: text.index("\0")].count("\n") + 1
-        raise FileAccessError("the file holds NUL bytes: it is not a text file", span=Span(name, line))
+        raise FileContentError("the file holds NUL bytes: it is not a text file", span=Span(name, line))
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     for number, content in enumerate(text.split("\n"), start=1):
         if len(content) > tolerances.MAX_LINE_CHARACTERS:
-            raise FileAccessError(
+            raise FileContentError(
                 f"the line has {len(content)} characters",
                 span=Span(name, number, 1, content[:80]),
                 permitted=f"at most {tolerances.MAX_LINE_CHARACTERS} characters a line",
             )
     return SourceText(name, text, encoding)
+
+
+def toml_line(lines: Sequence[str], keys: Sequence[str]) -> int:
+    """Return the number of the line that gives a key in a TOML text; tomllib keeps none.
+
+    >>> toml_line(["[limits]", "A1 = [-10, 10]"], ("limits", "A1"))
+    2
+    >>> toml_line(["limits = {A1 = [0, 1]}"], ("limits", "A1"))
+    1
+
+    Args:
+        lines: The text.
+        keys: Name of the table and name within it, at any depth; or one name.
+
+    Returns:
+        The line, else that of the table, else 0.
+    """
+    first, last = keys[0], keys[-1]
+    inline = re.compile(rf"""(?<![\w"'-])["']?{re.escape(last)}["']?\s*=""")
+    table: list[str] = []
+    nearest = 0
+    for number, line in enumerate(lines, start=1):
+        header = _TOML_HEADER.match(line)
+        name, equals, rest = line.partition("=")
+        path = table = _toml_names(header[1]) if header else table
+        if not header and equals:
+            path = [*table, *_toml_names(name)]
+        if not path or path[0] != first or not (header or equals):
+            continue
+        nearest = nearest or number
+        if (path[-1] == last and len(path) >= len(keys)) or inline.search(rest):
+            return number
+    return nearest
+
+
+def _toml_names(text: str) -> list[str]:
+    return [name.strip("\"'") for name in _TOML_NAME.findall(text)]
 
 
 def _read_bytes(path: Path) -> bytes:
@@ -62,7 +108,7 @@ def _read_bytes(path: Path) -> bytes:
     try:
         size = path.stat().st_size
         if size > tolerances.MAX_FILE_BYTES:
-            raise FileAccessError(
+            raise FileContentError(
                 f"the file has {size} bytes", span=Span(name), permitted=f"at most {tolerances.MAX_FILE_BYTES} bytes"
             )
         return path.read_bytes()

@@ -22,7 +22,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild.analysis.structure import Arm, Kind, Lines, Mill, Structure, meeting_point
+from chainbuild.analysis.structure import Arm, Kind, Lines, Mill, Structure, Wrist, meeting_point
 from chainbuild.chain.elements import Task
 
 Vector = NDArray[np.float64]
@@ -65,6 +65,8 @@ def factors(structure: Structure, lines: Lines, task: Task, tool_direction: Vect
         found = list(_arm_factors(form, lines, structure.length))
     elif isinstance(form, Mill):
         found = list(_mill_factors(form, lines, task, tool_direction))
+    elif isinstance(form, Wrist):
+        found = [_wrist_factor(form.joints, lines)]
     else:
         found = []
     return tuple(sorted(found, key=lambda factor: factor.value))
@@ -73,9 +75,7 @@ def factors(structure: Structure, lines: Lines, task: Task, tool_direction: Vect
 def _arm_factors(arm: Arm, lines: Lines, length: float) -> Iterator[Factor]:
     a2 = lines.directions[arm.upper]
     if arm.wrist is not None:
-        first, _, last = arm.wrist
-        cross = np.cross(lines.directions[first], lines.directions[last])
-        yield Factor("wrist", float(np.linalg.norm(cross)), arm.wrist)
+        yield _wrist_factor(arm.wrist, lines)
     upper = lines.points[arm.elbow] - lines.points[arm.upper]
     fore = meeting_point(lines, arm.tip) - lines.points[arm.elbow]
     upper, fore = upper - a2 * (upper @ a2), fore - a2 * (fore @ a2)
@@ -91,6 +91,11 @@ def _arm_factors(arm: Arm, lines: Lines, length: float) -> Iterator[Factor]:
         yield Factor("shoulder", distance / length, (arm.turn, *arm.head[:1]), offset=offset, distance=distance)
 
 
+def _wrist_factor(joints: tuple[int, int, int], lines: Lines) -> Factor:
+    cross = np.cross(lines.directions[joints[0]], lines.directions[joints[2]])
+    return Factor("wrist", float(np.linalg.norm(cross)), joints)
+
+
 def _mill_factors(mill: Mill, lines: Lines, task: Task, d: Vector) -> Iterator[Factor]:
     directions = [lines.directions[n] for n in mill.rotary]
     if task == "direction" and len(mill.rotary) == 2:
@@ -103,5 +108,4 @@ def _mill_factors(mill: Mill, lines: Lines, task: Task, d: Vector) -> Iterator[F
         if min(sines) > 0.0:
             yield Factor("tilt_end", across / (sines[0] * sines[1]), mill.rotary)
     elif task == "pose" and len(mill.rotary) == 3:
-        cross = np.cross(directions[0], directions[2])
-        yield Factor("wrist", float(np.linalg.norm(cross)), (mill.rotary[0], mill.rotary[1], mill.rotary[2]))
+        yield _wrist_factor((mill.rotary[0], mill.rotary[1], mill.rotary[2]), lines)

@@ -30,7 +30,8 @@ def notices(robot: Robot, axes: Vector) -> Iterator[Singularity]:
         robot: The robot.
         axes: Axis values.
     """
-    if robot.task == "pose" and robot.chain.angle_mode not in _FOLLOWS:
+    # A robot of four axes is programmed by position and C, where nothing can lock.
+    if robot.task == "pose" and robot.chain.angle_mode not in _FOLLOWS and not robot.chain.follows_c:
         yield from _gimbal_locks(robot, axes)
     if has_rods(robot.chain):
         yield from _dead_points(robot, axes)

@@ -6,6 +6,7 @@ lengths are divided by it, the columns of linear axes multiplied. The scaled sin
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 from weakref import WeakKeyDictionary
@@ -69,15 +70,19 @@ class Scaling:
         columns: Axes that move; held ones are left out.
         length: Characteristic length [m].
         factors: (rows, columns) what each element is multiplied with.
+        whole: Whether it keeps all rows and columns.
     """
 
     rows: NDArray[np.intp]
     columns: NDArray[np.intp]
     length: float
     factors: Matrix
+    whole: bool
 
     def apply(self, J: Matrix) -> Matrix:
         """Return the scaled Jacobian (…, rows, columns) of Jacobians (…, 6, n_axes)."""
+        if self.whole:
+            return np.multiply(J, self.factors)
         picked: Matrix = J[..., self.rows[:, None], self.columns] * self.factors
         return picked
 
@@ -138,7 +143,7 @@ def scaling_of(robot: Robot, length: float | None = None) -> Scaling:
     factors = np.ones((len(rows), len(columns)))
     factors[rows < 3] /= length
     factors[:, [robot.axes[n].kind == "linear" for n in columns]] *= length
-    return Scaling(rows, columns, length, factors)
+    return Scaling(rows, columns, length, factors, factors.shape == (6, len(robot.axes)))
 
 
 def measure(robot: Robot, axes: ArrayLike, length: float | None = None) -> Measures:
@@ -161,7 +166,10 @@ def measure(robot: Robot, axes: ArrayLike, length: float | None = None) -> Measu
 
 def smallest_value(robot: Robot, axes: ArrayLike) -> float:
     """Return the smallest scaled singular value at axis values (n_axes,): the quick form of `measure`."""
-    J = scaling_of(robot).apply(robot.jacobian(axes))
+    values = np.asarray(axes, dtype=float)
+    if values.shape != robot.kinematics.si_factors.shape or not math.isfinite(values.sum()):
+        values = robot.axis_values(axes)  # which says what is wrong
+    J = scaling_of(robot).apply(robot.kinematics.pose_and_jacobian(values * robot.kinematics.si_factors)[1])
     return float(np.linalg.svd(J, compute_uv=False)[-1])
 
 

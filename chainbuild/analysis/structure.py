@@ -72,16 +72,30 @@ class Mill:
     rotary: tuple[int, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Wrist:
+    """Anything with a central wrist whose basic axes have no known singularities.
+
+    Attributes:
+        joints: The last three rotary joints, whose lines meet.
+    """
+
+    joints: tuple[int, int, int]
+
+
+Form = Arm | Mill | Wrist | None
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Structure:
     """A robot's structure.
 
     Attributes:
-        form: `Arm`, `Mill`, or None where neither is found.
+        form: `Arm`, `Mill`, `Wrist`, or None where nothing is found.
         length: Characteristic length [m].
     """
 
-    form: Arm | Mill | None
+    form: Form
     length: float
 
 
@@ -114,7 +128,7 @@ def _probe_positions(robot: Robot) -> list[Vector]:
     return [lower + (upper - lower) * rng.uniform(0.1, 0.9, len(lower)) for _ in range(_PROBES)]
 
 
-def _form(chain: Chain, probes: list[Lines], length: float) -> Arm | Mill | None:
+def _form(chain: Chain, probes: list[Lines], length: float) -> Form:
     # A joint that stands still, or turns nothing but itself, has no line.
     moving = [n for n in joints_between_tips(chain) if all(lines.directions[n].any() for lines in probes)]
     rotary = [n for n in moving if chain.joints[n].kind == "revolute"]
@@ -126,7 +140,8 @@ def _form(chain: Chain, probes: list[Lines], length: float) -> Arm | Mill | None
     for i in range(len(rotary) - 2):
         if _parallel(probes, rotary[i], rotary[i + 1]):
             return _arm(probes, rotary, i, length)
-    return None
+    wrist = _meeting(probes, rotary, length) if len(rotary) > 3 or linear else ()
+    return Wrist(wrist) if len(wrist) == 3 else None
 
 
 def _lines_once(probes: list[Lines], rotary: list[int], length: float) -> list[int]:

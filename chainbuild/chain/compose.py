@@ -70,11 +70,11 @@ def follow(chain: Chain, *, workpiece_of: Chain, name: str | None = None, other_
         chain: The chain that carries the tool.
         workpiece_of: The chain that carries the workpiece.
         name: Name of `chain` among the partials; None: its own.
-        other_name: Prefix of the other's names that `chain` has already; None: its name.
+        other_name: Prefix of the other's names that `chain` has already; None: the name of what stands on top of it.
     """
     other = workpiece_of
     place = chain.frame("workpiece")
-    own, prefix = as_name(name or chain.name), as_name(other_name or other.name)
+    own, prefix = as_name(name or chain.name), as_name(other_name or _top(other))
     rider = replace(
         other,
         axes=tuple(replace(axis, carries="workpiece") for axis in other.axes),
@@ -100,7 +100,7 @@ def beside(chain: Chain, other: Chain, *, name: str | None = None, other_name: s
 
     The other's tips stay as frames `OTHER_tool` and `OTHER_flange`; the pose does not depend on its axes.
     """
-    own, prefix = as_name(name or chain.name), as_name(other_name or other.name)
+    own, prefix = as_name(name or chain.name), as_name(other_name or _top(other))
     place = chain.frame("workpiece")
     guest = replace(
         other, frames=_renamed(other.frames, {"tool": f"{prefix}_tool", "workpiece": "", "flange": f"{prefix}_flange"})

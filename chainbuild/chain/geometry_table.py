@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final
 
-from chainbuild.chain.geometry import NO_GEOMETRY, Geometry, Numbers, RodData, Shape, ShapeKind
+from chainbuild.chain.geometry import Geometry, Numbers, RodData, Shape, ShapeKind
 from chainbuild.errors import ChainbuildError
 from chainbuild.units import m_from_mm
 
@@ -139,6 +139,3 @@ class _Reader:
         if scale <= 0.0:
             raise self.refuse(link, "a scale above 0, metres a unit of the file")
         return Shape(kind, place=place, file=self.folder / name, scale=scale)
-
-
-__all__ = ["NO_GEOMETRY", "geometry_from_table"]

@@ -31,6 +31,7 @@ def types(*, json: Json = False) -> int:
         programmed = "pose" if entry.orientation == "complete" else "position and axes"
         shown.add_row(str(entry.number), entry.title, entry.family, axes, programmed, entry.manual)
     console().print(shown)
+    console().print("91 (universal) and 210 (coupling) are built from the axes and the kinematics that a list names.")
     return 0
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import Axis, Chain, Joint
+from chainbuild.chain.rods import rod_masters
 from chainbuild.out.files import number_text
 from chainbuild.units import deg_from_rad, mm_from_m
 
@@ -33,11 +34,14 @@ def urdf_limitations(chain: Chain) -> tuple[str, ...]:
 def _coupling(chain: Chain, axis_map: AffineMap) -> list[str]:
     notes = []
     driven = np.abs(axis_map.A) > _SLIGHT
+    # What a mimic joint expresses is no limitation.
+    masters = rod_masters(chain)
+    driven[[joint.name in masters for joint in chain.joints]] = False
     for row, joint in enumerate(chain.joints):
         names = [axis.name for axis, on in zip(chain.axes, driven[row], strict=True) if on]
         if len(names) > 1:
             notes.append(f"joint {joint.name} is driven by axes {', '.join(names)}; its limits are those of their box")
-        if not names:
+        if not names and joint.name not in masters:
             notes.append(f"joint {joint.name} stands at a fixed value; in the file it can only be held there")
     for column, axis in enumerate(chain.axes):
         names = [joint.name for joint, on in zip(chain.joints, driven[:, column], strict=True) if on]

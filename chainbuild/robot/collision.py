@@ -6,6 +6,7 @@ at every position: the bodies are drawn so that they overlap there.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, TypeAlias
@@ -66,6 +67,7 @@ class CollisionModel:
 
     def __init__(self, robot: Robot, watched: Iterable[Pair] | None = None) -> None:
         self.robot = robot
+        self._shape = (len(robot.axes),)
         self.solids = solids_of(robot.chain)
         self._ids = {solid.name: n for n, solid in enumerate(self.solids)}
         self._joint_of = {BASE_LINK: 0} | {joint.child: n + 1 for n, joint in enumerate(robot.chain.joints)}
@@ -104,6 +106,13 @@ class CollisionModel:
         best = pin.computeDistances(self.robot.model, self._data, self._model, self._found, self._q(axes))
         return self._distance(int(best))
 
+    def smallest_at(self, q: Vector) -> float:
+        """Return the smallest distance [m] at joint values (n_q,), SI: the quickest query; inf where no pair is."""
+        if not self.pairs:
+            return math.inf
+        best = pin.computeDistances(self.robot.model, self._data, self._model, self._found, q)
+        return float(self._found.distanceResults[best].min_distance)
+
     def distances(self, axes: ArrayLike) -> Vector:
         """Return the distances (n_pairs,) [m] of all watched pairs, in the order of `pairs`."""
         pin.computeDistances(self.robot.model, self._data, self._model, self._found, self._q(axes))
@@ -115,7 +124,10 @@ class CollisionModel:
         return tuple(sorted((self._distance(n) for n in range(len(self.pairs))), key=lambda d: d.distance))
 
     def _q(self, axes: ArrayLike) -> Vector:
-        return self.robot.q(axes)
+        values = np.asarray(axes, dtype=float)
+        if values.shape != self._shape or not math.isfinite(values.sum()):
+            return self.robot.q(axes)  # which says what is wrong
+        return self.robot.chain.axis_map.q(values)
 
     def _names(self, n: int) -> Pair:
         a, b = self.pairs[n]

@@ -21,7 +21,7 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 # Poses worked on at a time: the arrays of one chunk stay in the processor's cache, and memory does not grow.
-CHUNK: Final = 1024
+CHUNK: Final = 2048
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,23 +93,28 @@ def _turn_to_z(direction: Vector) -> Matrix:
     return T
 
 
-def poses(product: Product, x: Matrix) -> Matrix:
-    """Return the tool in the workpiece frame (N, 4, 4) [m] at SI axis values (N, n_axes).
+def poses_at(product: Product, values: Matrix, factors: Vector) -> Matrix:
+    """Return the tool in the workpiece frame (N, 4, 4) [m] at axis values (N, n_axes).
 
     Memory beyond the result does not depend on N.
+
+    Args:
+        product: The chain.
+        values: Axis values in any unit.
+        factors: (n_axes,) what makes them SI.
     """
-    result = np.zeros((len(x), 4, 4))
+    A = product.A * factors
+    result = np.zeros((len(values), 4, 4))
     result[:, 3, 3] = 1.0
-    for first in range(0, len(x), CHUNK):
+    for first in range(0, len(values), CHUNK):
         part = slice(first, first + CHUNK)
-        result[part, :3] = _chunk(product, x[part]).transpose(2, 1, 0)
+        result[part, :3] = _chunk(product, A @ values[part].T + product.b[:, None]).transpose(2, 1, 0)
     return result
 
 
-def _chunk(product: Product, x: Matrix) -> NDArray[np.float64]:
-    """Return x, y, z column and position of each pose as an array (4, 3, N)."""
-    count = len(x)
-    u = product.A @ x.T + product.b[:, None]
+def _chunk(product: Product, u: Matrix) -> NDArray[np.float64]:
+    """Return x, y, z column and position of the poses at joint values (k, N) as an array (4, 3, N)."""
+    count = u.shape[1]
     columns = np.repeat(product.fixed[0, :3].T[:, :, None], count, axis=2)
     other = np.empty_like(columns)
     work = np.empty((3, count))

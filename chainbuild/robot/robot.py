@@ -14,7 +14,9 @@ from chainbuild import frames, tolerances
 from chainbuild.chain.check import check_chain
 from chainbuild.chain.elements import Axis, Chain, Task
 from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.robot.inputs import as_pose, axis_rows, axis_vector, numbers
 from chainbuild.robot.kinematics import Kinematics
+from chainbuild.robot.product import poses_at
 from chainbuild.robot.task import choose_task
 
 if TYPE_CHECKING:
@@ -23,6 +25,9 @@ if TYPE_CHECKING:
     from chainbuild.solve.options import IkOptions
     from chainbuild.solve.redundancy import Preference
     from chainbuild.solve.result import IkResult
+    from chainbuild.solve.table import IkTable
+
+__all__ = ["Robot", "as_pose"]
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -71,23 +76,7 @@ class Robot:
         Raises:
             AxisValueError: wrong count, not numbers, NaN, inf or absurdly large.
         """
-        names = ", ".join(axis.name for axis in self.axes)
-        values = _numbers(axes)
-        if values is None:
-            raise AxisValueError("axis values must be real numbers", permitted=names)
-        if values.shape != (len(self.axes),):
-            raise AxisValueError(
-                f"{len(self.axes)} axis values are due, not an array of shape {values.shape}", permitted=names
-            )
-        huge = ~(np.abs(values) < tolerances.HUGE_AXIS_VALUE)
-        if huge.any():
-            worst = int(np.argmax(huge))
-            raise AxisValueError(
-                f"axis {self.axes[worst].name} has the value {values[worst]}",
-                parameter=self.axes[worst].name,
-                permitted=f"finite numbers below {tolerances.HUGE_AXIS_VALUE:.0e}",
-            )
-        return values
+        return axis_vector(self.axes, axes)
 
     def q(self, axes: ArrayLike) -> Vector:
         """Return Pinocchio's joint values (nq,), SI, of axis values (n_axes,), mm and degrees.
@@ -103,7 +92,7 @@ class Robot:
         Raises:
             AxisValueError: wrong count or not finite.
         """
-        values = _numbers(q)
+        values = numbers(q)
         if values is None or values.shape != (self.model.nq,) or not np.isfinite(values).all():
             raise AxisValueError(f"{self.model.nq} finite joint values are due")
         return self.chain.axis_map.axes(values)
@@ -135,6 +124,18 @@ class Robot:
         a, b, c = frames.angles_from_matrix(self.chain.angle_mode, self.fk(axes).rotation)
         total = self.chain.absolute_c
         return a, b, c if total is None else total.value(axes)
+
+    def fk_batch(self, axes: ArrayLike) -> Matrix:
+        """Return the tool in the workpiece frame (N, 4, 4) [m] at rows of axis values (N, n_axes), mm and degrees.
+
+        Raises:
+            AxisValueError: wrong shape or not finite.
+            ChainbuildError: the kinematic has no pose there.
+        """
+        values = axis_rows(self.axes, axes)
+        if self.kinematics.product is None:
+            return np.array([self.fk(row).homogeneous for row in values]).reshape(-1, 4, 4)
+        return poses_at(self.kinematics.product, values, self.kinematics.si_factors)
 
     def frame_placements(self, axes: ArrayLike) -> dict[str, pin.SE3]:
         """Return every frame of the model in the base [m] at axis values (n_axes,), mm and degrees."""
@@ -193,10 +194,63 @@ class Robot:
             AxisValueError: start or held of wrong count, unknown name or not finite.
             ChainbuildError: T is no rigid transform, or the robot has no such solver.
         """
-        # Solvers stand above this room; they are reached from here only.
         from chainbuild.solve.dispatch import inverse
 
         return inverse(self, T, start, held, solver, absolute_c_deg, prefer, options)
+
+    def ik_path(
+        self,
+        poses: Sequence[pin.SE3] | ArrayLike,
+        start: ArrayLike | None = None,
+        held: Mapping[str, float] | Sequence[float] | None = None,
+        *,
+        progress: bool = False,
+        options: IkOptions | None = None,
+    ) -> IkTable:
+        """Find axis values along a path, each pose from the one before and on the nearest branch.
+
+        Args:
+            poses: (N, 4, 4) poses or a sequence of `pin.SE3`, tool in the workpiece frame [m].
+            start: Axis values (n_axes,) where the path begins; None: anywhere.
+            held: As for `ik`, the same along the path.
+            progress: True: a progress bar on standard error.
+            options: As for `ik`.
+
+        A pose that is not met keeps its status, and the next one starts at the last that was.
+
+        Raises:
+            AxisValueError: start or held of wrong count, unknown name or not finite.
+            ChainbuildError: a pose is no rigid transform.
+        """
+        from chainbuild.solve.path import follow
+
+        return follow(self, poses, start, held, progress, options)
+
+    def ik_batch(
+        self,
+        poses: Sequence[pin.SE3] | ArrayLike,
+        starts: ArrayLike | None = None,
+        held: Mapping[str, float] | Sequence[float] | None = None,
+        progress: bool = False,
+        *,
+        options: IkOptions | None = None,
+    ) -> IkTable:
+        """Find axis values for many poses that have nothing to do with each other; on all cores with the extra `fast`.
+
+        Args:
+            poses: (N, 4, 4) poses or a sequence of `pin.SE3`, tool in the workpiece frame [m].
+            starts: Axis values (n_axes,) for all poses or (N, n_axes); None: configurations whose poses are near.
+            held: As for `ik`, the same for all poses.
+            progress: True: a progress bar on standard error.
+            options: As for `ik`.
+
+        Raises:
+            AxisValueError: starts or held of wrong count, unknown name or not finite.
+            ChainbuildError: a pose is no rigid transform.
+        """
+        from chainbuild.solve.many import solve_many
+
+        return solve_many(self, poses, starts, held, progress, options)
 
     def ik_all(
         self,
@@ -261,39 +315,3 @@ class Robot:
                 outside.append(axis.name)
         outside += [limit.name for limit in self.chain.constraints if limit.margin(values) < -tolerances.LIMIT_SUM_DEG]
         return tuple(outside)
-
-
-def as_pose(T: pin.SE3 | ArrayLike) -> pin.SE3:
-    """Return a pose as `pin.SE3`.
-
-    Raises:
-        ChainbuildError: not a rigid 4×4 transform of finite numbers.
-    """
-    matrix = T.homogeneous if isinstance(T, pin.SE3) else _numbers(T)
-    if matrix is None:
-        raise ChainbuildError("a pose must be pin.SE3 or a 4×4 array of numbers")
-    if matrix.shape != (4, 4) or not _is_rigid(matrix):
-        raise ChainbuildError(
-            "a pose must be a rigid 4×4 transform: finite, with a right-handed rotation and the last row 0 0 0 1",
-            permitted=f"positions below {tolerances.HUGE_POSITION_M:.0e} m",
-        )
-    return pin.SE3(np.ascontiguousarray(matrix))
-
-
-def _numbers(values: ArrayLike) -> Vector | None:
-    """Return real numbers as a float array, or None for anything else (masked, complex, dates, text)."""
-    if isinstance(values, np.ma.MaskedArray):
-        return None
-    try:
-        raw = np.asarray(values)
-        return raw.astype(float) if raw.dtype.kind in "biufO" else None
-    except (TypeError, ValueError, OverflowError):
-        return None
-
-
-def _is_rigid(T: Matrix) -> bool:
-    if not (np.abs(T) < tolerances.HUGE_POSITION_M).all() or not np.array_equal(T[3], (0.0, 0.0, 0.0, 1.0)):
-        return False
-    R = T[:3, :3]
-    off = float(np.abs(R @ R.T - np.eye(3)).max())
-    return off < tolerances.ROTATION_MATRIX and float(np.linalg.det(R)) > 0.0

@@ -11,7 +11,15 @@ from chainbuild.chain.elements import Chain
 from chainbuild.conventions import Choices
 from chainbuild.errors import ChainbuildError, MachineDataError, Span
 from chainbuild.findings import Collector
-from chainbuild.machine import KinematicEntry, Machine, ParameterRow, choose_kinematic, finite_length_mm
+from chainbuild.machine import (
+    KinematicEntry,
+    Machine,
+    ParameterRow,
+    checked_channel,
+    checked_kinematic,
+    choose_kinematic,
+    finite_length_mm,
+)
 from chainbuild.overlay import Overlay
 from chainbuild.sinumerik.data_table import DataTable, tabulate
 from chainbuild.sinumerik.limits import machine_axes
@@ -127,6 +135,7 @@ class RobxMachine(Machine):
     def _choose(self, kinematic: int | str | None, channel: int | None, collector: Collector) -> tuple[Robx, bool]:
         """Return the transformation wanted and whether it is wanted gripper-referred."""
         file = self.table.reading.file
+        kinematic, channel = checked_kinematic(kinematic), checked_channel(channel)
         wanted = self.overlay.kinematic if kinematic is None else kinematic
         channels = sorted({robx.data.channel_number for robx in self.transformations})
         if channel is None:
@@ -142,7 +151,10 @@ class RobxMachine(Machine):
         if wanted == GRIPPER and here:
             return here[0], True
         entries = [entry for entry in self.kinematics() if entry.channel == channel and entry.name != GRIPPER]
-        number = choose_kinematic(entries, wanted, file).id
+        try:
+            number = choose_kinematic(entries, wanted, file).id
+        except MachineDataError as error:
+            raise error if kinematic is not None else self.overlay.blamed(error, "kinematic") from None
         return next(robx for robx in here if robx.transformation == number), False
 
 

@@ -12,23 +12,28 @@ from chainbuild.sinumerik.catalogue import MachineDatum, catalogue, lookup, look
 from chainbuild.sinumerik.values import Index, Refusal, Value, check_value, parse_index, parse_value
 from chainbuild.text import SourceText
 
+# Blanks only before the words, no line ends: a run of empty lines would be tried again from each of them.
+_ANY_CASE = re.IGNORECASE | re.ASCII
 _SINUMERIK = re.compile(
-    r"\\?\$(?:M[NCA]|S[NCA]|TC|ON)_[A-Z]|^\s*CHANDATA\s*\(|^\s*%_N_\w|^\s*(?:ROBX|TRAFO6)_[A-Z]|^\s*(?:N|MD)\s*62[69]\d\d\b",
-    re.IGNORECASE | re.MULTILINE,
+    r"\\?\$(?:M[NCA]|S[NCA]|TC|ON)_[A-Z]"
+    r"|^[ \t]*(?:CHANDATA[ \t]*\(|%_N_\w|(?:ROBX|TRAFO6)_[A-Z]|(?:N|MD)[ \t]*62[69]\d\d\b)",
+    _ANY_CASE | re.MULTILINE,
 )
-_HEADER = re.compile(r"\s*%_N_(?:CH(\d{1,2})_)?", re.IGNORECASE)
-_CHANDATA = re.compile(r"\s*(?:N\d+\s*)?CHANDATA\b\s*(.*)$", re.IGNORECASE)
+_HEADER = re.compile(r"\s*%_N_(?:CH(\d{1,2})_)?", _ANY_CASE)
+_CHANDATA = re.compile(r"\s*(?:N\d+\s*)?CHANDATA\b\s*(.*)$", _ANY_CASE)
+# The value runs to the end of the line, whose blanks are cut off beforehand: it always fits, nothing is tried twice.
 _ASSIGNMENT = re.compile(
-    r"""\s*(?:(?P<mark>N|MD|SD)\s*(?P<number>\d{1,9})(?!\d)\s*)?
+    r"""\s*(?:(?P<mark>N|MD|SD|(?=\d+\s*[$A-Z\[=]))\s*(?P<number>\d{1,9})(?!\d)\s*)?
         (?P<name>\$?[A-Z][A-Z0-9_]*)?\s*
         (?:\[(?P<index>[^\]]*)(?P<close>\])?)?\s*
-        =?\s*(?P<value>.*?)\s*$""",
-    re.IGNORECASE | re.VERBOSE,
+        =?\s*(?P<value>.*)$""",
+    _ANY_CASE | re.VERBOSE | re.DOTALL,
 )
-_OWN_DATUM = re.compile(r"(?:\$MC_)?(?:ROBX|TRAFO6)_[A-Z0-9_]+", re.IGNORECASE)
-_TE4_DATUM = re.compile(r"(?:\$MC_)?TRAFO6_", re.IGNORECASE)
-_PROGRAM_END = re.compile(r"\s*(?:N\d+\s*)?(?:M0?2|M17|M30|RET)\s*", re.IGNORECASE)
+_OWN_DATUM = re.compile(r"(?:\$MC_)?(?:ROBX|TRAFO6)_[A-Z0-9_]+", _ANY_CASE)
+_TE4_DATUM = re.compile(r"(?:\$MC_)?TRAFO6_", _ANY_CASE)
+_PROGRAM_END = re.compile(r"\s*(?:N\d+\s*)?(?:M0?2|M17|M30|RET)\s*", _ANY_CASE)
 _ESCAPE = re.compile(r"\\([$_\[\]])")
+_DATUM_MARKS = ("MD", "SD")
 _PARSE_CODES = ("CB101", "CB102", "CB103", "CB104")
 _MAX_CHANNEL = 99
 
@@ -141,7 +146,7 @@ def _without_comment(line: str) -> str:
 
 
 def _chandata(state: _State, rest: str, span: Span) -> None:
-    match = re.fullmatch(r"\(\s*(\d{1,4})\s*\)", rest.strip())
+    match = re.fullmatch(r"\(\s*(\d{1,4})\s*\)", rest.strip(), re.ASCII)
     channel = int(match[1]) if match else 0
     if 1 <= channel <= _MAX_CHANNEL:
         _enter_channel(state, channel)
@@ -159,13 +164,13 @@ def _enter_channel(state: _State, channel: int | None) -> None:
 
 
 def _assignment(state: _State, line_span: Span, line: str) -> None:
-    match = _ASSIGNMENT.match(line)
+    match = _ASSIGNMENT.match(line.rstrip())
     datum = _datum(match) if match else None
     if match is None or datum is None:
-        _not_ours(state, line_span, line)
+        _not_ours(state, line_span, line, match)
         return
     te4 = bool(_TE4_DATUM.match(match["name"])) if match["name"] else int(match["number"]) == datum.te4_number
-    span = _at(line_span, match["value"])
+    span = _at(line_span, match)
     _compare_number(state, match, datum, te4, span)
     try:
         index = _index(datum, match)
@@ -183,7 +188,7 @@ def _datum(match: re.Match[str]) -> MachineDatum | None:
         datum = lookup(match["name"])
         # A bare word is a datum only where it cannot be anything else: NC programs stand in archives too.
         return datum if match["name"].startswith("$") or _OWN_DATUM.fullmatch(match["name"]) else None
-    if match["number"] and match["mark"].upper() != "N":
+    if match["number"] and match["mark"].upper() in _DATUM_MARKS:
         return lookup_number(int(match["number"]))
     return None
 
@@ -194,11 +199,12 @@ def _index(datum: MachineDatum, match: re.Match[str]) -> Index:
     return parse_index(datum, match["index"])
 
 
-def _at(line_span: Span, value: str) -> Span:
+def _at(line_span: Span, match: re.Match[str]) -> Span:
     """Return the span of a value in its line, or of the line's first character where there is none."""
-    raw = line_span.text
-    found = raw.find(value, raw.find("]") + 1 or raw.find("=") + 1) if value else -1
-    column = found + 1 if found >= 0 else len(raw) - len(raw.lstrip()) + 1
+    raw, value = line_span.text, match["value"]
+    # Escapes stand before the value: what they add to the line is the difference to its beginning.
+    shift = raw.find(match.string[match.start("value") :], match.start("value")) if value else -1
+    column = shift + 1 if shift >= 0 else len(raw) - len(raw.lstrip()) + 1
     return Span(line_span.file, line_span.line, column, raw)
 
 
@@ -217,7 +223,10 @@ def _refuse(state: _State, refusal: Refusal, parameter: str, span: Span) -> None
 
 
 def _compare_number(state: _State, match: re.Match[str], datum: MachineDatum, te4: bool, span: Span) -> None:
-    """Warn where the number before a name is another datum's; an N may also be a plain block number."""
+    """Warn where the number before a name, with or without a mark, is another datum's.
+
+    An N may also be a plain block number.
+    """
     if not match["name"] or not match["number"]:
         return
     number, own = int(match["number"]), datum.te4_number if te4 else datum.number
@@ -227,20 +236,35 @@ def _compare_number(state: _State, match: re.Match[str], datum: MachineDatum, te
     state.collector.add("CB109", text, span=span)
 
 
-def _not_ours(state: _State, span: Span, line: str) -> None:
+def _not_ours(state: _State, span: Span, line: str, match: re.Match[str] | None) -> None:
     """Count a line that assigns nothing of use; warn where it names a datum of the transformation all the same."""
     state.ignored += 1
     named = _OWN_DATUM.search(line)
     if named is None:
+        _warn_nameless(state, span, match)
         return
     name = named[0].upper()
     if lookup(name) is None:
         known = [datum.te4_name or datum.name if _TE4_DATUM.match(name) else datum.name for datum in _own_data()]
         close = difflib.get_close_matches(name.removeprefix("$MC_"), known, 1)
         hint = f"did you mean {close[0]}?" if close else None
-        state.collector.add("CB108", f"{named[0]} is not a known machine datum; it was ignored", span=span, hint=hint)
+        text = f"{named[0][:60]} is not a known machine datum; it was ignored"
+        state.collector.add("CB108", text, span=span, hint=hint)
     else:
         state.collector.add("CB111", f"the line names {named[0]} but assigns nothing; it was ignored", span=span)
+
+
+def _warn_nameless(state: _State, span: Span, match: re.Match[str] | None) -> None:
+    """Warn where a block number is that of a datum of the transformation and a value follows, but no name."""
+    if match is None or not match["number"] or match["name"] or not match["value"]:
+        return
+    datum = lookup_number(int(match["number"]))
+    if datum is None or not datum.te4_name:
+        return
+    te4 = int(match["number"]) == datum.te4_number
+    name = f"$MC_{datum.te4_name}" if te4 else datum.identifier
+    text = f"{match['mark'].upper()}{match['number']} is the number of {name}, but the line names no datum: ignored"
+    state.collector.add("CB116", text, span=span, hint=f"write MD{match['number']}, or the name")
 
 
 def _own_data() -> list[MachineDatum]:

@@ -58,9 +58,7 @@ def _settings(overlay: Overlay) -> dict[str, float]:
 
 
 def _error(overlay: Overlay, key: str, permitted: str) -> OverlayError:
-    span = Span(str(overlay.path)) if overlay.path else None
-    text = f"the overlay's tool cannot hold this {key}"
-    return OverlayError(text, span=span, parameter=f"tool.{key}", permitted=permitted)
+    return overlay.error(f"the overlay's tool cannot hold this {key}", ("tool", key), permitted)
 
 
 def _from_file(

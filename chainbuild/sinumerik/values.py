@@ -11,13 +11,15 @@ from chainbuild.sinumerik.catalogue import MachineDatum
 Value = float | str
 Index = int | str | tuple[int, int] | None
 
-_NUMBER = re.compile(r"([+-]?)\s*((?:\d+\.?\d*|\.\d+)(?:EX?[+-]?\d+)?)", re.IGNORECASE)
-_MASK = re.compile(r"'\s*([HB])\s*([0-9A-F]+)\s*'", re.IGNORECASE)
+_ANY_CASE = re.IGNORECASE | re.ASCII
+_NUMBER = re.compile(r"([+-]?)\s*((?:\d+(?:\.\d*)?|\.\d+)(?:EX?[+-]?\d+)?)", _ANY_CASE)
+_MASK = re.compile(r"'\s*([HB])\s*([0-9A-F]+)\s*'", _ANY_CASE)
 _STRING = re.compile(r'"([^"]*)"')
-_COMMA = re.compile(r"[+-]?\d*,\d+(?:EX?[+-]?\d+)?", re.IGNORECASE)
-_NOT_FINITE = re.compile(r"[+-]?(?:nan|inf|infinity|1\.#\w+)", re.IGNORECASE)
-_AXIS = re.compile(r"(?:\d+\s*,\s*)?([A-Z_][A-Z0-9_]*)", re.IGNORECASE)
-_TOOL = re.compile(r"(\d{1,9})(?:\s*,\s*(\d{1,9}))?")
+_COMMA = re.compile(r"[+-]?\d*,\d+(?:EX?[+-]?\d+)?", _ANY_CASE)
+_NOT_FINITE = re.compile(r"[+-]?(?:nan|inf|infinity|1\.#\w+)", _ANY_CASE)
+_AXIS = re.compile(r"(?:\d+\s*,\s*)?([A-Z_][A-Z0-9_]*)", _ANY_CASE)
+_TOOL = re.compile(r"(\d{1,9})(?:\s*,\s*(\d{1,9}))?", re.ASCII)
+_ELEMENT = re.compile(r"\d{1,9}", re.ASCII)
 _WORDS = {"TRUE": 1.0, "FALSE": 0.0}
 _BASES = {"H": 16, "B": 2}
 _MASK_BITS = 32
@@ -65,7 +67,7 @@ def parse_value(text: str) -> Value:
     if _COMMA.fullmatch(text):
         raise Refusal("CB104", f"'{text[:40]}' has a decimal comma", "a decimal point")
     if _NOT_FINITE.fullmatch(text):
-        raise Refusal("CB103", f"'{text}' is not finite", "a finite number")
+        raise Refusal("CB103", f"'{text[:40]}' is not finite", "a finite number")
     raise Refusal("CB102", f"'{text[:40]}' is not a number", "a number such as 12.5, -3, 1e-6 or 'H1F'")
 
 
@@ -106,7 +108,7 @@ def _element(datum: MachineDatum, text: str | None) -> int | None:
             raise Refusal("CB105", "the index is missing", permitted)
         return None
     digits = text.strip()
-    if not re.fullmatch(r"\d{1,9}", digits) or (dimension and int(digits) >= dimension):
+    if not _ELEMENT.fullmatch(digits) or (dimension and int(digits) >= dimension):
         raise Refusal("CB105", f"the index [{text.strip()[:20]}] lies outside the dimension", permitted)
     return None if dimension == 1 else int(digits)
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild import tolerances
-from chainbuild.errors import ChainbuildError
-from chainbuild.solve import rules
 from chainbuild.solve.found import Found
 from chainbuild.solve.options import IkOptions
 
@@ -22,8 +20,6 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-NOT_RIGID: Final = "a pose must be a rigid 4×4 transform: finite, with a right-handed rotation"
-
 
 @cache
 def available() -> bool:
@@ -32,24 +28,18 @@ def available() -> bool:
 
 
 def search(packed: Packed, target: Matrix, start: Vector | None, wanted: Vector, options: IkOptions) -> Found:
-    """Search by compiled code; see `plain.search`.
-
-    Raises:
-        ChainbuildError: the target is no rigid transform.
-    """
+    """Search by compiled code; see `plain.search`. The outcome may be NOT_RIGID."""
     data, sizes = packed.data, packed.sizes
     points = np.array((wanted if start is None else start, wanted))
     answer = np.empty(points.shape)
-    ended = entries().search_one(
-        data, sizes, target, points, start is not None, _accuracy(options), options.max_restarts, answer
+    ended: tuple[int, int, int, float, float] = entries().search_one(
+        data, sizes, target, points, start is not None, accuracy_of(options), options.max_restarts, answer
     )
-    if ended[0] == rules.NOT_RIGID:
-        raise ChainbuildError(NOT_RIGID)
     return Found(*ended, answer[0], answer[1])
 
 
 @cache
-def _accuracy(options: IkOptions) -> Vector:
+def accuracy_of(options: IkOptions) -> Vector:
     """Return what the compiled code takes for tolerances."""
     tolerances_ = (options.position_tolerance, options.rotation_tolerance, tolerances.ROTATION_MATRIX)
     return np.array([options.residual_squared, *tolerances_])
@@ -86,8 +76,9 @@ def _pack(problem: Problem) -> Packed | None:
     box, starts, A = problem.box, problem.starts, product.A[:, problem.free]
     weights = problem.weights
     parts = (
-        product.fixed[:, :3], product.prismatic, A, product.b + product.A @ problem.x, box.lower, box.upper, box.periodic,
-        box.sums, box.sum_lower, box.sum_upper, weights, starts.points, starts.features, starts.scale,
+        product.fixed[:, :3], product.prismatic, A, product.b + product.A @ problem.x,
+        box.lower, box.upper, box.periodic, box.sums, box.sum_lower, box.sum_upper,
+        weights, starts.points, starts.features, starts.scale,
     )  # fmt: skip
     flat = [np.asarray(part, dtype=float).ravel() for part in parts]
     task = (problem.axis, problem.shown_axis, np.count_nonzero(weights), (weights != 1.0).any())

@@ -7,7 +7,6 @@ variables an entry point closes over, not by the files of the functions it calls
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 from zlib import crc32
@@ -15,16 +14,20 @@ from zlib import crc32
 import numba
 import numpy as np
 
-from chainbuild.solve import compiled_kernels, compiled_search, rules
+from chainbuild import tolerances
+from chainbuild.solve import compiled_kernels, compiled_limits, compiled_search, rules
 from chainbuild.solve.compiled_kernels import FAST, unpack, work_of
 from chainbuild.solve.compiled_search import is_rigid, search, track
 
-_SOURCES: Final = (compiled_kernels.__file__, compiled_search.__file__, rules.__file__)
-_FINGERPRINT: Final = crc32(b"".join(Path(source).read_bytes() for source in _SOURCES))
+kept: Final[Any] = numba.njit(cache=True, **FAST)
+kept_parallel: Final[Any] = numba.njit(cache=True, parallel=True, **FAST)
+
+_MODULES: Final = (compiled_kernels, compiled_limits, compiled_search, rules, tolerances)
+_FINGERPRINT: Final = crc32(b"".join(Path(str(module.__file__)).read_bytes() for module in _MODULES))
 
 
-def _search_one(fingerprint: int) -> Callable[..., Any]:
-    @numba.njit(cache=True, **FAST)
+def _search_one(fingerprint: int) -> Any:
+    @kept
     def search_one(data, sizes, target, points, has_start, accuracy, restarts, answer):
         """Check the target, then search; see `compiled_search.search`.
 
@@ -42,15 +45,24 @@ def _search_one(fingerprint: int) -> Callable[..., Any]:
             return rules.NOT_RIGID, 0, 0, np.inf, np.inf
         problem = unpack(data, sizes)
         return search(
-            problem, work_of(sizes[1]), target, points[0], has_start, points[1], accuracy, restarts, answer[0], answer[1]
+            problem,
+            work_of(sizes[1]),
+            target,
+            points[0],
+            has_start,
+            points[1],
+            accuracy,
+            restarts,
+            answer[0],
+            answer[1],
         )
 
     return search_one
 
 
-def _search_many(fingerprint: int) -> Callable[..., Any]:
-    @numba.njit(cache=True, parallel=True, **FAST)
-    def search_many(data, sizes, targets, starts, has_start, wanted, accuracy, restarts, y, counts, errors):
+def _search_many(fingerprint: int) -> Any:
+    @kept_parallel
+    def search_many(data, sizes, targets, starts, has_start, wanted, accuracy, restarts, y, counts, misses):
         """Search for many targets on all cores.
 
         Args:
@@ -64,31 +76,27 @@ def _search_many(fingerprint: int) -> Callable[..., Any]:
             restarts: Starts after the first.
             y: (N, n) out: the answers or the nearest.
             counts: (N, 3) out: outcome, steps, starts after the first.
-            errors: (N, 2) out: distance and angle left.
+            misses: (N, 2) out: distance and angle left.
         """
         for i in numba.prange(len(targets)):
             counts[i, 0] = rules.NOT_RIGID + 0 * fingerprint
             if is_rigid(targets[i], accuracy[3]):
-                problem = unpack(data, sizes)
-                start = starts[i if len(starts) > 1 else 0]
+                problem, work, outside = unpack(data, sizes), work_of(sizes[1]), np.empty(sizes[1])
+                start = starts[np.int64(i) % len(starts)]  # one for all, or one a pose
                 near_to = start if has_start else wanted
-                outside = np.empty(sizes[1])
-                work = work_of(sizes[1])
-                ended = search(
-                    problem, work, targets[i], start, has_start, near_to, accuracy, restarts, y[i], outside
-                )
-                counts[i, 0], counts[i, 1], counts[i, 2], errors[i, 0], errors[i, 1] = ended
+                ended = search(problem, work, targets[i], start, has_start, near_to, accuracy, restarts, y[i], outside)
+                counts[i, 0], counts[i, 1], counts[i, 2], misses[i, 0], misses[i, 1] = ended
 
     return search_many
 
 
-def _track_many(fingerprint: int) -> Callable[..., Any]:
-    @numba.njit(cache=True, **FAST)
-    def track_many(data, sizes, targets, first, accuracy, most, y, counts, errors):
+def _track_many(fingerprint: int) -> Any:
+    @kept
+    def track_many(data, sizes, targets, last, accuracy, most, y, counts, misses):
         """Follow a path; see `compiled_search.track`."""
         if fingerprint < 0:
-            return first
-        return track(unpack(data, sizes), work_of(sizes[1]), targets, first, accuracy, most, y, counts, errors)
+            return 0
+        return track(unpack(data, sizes), work_of(sizes[1]), targets, last, accuracy, most, y, counts, misses)
 
     return track_many
 

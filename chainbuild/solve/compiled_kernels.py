@@ -6,12 +6,14 @@ Nothing here checks its input, and nothing here is called from Python: `compiled
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, Final, NamedTuple
 
 import numba
 import numpy as np
 
-FAST: Final = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz", "arcp"}}
+FAST: Final[Mapping[str, Any]] = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz", "arcp"}}
+jit: Final[Any] = numba.njit(**FAST)
 
 
 class Arrays(NamedTuple):
@@ -50,7 +52,7 @@ class Work(NamedTuple):
     features: Any  # (12,)
 
 
-@numba.njit(**FAST)
+@jit
 def unpack(data, sizes):
     """Return views of a problem that lies in one array: handing over one array costs less than fourteen.
 
@@ -66,17 +68,17 @@ def unpack(data, sizes):
     )  # fmt: skip
 
 
-@numba.njit(**FAST)
+@jit
 def work_of(n):
     """Return the scratch for n axes."""
     size = max(n, 6)
     return Work(
-        np.empty((3, 4)), np.empty((6, n)), np.empty(6), np.empty((size, size)), np.empty(size), np.empty(n), np.empty(9),
-        np.empty(12),
-    )
+        np.empty((3, 4)), np.empty((6, n)), np.empty(6), np.empty((size, size)),
+        np.empty(size), np.empty(n), np.empty(9), np.empty(12),
+    )  # fmt: skip
 
 
-@numba.njit(**FAST)
+@jit
 def pose_and_jacobian(fixed, prismatic, A, b, y, T, J, column):
     """Write the pose T (3, 4) and the Jacobian J (6, n) in the tool frame; walks from the tool to the workpiece."""
     k, n = A.shape
@@ -115,7 +117,7 @@ def pose_and_jacobian(fixed, prismatic, A, b, y, T, J, column):
             T[r, 3] += fixed[i, r, 3]
 
 
-@numba.njit(**FAST)
+@jit
 def rotation_vector(T, target, error, M):
     """Write the rotation vector of RᵀS, the turn from tool to target in the tool frame, to error[3:6]."""
     for i in range(3):
@@ -143,7 +145,7 @@ def rotation_vector(T, target, error, M):
         error[3 + i] = signed * part
 
 
-@numba.njit(**FAST)
+@jit
 def tilt(T, target, axis, error, d):
     """Write the smallest turn (tool frame) that brings a tool axis to its direction in the target to error[3:6]."""
     for i in range(3):
@@ -158,9 +160,9 @@ def tilt(T, target, axis, error, d):
     error[3 + i], error[3 + j] = -d[j] * scale, d[i] * scale
 
 
-@numba.njit(**FAST)
+@jit
 def tool_error(T, target, axis, error, small):
-    """Write what the tool still has to move, in its own frame: shift, then turn (of one axis where `axis` is 0, 1, 2)."""
+    """Write what the tool still has to move, in its own frame: shift, then turn (of one axis where `axis` ≥ 0)."""
     x, y, z = target[0, 3] - T[0, 3], target[1, 3] - T[1, 3], target[2, 3] - T[2, 3]
     for i in range(3):
         error[i] = T[0, i] * x + T[1, i] * y + T[2, i] * z
@@ -170,7 +172,7 @@ def tool_error(T, target, axis, error, small):
         rotation_vector(T, target, error, small)
 
 
-@numba.njit(**FAST)
+@jit
 def weigh(weights, J, error):
     """Multiply error and Jacobian by the weights and move the rows that count to the front."""
     r = 0
@@ -183,7 +185,7 @@ def weigh(weights, J, error):
             r += 1
 
 
-@numba.njit(**FAST)
+@jit
 def solve_in_place(H, g, n):
     """Solve H·x = g by Cholesky, H (lower half) and g overwritten; x is left in g."""
     for j in range(n):
@@ -209,7 +211,7 @@ def solve_in_place(H, g, n):
         g[i] = rest * H[i, i]
 
 
-@numba.njit(**FAST)
+@jit
 def damped_step(rows, J, error, H, g, step, damping):
     """Write the damped least-squares step of error and Jacobian (their first `rows`) to step."""
     n = len(step)

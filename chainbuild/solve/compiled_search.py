@@ -1,4 +1,4 @@
-"""The damped search as compiled code, second part: limits, descent, restarts, many poses.
+"""The damped search as compiled code: descent, restarts, paths.
 
 See `plain.py` for the same search step by step on Pinocchio.
 """
@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 from typing import Final
 
-import numba
 import numpy as np
 
+from chainbuild import tolerances
 from chainbuild.solve import rules
-from chainbuild.solve.compiled_kernels import FAST, damped_step, pose_and_jacobian, tool_error, weigh
+from chainbuild.solve.compiled_kernels import damped_step, jit, pose_and_jacobian, tool_error, weigh
+from chainbuild.solve.compiled_limits import excess, near, onto_sums, turn_inside, turned_inside
 
-_TURN: Final = 2.0 * math.pi
 _OK: Final = rules.OK
 _LIMITS: Final = rules.LIMITS
 _STALLED: Final = rules.STALLED
@@ -22,57 +22,7 @@ _UNREACHABLE: Final = rules.UNREACHABLE
 _SLACK: Final = rules.INSIDE_SLACK
 
 
-@numba.njit(**FAST)
-def turned_inside(problem, n, value):
-    """Return the value moved by whole turns to the nearest place inside the limits, or as it is where there is none."""
-    lower, upper = problem.lower[n], problem.upper[n]
-    if problem.periodic[n] == 0.0 or (lower <= value <= upper):
-        return value
-    gap = lower - value if value < lower else upper - value
-    moved = value + math.copysign(math.ceil(abs(gap) / _TURN) * _TURN, gap)
-    return moved if lower <= moved <= upper else value
-
-
-@numba.njit(**FAST)
-def turn_inside(problem, y):
-    """Move what is outside its limits by whole turns where that helps; return whether anything was outside."""
-    outside = False
-    for n in range(len(y)):
-        if not problem.lower[n] <= y[n] <= problem.upper[n]:
-            y[n] = turned_inside(problem, n, y[n])
-            outside = True
-    return outside
-
-
-@numba.njit(**FAST)
-def onto_sums(problem, y):
-    """Move y the shortest way onto each coupled limit it violates, one after the other, then cut it to its limits."""
-    for c in range(len(problem.sums)):
-        value = 0.0
-        for n in range(len(y)):
-            value += problem.sums[c, n] * y[n]
-        gap = min(max(value, problem.sum_lower[c]), problem.sum_upper[c]) - value
-        if gap != 0.0:
-            for n in range(len(y)):
-                y[n] += gap * problem.sums[c, n]
-                y[n] = min(max(y[n], problem.lower[n]), problem.upper[n])
-
-
-@numba.njit(**FAST)
-def excess(problem, y):
-    """Return by how much y violates its limits, coupled ones included; 0 inside."""
-    total, lower, upper = 0.0, problem.lower, problem.upper
-    for n in range(len(y)):
-        total += max(lower[n] - y[n], y[n] - upper[n], 0.0)
-    for c in range(len(problem.sums)):
-        value = 0.0
-        for n in range(len(y)):
-            value += problem.sums[c, n] * y[n]
-        total += max(problem.sum_lower[c] - value, value - problem.sum_upper[c], 0.0)
-    return total
-
-
-@numba.njit(**FAST)
+@jit
 def stop_at_limits(problem, y, work, damping):
     """Move y by the step; axes that would leave their limits stop there and the others take over what is left."""
     lower, upper = problem.lower, problem.upper
@@ -95,7 +45,7 @@ def stop_at_limits(problem, y, work, damping):
         y[n] = min(max(turned_inside(problem, n, y[n] + step[n]), lower[n]), upper[n])
 
 
-@numba.njit(**FAST)
+@jit
 def descend(problem, target, y, work, inside, goal, close_enough, steps, stall_share):
     """Iterate y from one start; return whether the pose is met, the squared error and the steps taken.
 
@@ -140,7 +90,7 @@ def descend(problem, target, y, work, inside, goal, close_enough, steps, stall_s
             onto_sums(problem, y)
 
 
-@numba.njit(**FAST)
+@jit
 def rank_starts(features, scale, target, wanted, distances):
     """Write the squared distance of each start's pose to the target; `wanted` (12,) is scratch."""
     for r in range(3):
@@ -154,7 +104,7 @@ def rank_starts(features, scale, target, wanted, distances):
         distances[s] = squared
 
 
-@numba.njit(**FAST)
+@jit
 def next_start(points, distances, attempt, y):
     """Write a start not yet taken to y: the one whose pose is nearest, later on any in turns with it."""
     taken, nearest = attempt % len(distances), np.inf
@@ -167,29 +117,7 @@ def next_start(points, distances, attempt, y):
         y[n] = points[taken, n]
 
 
-@numba.njit(**FAST)
-def near(problem, y, wanted):
-    """Move periodic axes by whole turns as near to `wanted` as all limits allow; return whether any moved."""
-    lower, upper, periodic, any_turned = problem.lower, problem.upper, problem.periodic, False
-    for n in range(len(y)):
-        any_turned |= periodic[n] != 0.0 and abs(wanted[n] - y[n]) > math.pi
-    if not any_turned:
-        return False
-    moved = y.copy()
-    for n in range(len(y)):
-        if periodic[n] != 0.0:
-            turns = np.round((wanted[n] - y[n]) / _TURN)
-            back = -1.0 if turns > 0.0 else 1.0
-            while turns != 0.0 and not (lower[n] <= y[n] + turns * _TURN <= upper[n]):
-                turns += back
-            moved[n] += turns * _TURN
-    if len(problem.sums) > 0 and excess(problem, moved) > _SLACK:
-        return False
-    y[:] = moved
-    return True
-
-
-@numba.njit(**FAST)
+@jit
 def errors(problem, target, y, work):
     """Return the distance [m] and the angle [rad] by which forward kinematics at y misses the target."""
     pose_and_jacobian(problem.fixed, problem.prismatic, problem.A, problem.b, y, work.T, work.J, work.small)
@@ -197,7 +125,7 @@ def errors(problem, target, y, work):
     return lengths(problem.weights, work.error)
 
 
-@numba.njit(**FAST)
+@jit
 def lengths(weights, error):
     """Return distance and angle of an error (6,) without weights; shifts of weight 0 do not count."""
     distance, angle = 0.0, 0.0
@@ -208,7 +136,7 @@ def lengths(weights, error):
     return math.sqrt(distance), math.sqrt(angle)
 
 
-@numba.njit(**FAST)
+@jit
 def is_rigid(T, tolerance):
     """Return whether T (4, 4) has a right-handed rotation and finite numbers."""
     for i in range(3):
@@ -216,7 +144,7 @@ def is_rigid(T, tolerance):
             product = T[0, i] * T[0, j] + T[1, i] * T[1, j] + T[2, i] * T[2, j]
             if not abs(product - (1.0 if i == j else 0.0)) < tolerance:
                 return False
-        if not abs(T[i, 3]) < np.inf:
+        if not abs(T[i, 3]) < tolerances.HUGE_POSITION_M:
             return False
     normal = T[0, 2] * (T[1, 0] * T[2, 1] - T[2, 0] * T[1, 1])
     normal += T[1, 2] * (T[2, 0] * T[0, 1] - T[0, 0] * T[2, 1])
@@ -224,7 +152,7 @@ def is_rigid(T, tolerance):
     return normal > 0.0 and T[3, 0] == 0.0 and T[3, 1] == 0.0 and T[3, 2] == 0.0 and T[3, 3] == 1.0
 
 
-@numba.njit(**FAST)
+@jit
 def search(problem, work, target, start, has_start, wanted, accuracy, restarts, y, outside):
     """Search from the start, then from the table.
 
@@ -294,50 +222,49 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
     return (_LIMITS if least < np.inf else outcome), iterations + taken, attempt, distance, angle
 
 
-@numba.njit(**FAST)
+@jit
 def turns_count(problem):
     """Return whether the task asks for any turn."""
     return problem.weights[3] + problem.weights[4] + problem.weights[5] > 0.0
 
 
-@numba.njit(**FAST)
-def track(problem, work, targets, first, accuracy, most, y, counts, errors_):
-    """Follow a path from its pose `first` on, each pose from the last, as long as it stays easy.
+@jit
+def track(problem, work, targets, last, accuracy, most, y, counts, misses):
+    """Follow a path, each pose from the one before, as long as it stays easy.
 
     Args:
         problem: Arrays.
         work: Scratch.
         targets: (N, 4, 4) poses.
-        first: Index of the first pose to solve; the row before it is the start.
-        accuracy: (3,) see `search`.
+        last: (n,) where the axes are before the first.
+        accuracy: (4,) see `search`.
         most: Largest step of an axis that is taken without looking for a nearer branch.
-        y: (N, n) answers; rows from `first` on are written.
+        y: (N, n) out: answers.
         counts: (N, 3) out: outcome, steps, starts after the first.
-        errors_: (N, 2) out: distance and angle left.
+        misses: (N, 2) out: distance and angle left.
 
     Returns:
-        The index of the first pose that was not met within `most`, or N.
+        How many poses were met, each within `most` of the one before.
     """
     close_enough = min(accuracy[1], accuracy[2]) ** 2
-    for i in range(first, len(targets)):
-        now, last = y[i], y[i - 1]
+    for i in range(len(targets)):
+        now = y[i]
         now[:] = last
-        if i - 2 >= first:
+        if i >= 2:  # where the axes would be if they went on as they do
             for n in range(len(now)):
-                guess = 2.0 * last[n] - y[i - 2, n]
-                now[n] = min(max(guess, problem.lower[n]), problem.upper[n])
+                now[n] = min(max(2.0 * last[n] - y[i - 2, n], problem.lower[n]), problem.upper[n])
         met, _, taken = descend(
             problem, targets[i], now, work, True, accuracy[0], close_enough, rules.MAX_STEPS, rules.STALL_SHARE
         )
-        if not met or excess(problem, now) > _SLACK:
-            return i
         largest = 0.0
         for n in range(len(now)):
             largest = max(largest, abs(now[n] - last[n]))
-        if largest > most:
+        if not met or largest > most or excess(problem, now) > _SLACK:
             return i
-        errors_[i, 0], errors_[i, 1] = errors(problem, targets[i], now, work)
-        if not (errors_[i, 0] <= accuracy[1] and (errors_[i, 1] <= accuracy[2] or not turns_count(problem))):
+        distance, angle = errors(problem, targets[i], now, work)
+        if not (distance <= accuracy[1] and (angle <= accuracy[2] or not turns_count(problem))):
             return i
         counts[i, 0], counts[i, 1], counts[i, 2] = _OK, taken, 0
+        misses[i, 0], misses[i, 1] = distance, angle
+        last = now
     return len(targets)

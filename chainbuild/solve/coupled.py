@@ -45,4 +45,5 @@ def kept(
         if other.success:
             return other
     names = ", ".join(c.name if c.alarm is None else f"{c.name} (alarm {c.alarm})" for c in broken)
-    return replace(found, success=False, status="limits", reason=f"only reached outside the limits of {names}")
+    reason = f"only reached outside the limits of {names}"
+    return replace(found, success=False, status="limits", reason=reason, violated=tuple(c.name for c in broken))

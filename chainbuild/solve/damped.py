@@ -8,18 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.errors import ChainbuildError
+from chainbuild.robot.robot import as_pose
 from chainbuild.solve import compiled, plain, rules
 from chainbuild.solve.found import Found
 from chainbuild.solve.options import DEFAULT, IkOptions
 from chainbuild.solve.problem import Problem, problem_of
 from chainbuild.solve.reason import beyond_bound, reason_of
-from chainbuild.solve.result import IkResult, Status
+from chainbuild.solve.result import IkResult
+from chainbuild.solve.table import STATUSES
 
 if TYPE_CHECKING:
     import pinocchio as pin
@@ -28,8 +30,6 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-
-STATUSES: Final[tuple[Status, ...]] = ("ok", "limits", "stalled", "unreachable")
 
 
 def solve(
@@ -63,15 +63,22 @@ def matrix_of(target: pin.SE3 | ArrayLike) -> Matrix:
     """Return a pose as a (4, 4) array; whether it is rigid is looked at by the search.
 
     Raises:
-        ChainbuildError: not 4×4 numbers.
+        ChainbuildError: not 4×4 real numbers.
     """
+    T = getattr(target, "homogeneous", target)
+    if type(T) is np.ndarray and T.dtype == np.float64 and T.shape == (4, 4):
+        return np.ascontiguousarray(T)
+    matrix: Matrix = np.ascontiguousarray(as_pose(target).homogeneous)
+    return matrix
+
+
+def refusal(target: Matrix) -> ChainbuildError:
+    """Return the error for a target that the search takes for no rigid transform."""
     try:
-        T: Matrix = np.ascontiguousarray(getattr(target, "homogeneous", target), dtype=float)
-    except (TypeError, ValueError):
-        raise ChainbuildError(compiled.NOT_RIGID) from None
-    if T.shape != (4, 4):
-        raise ChainbuildError(compiled.NOT_RIGID)
-    return T
+        as_pose(target)
+    except ChainbuildError as error:
+        return error
+    return ChainbuildError("a pose must be a rigid 4×4 transform")
 
 
 def find(problem: Problem, target: Matrix, start: Vector | None, options: IkOptions) -> Found:
@@ -92,9 +99,12 @@ def find(problem: Problem, target: Matrix, start: Vector | None, options: IkOpti
     if options.compiled and compiled.available():
         packed = compiled.packed(problem)
         if packed is not None:
-            return compiled.search(packed, target, start, wanted, options)
+            found = compiled.search(packed, target, start, wanted, options)
+            if found.outcome == rules.NOT_RIGID:
+                raise refusal(target)
+            return found
     if not plain.is_rigid(target):
-        raise ChainbuildError(compiled.NOT_RIGID)
+        raise refusal(target)
     return plain.search(problem, target, start, wanted, options)
 
 

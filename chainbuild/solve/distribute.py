@@ -97,7 +97,8 @@ def distribute(
     Args:
         robot: A composed robot.
         tcp: X, Y, Z [mm], A, B, C [degrees] of the tool in the workpiece frame, all six or some by letter; letters
-            not named stay as they are with `current`. None: the partials keep their values, and the TCP follows.
+            not named stay as they are with `current`, also where `axes` moves the workpiece. None: the partials keep
+            their values, and the tool goes where they take it.
         axes: Directly programmed coordinates: "PARTIAL.X" → value, or PARTIAL → letter → value.
         locked: Coordinates that keep their values: "PARTIAL.X"; those that the chain locks are locked, too.
         current: PARTIAL → values it has now, all six or some by letter; the others count as 0.
@@ -111,14 +112,15 @@ def distribute(
     for name, values in (current or {}).items():
         for letter, value in _six(values).items():
             _find(by_name, name).now[LETTERS.index(letter)] = value
+    split = _Split(robot.chain, states)
+    before = split.tcp()
     for name, letter, value in _programmed(axes or {}):
         _find(by_name, name).program(letter, value)
     for name, letter in (_split(text) for text in locked):
         _find(by_name, name).hold(letter)
-    split = _Split(robot.chain, states)
     if tcp is None:
         return split.result(robot)
-    target = split.tcp()
+    target = before
     for letter, value in _six(tcp).items():
         target[LETTERS.index(letter)] = value
     split.run(target)
@@ -163,7 +165,7 @@ class _Split:
         states = self.tool_side
         ranks = [n if state.partial.rank is None else state.partial.rank for n, state in enumerate(states)]
         order = sorted(range(len(states)), key=lambda n: ranks[n])
-        # A partial that turns may move what an earlier one has placed; then the round is gone again.
+        # A partial that turns may move what an earlier one has placed; then another round follows.
         for _ in range(_PASSES):
             for n in order:
                 self._hand_over(states, n, T, target)

@@ -45,7 +45,7 @@ def is_rigid(target: Matrix) -> bool:
     """Return whether a (4, 4) array has a right-handed rotation and finite numbers; plain floats, it is few of them."""
     (a, b, c, x), (d, e, f, y), (g, h, i, z), last = target.tolist()
     most = tolerances.ROTATION_MATRIX
-    return (
+    rigid: bool = (
         abs(a * a + d * d + g * g - 1.0) < most
         and abs(b * b + e * e + h * h - 1.0) < most
         and abs(c * c + f * f + i * i - 1.0) < most
@@ -53,9 +53,10 @@ def is_rigid(target: Matrix) -> bool:
         and abs(a * c + d * f + g * i) < most
         and abs(b * c + e * f + h * i) < most
         and a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) > 0.0
-        and math.isfinite(x + y + z)
+        and max(abs(x), abs(y), abs(z)) < tolerances.HUGE_POSITION_M
         and last == [0.0, 0.0, 0.0, 1.0]
     )
+    return rigid
 
 
 class _Search:
@@ -177,7 +178,7 @@ class _Starts:
 
     def next(self, attempt: int) -> Vector:
         """Return a start not yet taken."""
-        points = self.search.problem.starts.points
+        points: Matrix = self.search.problem.starts.points
         if not len(points):
             return self.search.wanted
         if attempt == 0:
@@ -185,7 +186,8 @@ class _Starts:
         else:
             n = self._choose(attempt, len(points))
         self.taken.add(n)
-        return points[n]
+        point: Vector = points[n]
+        return point
 
     def _choose(self, attempt: int, count: int) -> int:
         if not self.order:

@@ -127,12 +127,25 @@ def _prepare(robot: Robot, x: Vector, fixed: NDArray[np.bool_], options: IkOptio
     freedoms = freedoms_of(robot)
     free = np.flatnonzero(~fixed)
     weights, axis = _weights(robot, options)
-    shown_axis = axis if weights[3:].any() else robot.kinematics.tool_axis
     box = freedoms.box.restricted(free, x)
-    factors = freedoms.si_factors
     starts = starts_of(robot, box, free, x, weights, axis, options.seed)
-    ranges = (box, freedoms.middle[free], factors[free], freedoms.reach, bool((weights[:3] > 0.0).all()))
-    return Problem(robot, robot.task, weights, axis, shown_axis, free, x, x / freedoms.si_factors, *ranges, starts, bool(weights[3:].any()))
+    return Problem(
+        robot=robot,
+        task=robot.task,
+        weights=weights,
+        axis=axis,
+        shown_axis=axis if weights[3:].any() else robot.kinematics.tool_axis,
+        free=free,
+        x=x,
+        axes=x / freedoms.si_factors,
+        box=box,
+        middle=freedoms.middle[free],
+        factors=freedoms.si_factors[free],
+        reach=freedoms.reach,
+        bounded=bool((weights[:3] > 0.0).all()),
+        starts=starts,
+        turns=bool(weights[3:].any()),
+    )
 
 
 def _weights(robot: Robot, options: IkOptions) -> tuple[Vector, int]:

@@ -6,8 +6,8 @@ with the same C: the axes are sought where
     position of the tool = the position given      3 equations
     C of the robot       = the C given             1 equation: the pose angle C, or the sum of axes that runs on
 
-and of several such places the one nearest to the start counts. Where C runs on, the axis next to the tool then makes
-as many whole turns as the C given asks for.
+first from the start, then from elsewhere, and the first such place that keeps the limits counts. Where C runs on, the
+axis next to the tool then makes as many whole turns as the C given asks for.
 """
 
 from __future__ import annotations
@@ -156,9 +156,9 @@ def _with_running_c(
 
 
 def _following(query: Query, angle: Angle, solve: Solve) -> IkResult | None:
-    """Return the answer for a reachable orientation with the C given, the nearest to the start first; None: none."""
+    """Return the answer for a reachable orientation with the C given, or a failure of one, or None: there is none."""
     failed = None
-    for x in sorted(_places(query, angle), key=query.distance):
+    for x in _places(query, angle):
         T = query.robot.kinematics.pose(query.robot.kinematics.q(x))
         reachable = as_pose(frames.transform(T.rotation, query.target.translation))
         found = solve(reachable, x / query.robot.kinematics.si_factors)
@@ -169,22 +169,29 @@ def _following(query: Query, angle: Angle, solve: Solve) -> IkResult | None:
 
 
 def _places(query: Query, angle: Angle) -> Iterator[Vector]:
-    """Yield SI axis values with the position and the C wanted, each once, with whole turns towards the limits."""
+    """Yield SI axis values with the position and the C wanted, with whole turns towards the limits, each once.
+
+    First comes where a descent from the start leads, then what other starts find, nearest to the start first.
+    """
+    near = _descend(query, angle, query.x0.copy())
+    if near is not None:
+        near = next(turned_axes(query, near, query.structure.free))
+        yield near
     rng = np.random.default_rng(0)
     low = np.where(np.isfinite(query.lower), query.lower, query.x0 - math.pi)
     high = np.where(np.isfinite(query.upper), query.upper, query.x0 + math.pi)
-    seen: list[Vector] = []
-    for attempt in range(_STARTS):
+    others: list[Vector] = []
+    for _ in range(_STARTS):
         x = query.x0.copy()
-        if attempt:
-            x[query.structure.free] = (low + (high - low) * rng.random(len(low)))[query.structure.free]
+        x[query.structure.free] = (low + (high - low) * rng.random(len(low)))[query.structure.free]
         found = _descend(query, angle, x)
         if found is None:
             continue
         found = next(turned_axes(query, found, query.structure.free))
-        if not any(np.abs(found - other).max() < _SAME for other in seen):
-            seen.append(found)
-            yield found
+        known = others if near is None else [near, *others]
+        if not any(np.abs(found - other).max() < _SAME for other in known):
+            others.append(found)
+    yield from sorted(others, key=query.distance)
 
 
 def _descend(query: Query, angle: Angle, x: Vector) -> Vector | None:
@@ -214,7 +221,7 @@ def _wound(robot: Robot, found: IkResult, total: AxisSum, c_deg: float) -> IkRes
     if axis.endless or axis.lower - _slack_deg() <= axes[n] <= axis.upper + _slack_deg():
         return replace(found, axes=axes)
     reason = f"C = {c_deg:.6g} needs {axis.name} = {axes[n]:.6g}, outside its limits {axis.lower:g} … {axis.upper:g}"
-    return replace(found, axes=axes, success=False, status="limits", reason=reason)
+    return replace(found, axes=axes, success=False, status="limits", reason=reason, violated=(axis.name,))
 
 
 def _slack_deg() -> float:

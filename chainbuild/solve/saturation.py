@@ -64,9 +64,8 @@ def within_limits(
         distance, angle = robot.kinematics.errors(mended, target, found.task)
         met = distance <= tolerances.IK_POSITION_M and (found.task == "position" or angle <= tolerances.IK_ROTATION_RAD)
         if met and not robot.violated_limits(axes):
-            return replace(
-                found, success=True, status="ok", axes=axes, position_error=distance, rotation_error=angle, reason=""
-            )
+            mended_result = replace(found, success=True, status="ok", axes=axes, reason="", violated=())
+            return replace(mended_result, position_error=distance, rotation_error=angle)
     return found
 
 

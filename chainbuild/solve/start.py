@@ -54,7 +54,8 @@ def _by_name(robot: Robot, held: Held | None) -> Mapping[str, float]:
     names = [axis.name for axis in robot.axes if axis.held]
     permitted = ", ".join(names) or "a mapping of axis name to value"
     if not isinstance(held, Sequence | np.ndarray) or isinstance(held, str | bytes):
-        raise AxisValueError("held is neither a mapping nor a sequence of numbers", parameter="held", permitted=permitted)
+        text = "held is neither a mapping nor a sequence of numbers"
+        raise AxisValueError(text, parameter="held", permitted=permitted)
     if len(held) != len(names):
         raise AxisValueError(
             f"{len(held)} held values are given, the robot has {len(names)} input axes",
@@ -67,7 +68,8 @@ def _by_name(robot: Robot, held: Held | None) -> Mapping[str, float]:
 def _number(name: str, value: object) -> float:
     """Return a held value; whether it is finite is looked at with the others."""
     if not isinstance(value, Real):
-        raise AxisValueError(f"axis {name} is held at {value!r}", parameter="held", permitted="a number in mm or degrees")
+        text = f"axis {name} is held at {value!r}"
+        raise AxisValueError(text, parameter="held", permitted="a number in mm or degrees")
     try:
         return float(value)
     except OverflowError:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.errors import ChainbuildError
-from chainbuild.robot.product import poses
+from chainbuild.robot.product import poses_at
 from chainbuild.solve.freedoms import Box, finite_span
 
 if TYPE_CHECKING:
@@ -56,7 +56,8 @@ class Starts:
 
     def distances(self, target: Matrix) -> Vector:
         """Return how far each start's pose (count,) is from a target (4, 4), less a number that is the same for all."""
-        return self.offsets - self.rows.dot(target[:3].ravel() * self.doubled)
+        squared: Vector = self.offsets - self.rows.dot(target[:3].ravel() * self.doubled)
+        return squared
 
     def nearest(self, target: Matrix) -> int:
         """Return the index of the start whose pose is nearest to a target (4, 4)."""
@@ -118,7 +119,7 @@ def _poses(robot: Robot, x: Matrix) -> tuple[Matrix, NDArray[np.bool_]]:
     """Return the poses (N, 4, 4) and where there is one."""
     product = robot.kinematics.product
     if product is not None:
-        return poses(product, x), np.ones(len(x), dtype=bool)
+        return poses_at(product, x, np.ones(x.shape[1])), np.ones(len(x), dtype=bool)
     T = np.full((len(x), 4, 4), np.nan)
     for row, values in zip(T, x, strict=True):
         try:

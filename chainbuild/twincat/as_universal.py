@@ -17,15 +17,17 @@ import numpy as np
 
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import Chain, Joint, Matrix, Vector
-from chainbuild.chain.poses import link_placements, path_to
+from chainbuild.chain.poses import frame_placement, link_placements, path_to
 from chainbuild.errors import UnsupportedKinematicError
 from chainbuild.frames import urdf_rpy
 from chainbuild.machine import Machine
-from chainbuild.units import AxisKind, deg_from_rad, mm_from_m, raw_from_mm
+from chainbuild.units import AxisKind, deg_from_rad, m_from_mm, mm_from_m, raw_from_mm
 
 _MAX_ROTARY: Final = 3
 _LINEAR: Final = 3
 _NOISE: Final = 1e-15
+_SAME_PLACE: Final = 1e-12  # m
+_TRIAL_LENGTH_MM: Final = 100.0
 _COUNT_DIGITS: Final = 7  # of 1e-4 mm
 
 
@@ -76,7 +78,18 @@ def as_universal(
         UnsupportedKinematicError: a universal kinematic cannot express the machine, with the reason.
     """
     chain = machine.chain(kinematic, channel, 0.0, conventions)
-    return list_text(chain, universal_of(chain))
+    universal = universal_of(chain)
+    longer = machine.chain(kinematic, channel, _TRIAL_LENGTH_MM, conventions)
+    return list_text(chain, universal, _lengthens_alike(chain, longer, universal))
+
+
+def _lengthens_alike(chain: Chain, longer: Chain, universal: Universal) -> bool:
+    """Return whether a tool length acts along minus the tool vector, as it does in KIN_TYP 91."""
+    if not isinstance(longer.axis_map, AffineMap):
+        return False
+    zero = np.zeros(len(chain.axes))
+    end = frame_placement(longer, "tool", zero)[:3, 3] - frame_placement(chain, "tool", zero)[:3, 3]
+    return bool(np.abs(end + m_from_mm(_TRIAL_LENGTH_MM) * universal.T_zero[:3, 2]).max() < _SAME_PLACE)
 
 
 def universal_of(chain: Chain) -> Universal:
@@ -148,12 +161,19 @@ def _kind(joint: Joint) -> AxisKind:
     return "linear" if joint.kind == "prismatic" else "rotary"
 
 
-def list_text(chain: Chain, universal: Universal) -> str:
-    """Return the parameter list of a universal kinematic."""
+def list_text(chain: Chain, universal: Universal, lengthens: bool = True) -> str:
+    """Return the parameter list of a universal kinematic.
+
+    Args:
+        chain: What it was made from.
+        universal: Its axes.
+        lengthens: False where a tool length acts otherwise there; the list then says so.
+    """
     lines = [
         f"# {chain.title}: {chain.kinematic} written as KIN_TYP 91, the universal kinematic.",
         *(f"# Convention {used.convention.name} = {used.choice}" for used in chain.conventions),
         *_shift_lines(universal),
+        *(() if lengthens else ("# For tools of length 0 only: a tool length acts otherwise in the type.",)),
         "trafo[0].id 91",
         *_vector("zero_orientation", universal.T_zero[:3, 2]),
         *_vector("zero_position", _counts(universal.T_zero[:3, 3])),

@@ -132,12 +132,29 @@ def _limited(axis: Axis, entry: AxisList | None, collector: Collector) -> Axis:
     if entry is None:
         return axis
     axis = replace(axis, endless=axis.endless or (entry.modulo and axis.kind == "rotary"))
-    if entry.lower is None or entry.upper is None:
-        return axis
     scale = mm_from_tenth_um if axis.kind == "linear" else deg_from_raw
+    if entry.lower is None or entry.upper is None:
+        if entry.lower is None and entry.upper is None:
+            return axis
+        return _one_sided(axis, entry, scale, collector)
     lower, upper = scale(entry.lower), scale(entry.upper)
     if not lower < upper:
         text = f"the software limits of axis {axis.name} leave no range: {lower:g} to {upper:g} {axis.unit}"
-        collector.add("CB230", text, span=entry.span, parameter="kenngr.swe_neg, kenngr.swe_pos")
+        # Both at one value may mean that none are set; an endless axis does not heed them.
+        code = "CB230" if lower == upper or axis.endless else "CB234"
+        permitted = f"swe_pos above {entry.lower:g}" if code == "CB234" else None
+        collector.add(code, text, span=entry.span, parameter="kenngr.swe_neg, kenngr.swe_pos", permitted=permitted)
         return axis
     return replace(axis, lower=lower, upper=upper, assumed=False)
+
+
+def _one_sided(axis: Axis, entry: AxisList, scale: Callable[[float], float], collector: Collector) -> Axis:
+    """Return an axis with the limit that the list gives; the other side is assumed."""
+    side, missing = ("upper", "kenngr.swe_neg") if entry.lower is None else ("lower", "kenngr.swe_pos")
+    text = f"axis {axis.name} has only the {side} software limit; the other side is assumed"
+    collector.add("CB233", text, span=entry.span, parameter=missing)
+    if entry.lower is not None:
+        lower = scale(entry.lower)
+        return replace(axis, lower=lower, upper=max(axis.upper, lower + 1.0), assumed=True)
+    upper = scale(entry.upper or 0.0)
+    return replace(axis, lower=min(axis.lower, upper - 1.0), upper=upper, assumed=True)

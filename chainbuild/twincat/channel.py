@@ -23,10 +23,13 @@ from chainbuild.twincat.config import (
     kept_by,
     short_name,
 )
+from chainbuild.twincat.named_parameters import acts_on, nearest_name
 from chainbuild.twincat.reader import Assignment, Key, ParameterList, canonical
 
 # P-CHAN-00112; 11 is described as not supported by the controller.
 _ANGLE_MODES: Final = frozenset({*range(-1, 6), *range(10, 22)})
+_UNIVERSAL: Final = 91  # judges its names itself
+_COUPLING: Final = 210
 
 
 def read_channel(parameters: ParameterList, collector: Collector, index: int = 0, name: str = "") -> Channel:
@@ -39,6 +42,8 @@ def read_channel(parameters: ParameterList, collector: Collector, index: int = 0
     found = [*_grouped(parameters, collector, "kin_step"), *_grouped(parameters, collector, "kinematik")]
     trafos = sorted((t for t in found if t), key=lambda t: (t.step, t.span.line))
     _refuse_repeated(trafos, collector)
+    for trafo in trafos:
+        _warn_unknown(trafo, collector)
     pcs = tuple(t for t in _grouped(parameters, collector, "trafo_pcs") if t)
     if pcs:
         text = f"{len(pcs)} PCS transformation(s) are read; they act on the program's coordinates, not on the machine"
@@ -53,11 +58,8 @@ def read_channel(parameters: ParameterList, collector: Collector, index: int = 0
     )  # fmt: skip
     for step, default in defaults.items():
         if channel.default_trafo(step) is None and any(t.step == step for t in trafos):
-            ids = ", ".join(str(t.id) for t in trafos if t.step == step)
-            collector.add(
-                "CB222", f"the default kinematic {default.id or default.name!r} is not configured", span=default.span,
-                permitted=ids, alarm=UNKNOWN_ID_ALARM,
-            )  # fmt: skip
+            text, span, ids = default.fault(trafos, step)
+            collector.add("CB222", text, span=span, permitted=ids, alarm=UNKNOWN_ID_ALARM)
     return channel
 
 
@@ -132,6 +134,21 @@ def _place(entry: Assignment, root: str) -> tuple[int, int, tuple[Key, ...]]:
     return 0, checked_index(entry, keys[0][1], UNS16 if root == "kinematik" else MAX_TRAFOS - 1), keys[1:]
 
 
+def _warn_unknown(trafo: Trafo, collector: Collector) -> None:
+    """Warn of parameters that nothing reads: misspelt, with a wrong index, or of a type configured by names."""
+    if trafo.type == _UNIVERSAL:
+        return
+    for name, entry in trafo.extras.items():
+        if acts_on(name, by_name=trafo.type == _COUPLING):
+            continue
+        known = acts_on(name, by_name=True)
+        what = f"has no effect on KIN_TYP {trafo.type}" if known else "is no parameter of a kinematic"
+        near = None if known else nearest_name(name)
+        hint = f"did you mean {trafo.prefix}.{near}?" if near else None
+        text = f"{entry.name[:80]} {what}; it is left alone"
+        collector.add("CB227", text, span=entry.span, parameter=entry.name[:80], hint=hint)
+
+
 def _refuse_repeated(trafos: list[Trafo], collector: Collector) -> None:
     seen: dict[tuple[int, int, str], Trafo] = {}
     for trafo in trafos:
@@ -154,9 +171,9 @@ def _defaults(parameters: ParameterList, collector: Collector) -> dict[int, Defa
             id_entry, name_entry = parameters.get(id_name), parameters.get(name_name)
             number = id_entry.integer(0, UNS16) if id_entry else 0
             name = name_entry.text() if name_entry else ""
-            entry = id_entry or name_entry
-            if entry is not None and (number or name):
-                defaults[step] = Default(number or None, name or None, entry.span)
+            if number or name:
+                spans = (entry.span if entry else None for entry in (id_entry, name_entry))
+                defaults[step] = Default(number or None, name or None, *spans)
     return defaults
 
 

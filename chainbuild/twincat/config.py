@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Final
@@ -76,15 +76,31 @@ class ChannelAxis:
 
 @dataclass(frozen=True, slots=True)
 class Default:
-    """Which kinematic of a step is active after start-up."""
+    """Which kinematic of a step is active after start-up; id and name each with the place where it stands."""
 
     id: int | None = None
     name: str | None = None
     span: Span | None = None
+    name_span: Span | None = None
 
     def matches(self, trafo: Trafo) -> bool:
         """Return True where both id and name, as far as given, are those of a kinematic."""
         return self.id in (None, trafo.id) and self.name in (None, trafo.name)
+
+    def fault(self, trafos: Iterable[Trafo], step: int = 0) -> tuple[str, Span | None, str]:
+        """Return what is wrong with a default that no kinematic matches, where, and what would be permitted."""
+        here = [trafo for trafo in trafos if trafo.step == step]
+        known = ", ".join(f"{trafo.id} ({trafo.name})" if trafo.name else str(trafo.id) for trafo in here)
+        if self.id is None or self.name is None:
+            span = self.span if self.name is None else self.name_span or self.span
+            return f"the default kinematic {self.id or self.name!r} is not configured", span, known
+        has_id = any(trafo.id == self.id for trafo in here)
+        has_name = any(trafo.name == self.name for trafo in here)
+        what = f"the default kinematic is id {self.id} and name {self.name!r}"
+        if has_id and has_name:
+            return f"{what}, which contradict each other: no kinematic bears both", self.name_span, known
+        lacks = f"no kinematic bears this {'name' if has_id else 'id' if has_name else 'id or name'}"
+        return f"{what}, but {lacks}: it is not configured", self.name_span if has_id else self.span, known
 
 
 @dataclass(frozen=True, slots=True)

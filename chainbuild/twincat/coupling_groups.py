@@ -5,6 +5,7 @@ Members and groups are named by name in older builds of the controller, by id in
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from functools import cache
 from importlib import resources
 from typing import Any, Final
 
-from chainbuild.errors import ChainbuildError, MachineDataError, Span
+from chainbuild.errors import MachineDataError, Span
 from chainbuild.findings import Collector
 from chainbuild.twincat.config import Trafo
 from chainbuild.twincat.reader import Assignment
@@ -21,6 +22,9 @@ COUPLING: Final = 210
 NOT_UNIQUE, NO_TOOL_MEMBER, MULTISTEP = 21931, 22053, 22093
 _UNSUPPORTED, _GROUP_TWICE, _UNKNOWN_MEMBER, _UNKNOWN_WORKPIECE = 292060, 292063, 292064, 292066
 _INCOMPLETE_PRIORITY, _NO_GROUP, _GAP, _NO_MEMBER = 292067, 292085, 292086, 292087
+
+_GROUP: Final = re.compile(r"group\[(\d+)\]")
+_KNOWN: Final = re.compile(r"group\[\d+\]\.(name|id|workpiece_cs|(chain|move_prio)\[\d+\])|lock_dof\[\d+\]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +100,7 @@ class _Reading:
     collector: Collector
 
     def run(self) -> tuple[Group, ...]:
+        self.unknown_names()
         drafts = self.drafts()
         groups = tuple(self.group(draft, drafts) for draft in drafts)
         if len(groups) > 1 and groups[0].workpiece == 1 and groups[1].workpiece == 0:
@@ -113,7 +118,7 @@ class _Reading:
 
     def drafts(self) -> list[_Draft]:
         """Return the configured groups; those that are empty may only stand at the end."""
-        indices = sorted({entry.keys[2][1] for entry in self.entries() if entry.keys[2][1] is not None})
+        indices = sorted({k for k, _ in self.entries()})
         by_id = any(f"group[{k}].id" in self.coupling.extras for k in indices)
         configured = [k for k in indices if self.configured(k, by_id)]
         if not configured:
@@ -133,8 +138,16 @@ class _Reading:
             raise self.refusal(_GROUP_TWICE, text, drafts[-1].span, "group", "different names or ids")
         return drafts
 
-    def entries(self) -> list[Assignment]:
-        return [entry for key, entry in self.coupling.extras.items() if key.startswith("group[")]
+    def entries(self) -> list[tuple[int, Assignment]]:
+        """Return what the list says of groups, each with the group's index."""
+        found = ((_GROUP.match(key), entry) for key, entry in self.coupling.extras.items())
+        return [(int(match[1]), entry) for match, entry in found if match]
+
+    def unknown_names(self) -> None:
+        for key, entry in self.coupling.extras.items():
+            if not _KNOWN.fullmatch(key):
+                text = f"{entry.name} is no parameter of KIN_TYP {COUPLING}; it is left alone"
+                self.collector.add("CB456", text, span=entry.span, parameter=entry.name)
 
     def configured(self, k: int, by_id: bool) -> bool:
         """Return whether a group counts: by an id other than 0, or by a name or a chain where ids are not used."""
@@ -221,7 +234,7 @@ class _Reading:
         return found[0]
 
     def span(self, k: int) -> Span | None:
-        return next((entry.span for entry in self.entries() if entry.keys[2][1] == k), self.coupling.span)
+        return next((entry.span for index, entry in self.entries() if index == k), self.coupling.span)
 
     def refusal(self, number: int, text: str, span: Span | None, parameter: str, permitted: str) -> MachineDataError:
         if not parameter.startswith(self.coupling.prefix):
@@ -239,12 +252,9 @@ def label_of(entry: Assignment, *, empty: bool = False) -> str:
     Raises:
         ParseError: no value.
     """
-    try:
-        text = entry.text()
-    except ChainbuildError:
-        if empty:
-            return ""
-        raise
+    if empty and not entry.raw:
+        return ""
+    text = entry.text()
     head = text.split(maxsplit=1)[0] if text else ""
     return str(int(head)) if head.isdecimal() else text
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 import tomllib
 from collections.abc import Mapping
@@ -14,6 +15,9 @@ from chainbuild.units import deg_from_raw, mm_from_tenth_um
 
 _INDEX: Final = re.compile(r"\[(\d+)\]")
 _ANGLES: Final = (3, 4, 5)
+# What every kinematic has: how it is written. Where it stands in a coupling also decides for the last two.
+_GENERAL: Final = {"id": "id", "type": "type", "name": "name", "param": "param[k]", "base": "base[k]",
+                   "lock_dof": "lock_dof[k]"}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +66,28 @@ def named_parameter(name: str) -> NamedParameter | None:
         index = _INDEX.search(name)
         key = "base.angle" if index and int(index[1]) in _ANGLES else "base.position"
     return named_parameters().get(key)
+
+
+def acts_on(name: str, *, by_name: bool) -> bool:
+    """Return whether a name behind the dot of trafo[j] is a parameter of a kinematic.
+
+    Args:
+        name: The name, with indices.
+        by_name: True for a type that is configured by names, False for one that is by PARAM[].
+    """
+    key = _INDEX.sub("", name)
+    return named_parameter(name) is not None and (by_name or key in _GENERAL)
+
+
+def nearest_name(name: str) -> str | None:
+    """Return how a name behind the dot of trafo[j] was probably meant.
+
+    >>> nearest_name("paramm[0]"), nearest_name("param[1][2]"), nearest_name("foo")
+    ('param[k]', 'param[k]', None)
+    """
+    known = {**{key: key for key in named_parameters()}, **_GENERAL}
+    close = difflib.get_close_matches(_INDEX.sub("", name)[:80], known, 1)
+    return known[close[0]] if close else None
 
 
 def slot_name(slot: int) -> str:

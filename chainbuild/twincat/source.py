@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from chainbuild.chain.names import as_name, free_name
 from chainbuild.overlay import Overlay
 from chainbuild.twincat.axislist import AxisList
 from chainbuild.twincat.config import Channel, Trafo
 from chainbuild.twincat.toollist import Tool
 
 DIALECT: Final = "TwinCAT CNC"
+_LABEL_CHARACTERS: Final = 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,3 +39,25 @@ class Source:
     overlay: Overlay = field(default_factory=Overlay)
     second: Trafo | None = None
     main: bool = True
+
+
+def chain_name(machine: str, source: Source, default: Source | None) -> str:
+    """Return a file-system-safe name of a chain, different for every kinematic of a machine file.
+
+    Args:
+        machine: Name of the machine, which is that of its default kinematic.
+        source: What the chain is built from.
+        default: What the default kinematic is built from, or None where there is none.
+    """
+    if default is not None and source.trafo is default.trafo and source.second is default.second:
+        return machine
+    taken: list[str] = []
+    label = ""
+    for trafo in source.channel.trafos:
+        own = as_name(trafo.name)[:_LABEL_CHARACTERS] if trafo.name else f"kin{trafo.id}"
+        # Compared without case: file systems do not all tell cases apart.
+        taken.append(free_name(own.lower(), taken))
+        if trafo is source.trafo:
+            label = own + taken[-1][len(own) :]
+    channel = "" if default is not None and source.channel is default.channel else f"_channel{source.channel.index}"
+    return f"{machine}{channel}_{label}{'_two_steps' if source.second is not None else ''}"

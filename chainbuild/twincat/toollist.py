@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
@@ -21,6 +22,9 @@ from chainbuild.units import mm_from_tenth_um
 
 _MAX_TOOL: Final = 65535
 _MILLIMETRES: Final = 0
+# What of a tool acts on a kinematic, and how near another name must come to be taken for a slip.
+_NAMES: Final = ("laenge", "radius", "kin_id", "kin_name", "mass_einheit", "kinematic", "kinematik", "wz_kopf_versatz")
+_MISSPELT: Final = 0.8
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +82,7 @@ def _tool(number: int, entries: Iterable[Assignment], collector: Collector) -> T
                 case ((("laenge" | "radius" | "kin_id" | "mass_einheit") as key, None),):
                     values[key] = entry.number()
                 case _:
-                    pass
+                    _warn_misspelt(entry, collector)
     assert span is not None  # a tool exists by its entries
     return Tool(
         number=number,
@@ -92,8 +96,24 @@ def _tool(number: int, entries: Iterable[Assignment], collector: Collector) -> T
     )
 
 
-def find_tool(tools: Mapping[int, Tool], number: float, file: str) -> Tool:
+def _warn_misspelt(entry: Assignment, collector: Collector) -> None:
+    """Warn of an entry that looks like geometry but is not read; most entries of a tool are none of our business."""
+    name = entry.keys[1][0] if len(entry.keys) > 1 else ""
+    close = difflib.get_close_matches(name[:80], _NAMES, 1, _MISSPELT)
+    if close:
+        meant = {"kinematic": "kinematic.param[k]", "kinematik": "kinematic.param[k]"}.get(close[0], close[0])
+        text = f"{entry.name[:80]} is no tool parameter that is read; it is left alone"
+        hint = f"did you mean wz[{entry.keys[0][1]}].{meant}?"
+        collector.add("CB245", text, span=entry.span, parameter=entry.name[:80], hint=hint)
+
+
+def find_tool(tools: Mapping[int, Tool], number: float, span: Span) -> Tool:
     """Return a tool by number.
+
+    Args:
+        tools: The tools of the file.
+        number: Its number.
+        span: Where the number stands.
 
     Raises:
         MachineDataError: the list has no such tool, or counts it in inches.
@@ -102,7 +122,7 @@ def find_tool(tools: Mapping[int, Tool], number: float, file: str) -> Tool:
     if tool is None:
         known = ", ".join(str(n) for n in sorted(tools)) or "none: the file holds no wz[i] entries"
         raise MachineDataError(
-            f"the file has no tool {number:g}", span=Span(file), parameter="tool.number", permitted=known, code="CB240"
+            f"the file has no tool {number:g}", span=span, parameter="tool.number", permitted=known, code="CB240"
         )
     if tool.inches:
         raise MachineDataError(

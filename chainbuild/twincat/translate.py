@@ -12,7 +12,7 @@ from chainbuild.findings import Collector
 from chainbuild.overlay import Overlay
 from chainbuild.twincat.axislist import with_limits
 from chainbuild.twincat.coupling import coupling_draft
-from chainbuild.twincat.coupling_groups import COUPLING, MULTISTEP, coupling_data, member_named
+from chainbuild.twincat.coupling_groups import COUPLING, MULTISTEP, coupling_data, label_of, member_named
 from chainbuild.twincat.draft import serial_draft
 from chainbuild.twincat.source import Source
 from chainbuild.twincat.two_steps import two_steps
@@ -73,7 +73,7 @@ def _is_member(source: Source) -> bool:
     trafos = source.channel.trafos
     for coupling in (trafo for trafo in trafos if trafo.type == COUPLING):
         for key, entry in coupling.extras.items():
-            if ".chain[" in key and source.trafo in member_named(entry.raw.split(maxsplit=1)[0].strip("\"'"), trafos):
+            if ".chain[" in key and source.trafo in member_named(label_of(entry, empty=True), trafos):
                 return True
     return False
 
@@ -98,9 +98,10 @@ def _overlay_for(axes: tuple[Axis, ...], source: Source) -> Overlay:
     if source.main:
         return overlay
     known = {axis.name for axis in axes}
+    rotary = {axis.name for axis in axes if axis.kind == "rotary"}
     return replace(
         overlay,
         limits={name: limits for name, limits in overlay.limits.items() if name in known},
         speeds={name: speed for name, speed in overlay.speeds.items() if name in known},
-        endless=tuple(name for name in overlay.endless if name in known),
+        endless=tuple(name for name in overlay.endless if name in rotary),
     )

@@ -73,12 +73,19 @@ def test_shipped_machines_are_named_right() -> None:
         "cardan_head_kin60": ([0.0, 0.0, 0.0, 30.0, 180.0], "tilt_end"),
         "scara_kin36": ([10.0, 0.0, -50.0, 20.0], "elbow"),
         "palletiser_kin96": ([0.0, 55.0, -35.0, 0.0], "elbow"),
+        "arm_nn": ([10.0, 40.0, 30.0, 20.0, 0.0, 0.0], "wrist"),
+        "arm_rr": ([10.0, 20.0, 100.0, 20.0, 0.0, 0.0], "wrist"),
+        "gantry_ss": ([10.0, 20.0, 100.0, 20.0, 0.0, 0.0], "wrist"),
         "tx2_60": ([0.0, 0.0, 90.0, 0.0, 0.0, 0.0], "wrist"),
     }
     for name, (axes, kind) in cases.items():
         found = names_at(robot(name), axes)
         assert kinds(found)[0] == kind, name
         assert found[0].alias == ""
+
+
+def test_robots_that_are_programmed_by_c_cannot_lock() -> None:
+    assert examine(robot("scara_cc"), [0.0, 10.0, 20.0, 30.0]).notices == ()
 
 
 def test_the_pole_of_a_head_costs_turns_not_shifts() -> None:

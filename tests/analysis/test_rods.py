@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -122,18 +123,19 @@ def test_structure_and_names_do_not_change_with_rods() -> None:
 
 
 def test_the_dead_point_of_the_linkage_is_a_notice() -> None:
-    chain = with_rods(chainbuild.load("palletiser_kin213").chain(), RodData())
-    robot = chain.build()
-    found = {}
-    for g3 in np.linspace(60.0, 150.0, 91):
-        for notice in examine(robot, [0.0, -90.0, g3, 0.0, 0.0]).notices:
-            found[g3] = notice
-    dead = [notice for notice in found.values() if notice.kind == "dead_point"]
-    for notice in dead:
-        assert notice.value <= 0.1737
-        assert "crank and rod are in line" in notice.condition
-    straight = {g3: notice.value for g3, notice in found.items()}
-    assert straight == {} or min(straight.values()) < 0.1737
+    """A crank in line with the forearm is dead where the arm is stretched: its sine is the elbow's."""
+    chain = chainbuild.load("irb2600").chain()
+    robot = with_rods(chain, RodData()).build()
+    stretched = math.degrees(math.atan2(115.0, 795.0)) - 90.0
+    for off in (0.0, 3.0, -9.0, 12.0):
+        axes = [0.0, 10.0, stretched + off, 10.0, 30.0, 0.0]
+        found = [notice for notice in examine(robot, axes).notices if notice.kind == "dead_point"]
+        assert len(found) == (abs(off) < 10.0)
+        for notice in found:
+            assert notice.value == pytest.approx(math.sin(math.radians(abs(off))), abs=1e-9)
+            assert notice.axes == ("A3",)
+            assert f"{abs(off):.3g}° from its dead point" in notice.condition or off == 0.0
+        assert not [n for n in examine(chain.build(), axes).notices if n.kind == "dead_point"]
 
 
 def test_pinned_links_are_known() -> None:

@@ -121,10 +121,10 @@ BAD = [
     Bad("length_direction_7", ARM + "trafo[0].param[33] 7", ("HD34 is 7", "0, 1, 2, 3, 4, 5, 6"), 2),
     Bad("rotation_order_2", ARM + "trafo[0].param[34] 2", ("HD35 is 2",), 2),
     # tools
-    Bad("tool_unknown", ARM, ("no tool 3", "none"), None, overlay="[tool]\nnumber = 3"),
-    Bad("tool_fraction", ARM + "wz[1].laenge 5", ("no tool 1.5", "permitted: 1"), None, overlay="[tool]\nnumber = 1.5"),
+    Bad("tool_unknown", ARM, ("no tool 3", "none"), 2, overlay="[tool]\nnumber = 3"),
+    Bad("tool_fraction", ARM + "wz[1].laenge 5", ("no tool 1.5", "permitted: 1"), 2, overlay="[tool]\nnumber = 1.5"),
     Bad("tool_inches", ARM + "wz[1].mass_einheit 1", ("inches", "0 (mm)"), 2, overlay="[tool]\nnumber = 1"),
-    Bad("tool_key_of_robx", ARM, ("TC_DP3", "number = n"), None, overlay="[tool]\nTC_DP3 = 1.0"),
+    Bad("tool_key_of_robx", ARM, ("TC_DP3", "number = n"), 2, overlay="[tool]\nTC_DP3 = 1.0"),
     Bad("tool_flag_adds_up", ARM + "trafo[0].param[20] 1\nwz[1].kinematic.param[20] 1", ("HD21 is 2",), 2,
         overlay="[tool]\nnumber = 1"),
     Bad("tool_param_75", ARM + "wz[1].kinematic.param[75] 1", ("has the index 75", "[0] to [74]"), 2),

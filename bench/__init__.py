@@ -1,0 +1,1 @@
+"""Benchmarks: chainbuild and its peers on the same targets in one run."""

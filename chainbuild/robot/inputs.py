@@ -1,0 +1,92 @@
+"""What a user hands to a robot: axis values and poses as checked arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild import tolerances
+from chainbuild.chain.elements import Axis
+from chainbuild.errors import AxisValueError, ChainbuildError
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+
+def axis_vector(axes: Sequence[Axis], given: ArrayLike) -> Vector:
+    """Return axis values as a checked float array (n_axes,), mm and degrees.
+
+    Raises:
+        AxisValueError: wrong count, not numbers, NaN, inf or absurdly large.
+    """
+    names = ", ".join(axis.name for axis in axes)
+    values = numbers(given)
+    if values is None:
+        raise AxisValueError("axis values must be real numbers", permitted=names)
+    if values.shape != (len(axes),):
+        raise AxisValueError(f"{len(axes)} axis values are due, not an array of shape {values.shape}", permitted=names)
+    huge = ~(np.abs(values) < tolerances.HUGE_AXIS_VALUE)
+    if huge.any():
+        worst = int(np.argmax(huge))
+        raise AxisValueError(
+            f"axis {axes[worst].name} has the value {values[worst]}",
+            parameter=axes[worst].name,
+            permitted=f"finite numbers below {tolerances.HUGE_AXIS_VALUE:.0e}",
+        )
+    return values
+
+
+def axis_rows(axes: Sequence[Axis], given: ArrayLike) -> Matrix:
+    """Return rows of axis values as a checked float array (N, n_axes), mm and degrees.
+
+    Raises:
+        AxisValueError: wrong shape, not numbers, NaN, inf or absurdly large.
+    """
+    values = numbers(given)
+    if values is None or values.ndim != 2 or values.shape[1] != len(axes):
+        what = "anything but numbers" if values is None else f"an array of shape {values.shape}"
+        raise AxisValueError(f"rows of axis values are due, not {what}", permitted=f"shape (N, {len(axes)})")
+    kept = (np.abs(values) < tolerances.HUGE_AXIS_VALUE).all(axis=1)
+    if not kept.all():
+        axis_vector(axes, values[int(np.argmin(kept))])
+    return values
+
+
+def as_pose(T: pin.SE3 | ArrayLike) -> pin.SE3:
+    """Return a pose as `pin.SE3`.
+
+    Raises:
+        ChainbuildError: not a rigid 4×4 transform of finite numbers.
+    """
+    matrix = T.homogeneous if isinstance(T, pin.SE3) else numbers(T)
+    if matrix is None:
+        raise ChainbuildError("a pose must be pin.SE3 or a 4×4 array of numbers")
+    if matrix.shape != (4, 4) or not is_rigid(matrix):
+        raise ChainbuildError(
+            "a pose must be a rigid 4×4 transform: finite, with a right-handed rotation and the last row 0 0 0 1",
+            permitted=f"positions below {tolerances.HUGE_POSITION_M:.0e} m",
+        )
+    return pin.SE3(np.ascontiguousarray(matrix))
+
+
+def numbers(values: ArrayLike) -> Vector | None:
+    """Return real numbers as a float array, or None for anything else (masked, complex, dates, text)."""
+    if isinstance(values, np.ma.MaskedArray):
+        return None
+    try:
+        raw = np.asarray(values)
+        return raw.astype(float) if raw.dtype.kind in "biufO" else None
+    except (TypeError, ValueError, OverflowError):
+        return None
+
+
+def is_rigid(T: Matrix) -> bool:
+    """Return whether a (4, 4) array is a rigid transform: right-handed rotation, finite position."""
+    if not (np.abs(T) < tolerances.HUGE_POSITION_M).all() or not np.array_equal(T[3], (0.0, 0.0, 0.0, 1.0)):
+        return False
+    R = T[:3, :3]
+    off = float(np.abs(R @ R.T - np.eye(3)).max())
+    return off < tolerances.ROTATION_MATRIX and float(np.linalg.det(R)) > 0.0

@@ -1,0 +1,177 @@
+"""singularity, collide, limits, workspace: tables, JSON, pictures, refusals."""
+
+from __future__ import annotations
+
+import json
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.cli.conftest import Run
+
+COMMANDS = ["singularity", "collide", "limits", "workspace"]
+NEAR_WRIST = "0,-90,90,0,0.3,0"
+FOLDED = "0,45,150,0,0,0"
+
+
+def is_picture(path: str) -> bool:
+    root = ET.parse(path).getroot()
+    return root.tag.endswith("svg") and len(root) > 5
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_option_is_explained(run: Run, command: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    outcome = run(command, "--help")
+    assert outcome.code == 0
+    options = re.findall(r"│ \*? *(--[a-z-]+|FILE)((?: -\w| STR| INT| FLOAT| PATH)*)(.*)│", outcome.out)
+    assert options
+    for name, _, text in options:
+        explained = re.sub(r"\[(default|required).*?\]", "", text).strip()
+        assert len(explained) > 8, f"{command} {name} is not explained"
+        assert "--no-" not in text
+    for option in ("--kinematic", "--convention", "--overlay", "--json", "--picture"):
+        assert option in outcome.out
+    assert re.search(rf"│ {command} +\S+ \S+", run("--help").out)
+
+
+def test_singularity_of_one_position(run: Run) -> None:
+    outcome = run("singularity", "kr6r900", "--at", NEAR_WRIST, "--nearest", "--picture", "one.svg")
+    assert outcome.code == 0
+    assert "wrist (alpha5): A4 and A6 are nearly parallel (A5 = 0.3°)" in outcome.out
+    assert "A5 within ITERLIMIT" in outcome.out
+    assert "nearest singularity at" in outcome.out
+    assert "A5 -0.3°" in outcome.out
+    assert is_picture("one.svg")
+    far = run("singularity", "kr6r900", "--at", "0,-90,90,0,60,0")
+    assert "no singularity near" in far.out
+
+
+def test_singularity_for_programs(run: Run) -> None:
+    data = json.loads(run("singularity", "kr6r900", "--at", NEAR_WRIST, "--nearest", "--json").out)
+    (row,) = data["rows"]
+    assert row["names"][0]["kind"] == "wrist"
+    assert row["axes"]["A5"] == 0.3
+    assert row["judgement"]["hand_limit"] is True
+    assert row["nearest"]["found"] is True
+    assert row["possible_speed"] < 100.0
+    assert data["smallest"][0] == pytest.approx(row["singular_values"][-1])
+    exact = json.loads(run("singularity", "kr6r900", "--at", "0,-90,90,0,0,0", "--json", "--length", "500").out)
+    assert exact["rows"][0]["speeds"]["A4"] is None  # infinite
+    assert exact["length_mm"] == pytest.approx(500.0)
+
+
+def test_singularity_along_a_path(run: Run) -> None:
+    rows = [f"0,-90,90,10,{a5},0" for a5 in range(-20, 21)]
+    Path("path.csv").write_text("A1,A2,A3,A4,A5,A6\n" + "\n".join(rows) + "\n", "utf-8")
+    outcome = run("singularity", "kr6r900", "--axes", "path.csv", "--picture", "path.svg")
+    assert outcome.code == 0
+    assert "wrist (alpha5)" in outcome.out
+    assert "41 rows" in outcome.out
+    assert is_picture("path.svg")
+    data = json.loads(run("singularity", "kr6r900", "--axes", "path.csv", "--json").out)
+    assert len(data["smallest"]) == 41
+    assert min(row["row"] for row in data["rows"]) > 5
+
+
+def test_collide_at_a_position_and_along_a_path(run: Run) -> None:
+    free = run("collide", "kr6r900", "--at", "0,-90,90,0,0,0")
+    assert (free.code, "no collision" in free.out) == (0, True)
+    hit = run("collide", "kr6r900", "--at", FOLDED)
+    assert hit.code == 3
+    assert "touch at" in hit.out
+    Path("path.csv").write_text(f"A1,A2,A3,A4,A5,A6\n0,-90,90,0,0,0\n{FOLDED}\n", "utf-8")
+    outcome = run("collide", "kr6r900", "--axes", "path.csv", "--json", "--picture", "d.svg")
+    assert outcome.code == 3
+    data = json.loads(outcome.out)
+    (contact,) = data["contacts"]
+    assert contact["row"] == 0
+    assert 0.0 < contact["share"] < 1.0
+    assert len(data["closest"]) == 2
+    assert np.array(data["closest"][0]["points_mm"]).shape == (2, 3)
+    assert is_picture("d.svg")
+    near = json.loads(run("collide", "kr6r900", "--at", "0,-90,90,0,0,0", "--clearance", "500", "--json").out)
+    assert near["collides"] is True
+
+
+def test_pairs_and_srdf(run: Run) -> None:
+    outcome = run("collide", "kr6r900_2", "--pairs", "--samples", "100", "--srdf", "out")
+    assert outcome.code == 0
+    assert "95% confidence" in outcome.out
+    root = ET.parse("out/kr6r900_2/kr6r900_2.srdf").getroot()
+    assert {entry.get("reason") for entry in root.findall("disable_collisions")} == {"Adjacent", "Always", "Never"}
+    data = json.loads(run("collide", "kr6r900_2", "--pairs", "--samples", "100", "--json").out)
+    assert data["pairs"]["samples"] == 100
+
+
+def test_limits_of_a_parallelogram(run: Run) -> None:
+    outcome = run("limits", "parallelogram_nr", "--steps", "5", "--picture", "p.svg")
+    assert outcome.code == 0
+    assert re.search(r"N62964 \$MC_ROBX_SW_LIMITS_PARALLEL\[0\]=[\d.]+\n", outcome.out)
+    assert "too wide" in outcome.out
+    assert is_picture("p.svg")
+    data = json.loads(run("limits", "parallelogram_nr", "--steps", "5", "--json").out)
+    assert data["proposal"][0] < data["proposal"][1]
+    assert data["given"] == [30.0, 150.0]
+    assert len(data["machine_data"]) == 2
+
+
+def test_limits_of_an_axis_over_another(run: Run) -> None:
+    outcome = run("limits", "palletiser_kin96", "--axis", "G3", "--over", "G2", "--steps", "4", "--picture", "g.svg")
+    assert outcome.code == 0
+    assert "G1_link – G3_link" in outcome.out
+    assert is_picture("g.svg")
+    words = ("--axis", "G3", "--over", "G2", "--steps", "3", "--at", "0,10,-5,0", "--json")
+    data = json.loads(run("limits", "palletiser_kin96", *words).out)
+    assert [one["over"] for one in data["intervals"]] == [-40.0, 22.5, 85.0]
+
+
+def test_workspace_maps(run: Run) -> None:
+    words = ("--samples", "4000", "--cells", "20", "--workers", "1")
+    outcome = run("workspace", "kr6r900", *words, "-o", "map.npz", "--picture", "map.svg")
+    assert outcome.code == 0
+    assert "cells reached" in outcome.out
+    assert is_picture("map.svg")
+    data = json.loads(run("workspace", "kr6r900", *words, "-o", "map.npz", "--json").out)
+    assert data["positions"] > 3900
+    assert data["directions"][1]["name"] == "z [m]"
+    words = ("--over", "A3", "--over", "A5", "--cells", "15", "--workers", "1", "--at", "0,-80,70,0,0,0")
+    axes = json.loads(run("workspace", "kr6r900", *words, "--json").out)
+    assert axes["positions"] == 225
+    words = ("--section", "volume", "--cells", "8", "--samples", "900", "--collisions", "--workers", "1")
+    volume = run("workspace", "kr6r900", *words, "--picture", "v.svg")
+    assert "left out for self-collision" in volume.out
+    assert is_picture("v.svg")
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "message"),
+    [
+        (["singularity", "kr6r900"], 2, "--at or --axes is due"),
+        (["singularity", "kr6r900", "--at", "1,2"], 1, "6 axis values are due"),
+        (["singularity", "kr6r900", "--at", "1,x,3"], 2, "--at 1,x,3: numbers separated by commas"),
+        (["singularity", "kr6r900", "--at", NEAR_WRIST, "--speed", "0"], 1, "speed"),
+        (["singularity", "kr6r900", "--at", NEAR_WRIST, "--length", "-1"], 1, "characteristic length"),
+        (["collide", "kr6r900"], 2, "--pairs or --srdf is due"),
+        (["collide", "kr6r900", "--at", NEAR_WRIST, "--clearance", "-1"], 1, "clearance"),
+        (["collide", "kr6r900", "--pairs", "--samples", "0"], 1, "at least 1 sample"),
+        (["limits", "kr6r900"], 1, "limits no parallelogram's angle"),
+        (["limits", "kr6r900", "--axis", "A3"], 2, "--axis and --over go together"),
+        (["limits", "kr6r900", "--axis", "A3", "--over", "B"], 1, "no axis 'B'"),
+        (["limits", "parallelogram_nr", "--at", "0,0,0,0,0,0"], 2, "--at goes with"),
+        (["limits", "parallelogram_nr", "--steps", "0"], 1, "at least 2 values"),
+        (["limits", "kr6r900", "--axis", "A3", "--over", "A2", "--steps", "0"], 2, "--steps"),
+        (["workspace", "kr6r900", "--cells", "1"], 1, "1 cells"),
+        (["workspace", "kr6r900", "--over", "A1"], 1, "two different axes"),
+        (["workspace", "kr6r900", "--at", NEAR_WRIST], 2, "--at goes with --over"),
+        (["workspace", "kr6r900", "--workers", "0"], 2, "--workers"),
+        (["workspace", "kr6r900", "--samples", "10", "-o", "no/map.npz"], 1, "no/map.npz"),
+    ],
+)
+def test_what_is_refused(run: Run, words: list[str], code: int, message: str) -> None:
+    outcome = run(*words)
+    assert (outcome.code, outcome.out) == (code, "")
+    assert message in outcome.err
