@@ -10,14 +10,14 @@ import numpy as np
 import pinocchio as pin
 
 from bench.machines import Machine
-from bench.peers import SLOW, Solver, solvers
+from bench.peers import IN_AXES, SLOW, Solver, solvers
 
 TOLERANCE = 1e-6  # m and rad
 
 
 @dataclass(frozen=True)
 class Row:
-    """One solver on one machine: cold median and 95th percentile, share found, wrong answers, warm median; times in µs."""
+    """One solver on one machine: cold median and 95th percentile, share found, wrong answers, warm median [µs]."""
 
     machine: str
     solver: str
@@ -32,7 +32,8 @@ def compare(machine: Machine, count: int, rounds: int) -> list[Row]:
     """Run all solvers over the same targets, one after the other in each round; medians over rounds."""
     axes = machine.axes(count, seed=1)
     targets = [np.ascontiguousarray(T) for T in machine.robot.fk_batch(axes)]
-    near = [machine.robot.q(row) + 0.01 for row in axes]
+    near = [np.clip(machine.robot.q(row) + 0.01, machine.lower + 1e-6, machine.upper - 1e-6) for row in axes]
+    near_axes = [machine.robot.axes_from_q(q) for q in near]
     known = dict(solvers(machine))
     for solve in known.values():  # the first call compiles and fills tables
         solve(targets[0], None)
@@ -42,12 +43,13 @@ def compare(machine: Machine, count: int, rounds: int) -> list[Row]:
         for name, solve in known.items():
             some = targets[: max(20, count // 10)] if name in SLOW else targets
             cold, answers[name] = clock(solve, some, [None] * len(some))
-            warm, _ = clock(solve, some, near[: len(some)])
+            warm, _ = clock(solve, some, (near_axes if name in IN_AXES else near)[: len(some)])
             times[name].append((float(np.median(cold)), float(np.percentile(cold, 95)), float(np.median(warm))))
     rows = []
     for name, found in answers.items():
         median, p95, warm = np.median(times[name], axis=0)
-        good = [q is not None and judge(machine, q, T) for q, T in zip(found, targets, strict=False)]
+        joints = [machine.robot.q(a) if name in IN_AXES and a is not None else a for a in found]
+        good = [q is not None and judge(machine, q, T) for q, T in zip(joints, targets, strict=False)]
         wrong = sum(q is not None for q in found) - sum(good)
         rows.append(Row(machine.name, name, float(median), float(p95), sum(good) / len(found), wrong, float(warm)))
     return rows

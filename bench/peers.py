@@ -1,4 +1,4 @@
-"""Every solver of the benchmark behind one shape: target (4, 4) and start → joint values or None.
+"""Every solver of the benchmark behind one shape: target (4, 4) and start → answer or None, in its own units.
 
 Where a peer makes one attempt a call, it gets random restarts like the others. Nobody's answer is believed: what
 counts as found is decided by `measure.judge`.
@@ -23,9 +23,8 @@ def ours(machine: Machine, *, compiled: bool) -> Solver:
     robot, options = machine.robot, IkOptions(compiled=compiled)
 
     def solve(T: np.ndarray, start: np.ndarray | None) -> np.ndarray | None:
-        begin = None if start is None else robot.axes_from_q(start)
-        found = robot.ik(T, begin, solver="damped", options=options)
-        return robot.q(found.axes) if found.success else None
+        found = robot.ik(T, start, options=options)
+        return found.axes if found.success else None
 
     return solve
 
@@ -158,6 +157,7 @@ PEERS: dict[str, Callable[[Machine], Solver]] = {
     "pink (daqp)": pink,
 }
 SLOW = {"pink (daqp)"}
+IN_AXES = {"chainbuild, compiled", "chainbuild, plain"}  # start and answer in mm and degrees; the others: joint values
 
 
 def solvers(machine: Machine) -> Iterator[tuple[str, Solver]]:

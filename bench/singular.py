@@ -12,7 +12,7 @@ from bench.machines import Machine
 
 
 def passes(machine: Machine, count: int = 12, points: int = 81) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return straight lines of the tool with constant orientation that pass a wrist singularity closely, with starts."""
+    """Return straight lines of the tool, orientation constant, that pass a wrist singularity; with starts."""
     robot, rng, found = machine.robot, np.random.default_rng(8), []
     while len(found) < count:
         axes = machine.axes(1, seed=int(rng.integers(1 << 30)))[0] * 0.6

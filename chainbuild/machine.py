@@ -222,7 +222,7 @@ def choose_kinematic(entries: Sequence[KinematicEntry], wanted: int | str | None
     if not matches:
         known = ", ".join(f"{e.id} ({e.name})" if e.name else str(e.id) for e in entries)
         raise MachineDataError(
-            f"the file configures no kinematic {wanted!r}", span=Span(file), parameter="kinematic", permitted=known
+            f"the file configures no kinematic {wanted!r:.60}", span=Span(file), parameter="kinematic", permitted=known
         )
     return next((e for e in matches if not e.name), matches[0])
 

@@ -19,6 +19,7 @@ from chainbuild.errors import ChainError, FileAccessError, MachineDataError, Ove
 from chainbuild.text import read_source, toml_line
 
 SUFFIX = ".chainbuild.toml"
+_DEEP_KEY = re.compile(r"""(?:\.[ \t]*["']?[\w-]+["']?[ \t]*){50}""")
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,13 +138,7 @@ def read_overlay(path: Path) -> Overlay:
         OverlayError: TOML syntax, an unknown key (the known ones are listed), or a value of the wrong kind.
     """
     text = read_source(path, may_be_empty=True).text
-    try:
-        data = tomllib.loads(text)
-    except RecursionError:
-        raise OverlayError("no valid TOML: nested too deeply", span=Span(str(path))) from None
-    except ValueError as error:  # TOMLDecodeError, and what int() says of thousands of digits
-        found = re.search(r"line (\d+)", str(error))
-        raise OverlayError(f"no valid TOML: {error}", span=Span(str(path), int(found[1]) if found else 0)) from None
+    data = _toml(path, text)
     values: dict[str, Any] = {}
     for key, value in data.items():
         reader = _READERS.get(key)
@@ -153,6 +148,22 @@ def read_overlay(path: Path) -> Overlay:
             )
         values[key] = reader(path, key, value)
     return Overlay(path=path, **values)
+
+
+def _toml(path: Path, text: str) -> dict[str, Any]:
+    deep = _DEEP_KEY.search(text)  # tomllib takes seconds for thousands of dots
+    if deep is not None:
+        line = text.count("\n", 0, deep.start()) + 1
+        raise OverlayError("no valid overlay: a key is nested too deeply", span=Span(str(path), line))
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise OverlayError("no valid TOML: nested too deeply", span=Span(str(path))) from None
+    except tomllib.TOMLDecodeError as error:
+        found = re.search(r"line (\d+)", str(error))
+        raise OverlayError(f"no valid TOML: {error}", span=Span(str(path), int(found[1]) if found else 0)) from None
+    except ValueError:  # from int()
+        raise OverlayError("no valid TOML: a number has thousands of digits", span=Span(str(path))) from None
 
 
 def find_overlay(machine_file: Path, named: Path | None = None) -> Overlay:

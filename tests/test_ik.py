@@ -151,3 +151,29 @@ def test_whole_turns_are_chosen_near_the_start() -> None:
     axes = np.array([10.0, -40.0, 70.0, 20.0, 40.0, 330.0])
     assert robot.ik(robot.fk(axes), start=axes - 5.0).axes[5] == pytest.approx(330.0)
     assert robot.ik(robot.fk(axes), start=axes - 5.0 - [0, 0, 0, 0, 0, 300]).axes[5] == pytest.approx(-30.0)
+
+
+def test_without_a_start_an_axis_that_does_not_matter_stays_at_zero() -> None:
+    robot = table_machine()
+    home = [0.0, 0.0, 0.0, 12.0, 0.0]  # A = 12° brings the table level: C is free
+    found = robot.ik(robot.fk(home))
+    np.testing.assert_allclose(found.axes, home, atol=1e-3)  # an upright tool pins C only by its tolerance
+
+
+def test_answers_keep_the_limits_to_the_last_digit() -> None:
+    robot, rng = table_machine(), np.random.default_rng(9)
+    lower, upper = (np.array([getattr(axis, end) for axis in robot.axes]) for end in ("lower", "upper"))
+    for _ in range(200):
+        axes = random_axes(robot, rng)
+        at_limit = rng.random(len(axes)) < 0.4
+        axes[at_limit] = np.where(rng.random(len(axes)) < 0.5, lower, upper)[at_limit]
+        found = robot.ik(robot.fk(axes))
+        if found.success:
+            assert (found.axes >= lower).all() and (found.axes <= upper).all(), found.axes
+
+
+def test_a_held_axis_outside_its_limits_is_no_success() -> None:
+    robot = arm()
+    found = robot.ik(robot.fk([175.0, -90.0, 90.0, 0.0, 30.0, 0.0]), held={"A1": 175.0})
+    assert (found.success, found.status) == (False, "limits")
+    assert "A1" in found.reason

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild.errors import ChainError
+from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.units import AxisKind, si_factor
 
 Vector = NDArray[np.float64]
@@ -37,6 +37,20 @@ class AxisMap(Protocol):
     def q_bounds(self, lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
         """Return bounds of the joint values over the box of axis values given in mm and degrees."""
         ...
+
+
+@runtime_checkable
+class PartialMap(Protocol):
+    """An axis map without joint values (not a number) at some axis values, which can say why."""
+
+    def refusal(self, axes: Vector) -> ChainbuildError | None:
+        """Return why there are no joint values at axis values (n_axes,), or None where there are."""
+        ...
+
+
+def refusal_of(axis_map: AxisMap, axes: Vector) -> ChainbuildError | None:
+    """Return why a map has no joint values at axis values (n_axes,), or None where it does not say."""
+    return axis_map.refusal(axes) if isinstance(axis_map, PartialMap) else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,6 +108,19 @@ class AffineMap:
         return positive @ low + negative @ high + self.b, positive @ high + negative @ low + self.b
 
 
+def joint_values(axis_map: AxisMap, axes: Vector) -> Vector:
+    """Return the joint values (n_q,) of axis values (n_axes,), mm and degrees.
+
+    Raises:
+        ChainbuildError: the map has none there; what it says itself where it knows why.
+    """
+    q = axis_map.q(axes)
+    if not isinstance(axis_map, AffineMap) and not np.isfinite(q).all():
+        unnamed = ChainbuildError("the kinematic has no joint values at these axis values")
+        raise refusal_of(axis_map, axes) or unnamed
+    return q
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Block:
     """One map of a `BlockMap`.
@@ -141,6 +168,11 @@ class BlockMap:
         for block in self.blocks:
             result[block.joints, block.axes] = block.axis_map.dq_daxes(axes[block.axes])
         return result
+
+    def refusal(self, axes: Vector) -> ChainbuildError | None:
+        """Return why one of the maps has no joint values, or None."""
+        found = (refusal_of(block.axis_map, axes[block.axes]) for block in self.blocks)
+        return next((error for error in found if error is not None), None)
 
     def q_bounds(self, lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
         """Return the joint bounds over the box of axis values."""

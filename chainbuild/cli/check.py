@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from chainbuild.cli.show import finding_data, print_findings, print_json
+from chainbuild.cli.show import finding_data, print_findings, print_json, refusal_as_json
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, all_findings
 from chainbuild.errors import ChainbuildError
 from chainbuild.findings import Collector, Finding
@@ -22,7 +22,8 @@ def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT
     from chainbuild.loading import check as check_file
 
     options.choices()
-    findings = check_file(file, overlay=options.overlay)
+    with refusal_as_json(file, json):
+        findings = check_file(file, overlay=options.overlay)
     refused = any(finding.severity == "error" for finding in findings)
     if options.selects and not refused:
         findings = _with_selection(file, options, findings)

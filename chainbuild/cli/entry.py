@@ -1,7 +1,7 @@
 """Where the command starts and where every error ends: one message on stderr and an exit code.
 
 Exit codes: 0 done, also with warnings; 1 input refused; 2 wrong usage; 3 some rows failed; 130 interrupted;
-141 the reader of the output has gone.
+141 the reader of the output has gone; 128 + n ended by signal n.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from chainbuild.cli.ik import ik
 from chainbuild.cli.info import info
 from chainbuild.cli.inspect import inspect
 from chainbuild.cli.limits import limits
+from chainbuild.cli.process import Terminated, ending_signals, standard_streams
 from chainbuild.cli.singularity import singularity
 from chainbuild.cli.types import types
 from chainbuild.cli.urdf import urdf
@@ -34,6 +35,7 @@ from chainbuild.cli.workspace import workspace
 from chainbuild.errors import ChainbuildError
 
 DONE, REFUSED, WRONG_USAGE, ROWS_FAILED, INTERRUPTED, READER_GONE = 0, 1, 2, 3, 130, 141
+ENDED_BY_SIGNAL = 128  # and the signal's number
 
 _COMMANDS = (
     info,
@@ -84,6 +86,16 @@ def main(tokens: Sequence[str] | None = None) -> int:
         tokens: Words of the command line; None: those the program was called with.
     """
     words = list(sys.argv[1:] if tokens is None else tokens)
+    with standard_streams(), ending_signals():
+        try:
+            return _run(words)
+        except Terminated as ended:
+            return _fail("chainbuild: terminated", ENDED_BY_SIGNAL + ended.number)
+        except KeyboardInterrupt:
+            return _fail("chainbuild: interrupted", INTERRUPTED)
+
+
+def _run(words: list[str]) -> int:
     _accept_any_text()
     try:
         code = build_app()(words)
@@ -92,8 +104,6 @@ def main(tokens: Sequence[str] | None = None) -> int:
         return _fail(f"chainbuild: {error}\nchainbuild {_command_of(words)}--help explains the usage", WRONG_USAGE)
     except ChainbuildError as error:
         return _fail(message_of(error), REFUSED)
-    except KeyboardInterrupt:
-        return _fail("chainbuild: interrupted", INTERRUPTED)
     except BrokenPipeError:
         _silence_stdout()
         return READER_GONE

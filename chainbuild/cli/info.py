@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 from rich.console import Console
 
-from chainbuild.cli.show import console, finding_data, number, print_findings, print_json, table
+from chainbuild.cli.show import (
+    console,
+    error_data,
+    finding_data,
+    number,
+    print_findings,
+    print_json,
+    refusal_as_json,
+    table,
+)
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, all_findings
 from chainbuild.errors import ChainbuildError, Span
 
@@ -40,10 +49,12 @@ def info(
         json: Print JSON, with all parameters.
         options: Which kinematic.
     """
-    machine = options.machine(file)
-    chain, refusal = _chain(machine, options)
+    with refusal_as_json(file, json):
+        machine = options.machine(file)
+        chain, refusal = _chain(machine, options)
     if json:
-        print_json(_data(machine, chain, options))
+        error = error_data(refusal) if refusal else None
+        print_json({**_data(machine, chain, options), "refused": refusal is not None, "error": error})
     else:
         _print(machine, chain, options, defaults)
     if refusal:

@@ -14,7 +14,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table as RichTable
 
-from chainbuild.findings import Finding
+from chainbuild.errors import ChainbuildError
+from chainbuild.findings import Collector, Finding
 from chainbuild.out.files import open_atomic
 
 if TYPE_CHECKING:
@@ -69,6 +70,24 @@ def finding_data(finding: Finding) -> dict[str, Any]:
         "alarm": finding.alarm,
         "hint": finding.hint,
     }
+
+
+def error_data(error: ChainbuildError) -> dict[str, Any]:
+    """Return an error for JSON, with the keys of a finding."""
+    collector = Collector(strict=False)
+    collector.add_error(error)
+    return finding_data(collector.findings[0])
+
+
+@contextmanager
+def refusal_as_json(file: str, wanted: bool) -> Iterator[None]:
+    """Print an error that ends a command as JSON on stdout, too, where JSON is wanted."""
+    try:
+        yield
+    except ChainbuildError as error:
+        if wanted:
+            print_json({"file": file, "refused": True, "error": error_data(error)})
+        raise
 
 
 def print_findings(findings: Iterable[Finding]) -> None:

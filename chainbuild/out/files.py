@@ -64,6 +64,18 @@ def write_text(path: Path, text: str) -> None:
         stream.write(text)
 
 
+def as_folder(path: Path | str) -> Path:
+    """Return a path given as such or as a string.
+
+    Raises:
+        FileAccessError: it is neither.
+    """
+    try:
+        return Path(path)
+    except TypeError as error:
+        raise FileAccessError(f"not a path: {error}") from None
+
+
 def make_folder(path: Path) -> None:
     """Create a folder and those above it where they are missing.
 
@@ -72,7 +84,7 @@ def make_folder(path: Path) -> None:
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise _refusal(path, error, "the folder cannot be created") from None
 
 
@@ -86,6 +98,8 @@ def open_atomic(path: Path) -> Iterator[TextIO]:
     Raises:
         FileAccessError: the file cannot be written; what stood there before still stands.
     """
+    if "\0" in str(path):
+        raise FileAccessError("the file cannot be written: its name holds a NUL character", span=Span(str(path)))
     try:
         if path.exists() and not path.is_file() and not path.is_dir():
             with path.open("w", encoding="utf-8", newline="\n") as stream:
@@ -122,5 +136,6 @@ def _mode(target: Path) -> int:
     return 0o666 & ~mask
 
 
-def _refusal(path: Path, error: OSError, text: str) -> FileAccessError:
-    return FileAccessError(f"{text}: {error.strerror or error}", span=Span(str(path)))
+def _refusal(path: Path, error: OSError | ValueError, text: str) -> FileAccessError:
+    reason = error.strerror if isinstance(error, OSError) else None
+    return FileAccessError(f"{text}: {reason or error}", span=Span(str(path)))

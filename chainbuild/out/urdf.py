@@ -23,10 +23,10 @@ from chainbuild.chain.bodies import (
 )
 from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint, Matrix
 from chainbuild.chain.rods import rod_masters
-from chainbuild.errors import ChainError
+from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.frames import inverse, shift, urdf_rpy
 from chainbuild.out import notes
-from chainbuild.out.files import angle_text, make_folder, number_text, numbers_text, write_text
+from chainbuild.out.files import angle_text, as_folder, make_folder, number_text, numbers_text, write_text
 from chainbuild.out.notes import urdf_limitations
 from chainbuild.units import m_from_mm, rad_from_deg, si_factor
 
@@ -55,10 +55,15 @@ def write_urdf(robot: Robot, folder: Path | str = "urdf_out") -> Path:
         folder: Where the folder NAME is made.
 
     Raises:
-        FileAccessError: the file cannot be written.
+        ChainbuildError: this is no robot.
+        FileAccessError: the folder is no path, or the file cannot be written.
     """
+    from chainbuild.robot.robot import Robot
+
+    if not isinstance(robot, Robot):
+        raise ChainbuildError(f"{type(robot).__name__} is no robot", permitted="what Chain.build() returns")
     text = urdf_text(robot)
-    place = Path(folder) / robot.name
+    place = as_folder(folder) / robot.name
     make_folder(place)
     path = place / f"{robot.name}.urdf"
     write_text(path, text)

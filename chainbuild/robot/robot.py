@@ -11,6 +11,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild import frames, tolerances
+from chainbuild.chain.axismap import joint_values
 from chainbuild.chain.check import check_chain
 from chainbuild.chain.elements import Axis, Chain, Task
 from chainbuild.errors import AxisValueError, ChainbuildError
@@ -83,8 +84,9 @@ class Robot:
 
         Raises:
             AxisValueError: wrong count or not finite.
+            ChainbuildError: a nonlinear axis map has no joint values there.
         """
-        return self.chain.axis_map.q(self.axis_values(axes))
+        return joint_values(self.chain.axis_map, self.axis_values(axes))
 
     def axes_from_q(self, q: ArrayLike) -> Vector:
         """Return axis values (n_axes,), mm and degrees, of Pinocchio's joint values (nq,).
@@ -155,6 +157,7 @@ class Robot:
         """
         J = self.kinematics.pose_and_jacobian(self.axis_values(axes) * self.kinematics.si_factors)[1]
         if not np.isfinite(J).all():
+            self.q(axes)  # says why where it knows
             raise ChainbuildError("the kinematic has no finite derivative at these axis values")
         return J
 
@@ -173,7 +176,7 @@ class Robot:
 
         Args:
             T: Tool in the workpiece frame [m]: `pin.SE3` or a (4, 4) array.
-            start: Axis values (n_axes,) to start from and stay near; None: a configuration whose pose is near.
+            start: Axis values (n_axes,) to start from and stay near; None: zero on machine tools, else near the pose.
             held: Axis name → value to hold, or one value for each input axis (`Axis.held`) in order. Input axes
                 not named are taken from `start`, else 0.
             solver: "damped"; "analytic": a closed form; "controller": the iteration budget of the machine data;

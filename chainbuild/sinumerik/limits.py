@@ -9,7 +9,7 @@ from typing import Literal
 from chainbuild.chain.assemble import Move
 from chainbuild.chain.elements import Axis
 from chainbuild.findings import Collector
-from chainbuild.sinumerik.data_table import DataTable
+from chainbuild.sinumerik.data_table import DataTable, written_name
 from chainbuild.sinumerik.internal_axes import InternalAxes
 from chainbuild.sinumerik.reader import Assignment
 from chainbuild.sinumerik.robx import Robx
@@ -58,25 +58,32 @@ def _endless(axis: Axis) -> Axis:
 
 
 def machine_axis_names(robx: Robx, table: DataTable, channel_axis: int) -> tuple[str, ...]:
-    """Return the names under which axis data may stand: AXn, and the machine axis' own name.
+    """Return the names under which axis data may stand: AXn, and the machine axis' own name; none without machine axis.
 
     The channel axis' number is the machine axis' unless $MC_AXCONF_MACHAX_USED says otherwise.
     """
     used = robx.data.row("AXCONF_MACHAX_USED", channel_axis - 1)
     number = int(used.value) if used is not None and not isinstance(used.value, str) else channel_axis
+    if number == 0:
+        return ()
     logic = table.shared("AXCONF_LOGIC_MACHAX_TAB", number - 1)
     names = [str(logic.value).upper() if logic is not None and logic.value else f"AX{number}"]
     own = table.shared("AXCONF_MACHAX_NAME_TAB", number - 1)
     if own is not None:
         names.append(str(own.value).upper())
-    return tuple(names)
+    return tuple(dict.fromkeys(names))
 
 
 def _limited(axis: Axis, robx: Robx, table: DataTable, channel_axis: int, collector: Collector) -> Axis:
     names = machine_axis_names(robx, table, channel_axis)
 
     def row(datum: str) -> Assignment | None:
-        return next((found for name in names if (found := table.axis(datum, name))), None)
+        found = sorted((r for name in names if (r := table.axis(datum, name))), key=lambda r: r.span.line)
+        if len(found) > 1:
+            first, last = (written_name(r.datum, False, r.index) for r in (found[0], found[-1]))
+            text = f"{first} in line {found[0].span.line} and {last} are the same axis; the last value counts"
+            collector.add("CB113", text, span=found[-1].span, parameter=last)
+        return found[-1] if found else None
 
     minus, plus, speed = row("POS_LIMIT_MINUS"), row("POS_LIMIT_PLUS"), row("MAX_AX_VELO")
     if speed is not None and _number(speed) > 0:

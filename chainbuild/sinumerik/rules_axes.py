@@ -6,6 +6,7 @@ What the controller would refuse is refused with its alarm; what is sound but ou
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from chainbuild import tolerances
 from chainbuild.errors import UnsupportedKinematicError
@@ -16,6 +17,7 @@ from chainbuild.sinumerik.robx import ExtraAxis, ExtraGroup, Robx
 
 _ROBOT_INPUTS = 6
 _USED_INPUTS = 15
+_MOST_CHANNEL_AXES = 20
 _SPINDLE = 2
 _WRISTS_BY_AXES = {4: (1, 2, 3), 5: (2, 3), 6: (2, 3, 5, 6)}
 _GRIPPER_ON = 2
@@ -65,11 +67,26 @@ def _check_inputs(report: Report) -> None:
     if double:
         text = f"$MC_{name} names channel axis {double[0]} twice"
         report.add("CB302", text, general=name, permitted="each channel axis once", alarm=75311)
+    _check_channel_axes(report, used)
     if any(robx.axes_in[_USED_INPUTS:]):
         report.add("CB334", f"$MC_{name} fills inputs beyond 14, which ROBX does not read", general=name)
     tool = f"TRAFO_INCLUDES_TOOL_{robx.transformation}"
     if robx.data.row(tool) is not None and not robx.data.number(tool):
         report.add("CB333", f"$MC_{tool} is 0: ROBX needs 1 to handle the tool itself", general=tool)
+
+
+def _check_channel_axes(report: Report, used: Sequence[int]) -> None:
+    """Warn of axes that the channel does not have: beyond the most that one can have, or without a machine axis."""
+    name, data = f"TRAFO_AXES_IN_{report.robx.transformation}", report.robx.data
+    beyond = [axis for axis in used if axis > _MOST_CHANNEL_AXES]
+    if beyond:
+        text = f"$MC_{name} names channel axis {beyond[0]}; a channel has at most {_MOST_CHANNEL_AXES}"
+        report.add("CB344", text, general=name, permitted=f"0 to {_MOST_CHANNEL_AXES}")
+    for axis in used:
+        row = data.row("AXCONF_MACHAX_USED", axis - 1)
+        if row is not None and row.value == 0.0:
+            text = f"$MC_{name} names channel axis {axis}, which has no machine axis: MACHAX_USED[{axis - 1}] is 0"
+            report.collector.add("CB344", text, span=row.span, parameter=f"$MC_AXCONF_MACHAX_USED[{axis - 1}]")
 
 
 def _check_spindles(report: Report) -> None:

@@ -81,6 +81,11 @@ def _check_right_angles(report: Report, alpha: Sequence[float]) -> None:
     if any(abs(abs(angle) - 90.0) > _RIGHT_ANGLE_DEG for angle in alpha):
         text = f"the axes of a {WRISTS[robx.wrist]} are perpendicular, but DHPAR4_5ALPHA is not ±90"
         report.add("CB306", text, ("DHPAR4_5ALPHA",), permitted="(-90, 90), or wrist type 3 or 6")
+    elif len(alpha) == 2 and alpha[0] * alpha[1] > 0:
+        wrist = f"DHPAR4_5ALPHA is ({alpha[0]:g}, {alpha[1]:g}), but the two angles of a {WRISTS[robx.wrist]}"
+        hint = "is one of the signs a slip?"
+        text = f"{wrist} are opposite to each other. The chain follows the data"
+        report.add("CB345", text, ("DHPAR4_5ALPHA",), permitted="(-90, 90)", hint=hint)
     elif tuple(alpha) != _PRINTED_ALPHA[: len(alpha)]:
         shown = ", ".join(f"{angle:g}" for angle in alpha)
         text = f"DHPAR4_5ALPHA is ({shown}); the manual prints (-90, 90). The chain follows the data"

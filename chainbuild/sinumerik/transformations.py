@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from chainbuild.errors import Span, UnsupportedKinematicError
 from chainbuild.findings import Collector
-from chainbuild.sinumerik.data_table import ChannelData, DataTable
+from chainbuild.sinumerik.data_table import ChannelData, DataTable, written_name
 from chainbuild.sinumerik.robx import Robx, read_robx
 
 ROBX_TYPE = 4100
@@ -23,6 +23,7 @@ def find_transformations(table: DataTable, collector: Collector) -> tuple[Robx, 
     for channel in sorted({row.channel for row in table.reading.assignments if row.datum.prefix == "MC"}):
         here = [robx for n in _DATA_SETS if (robx := _transformation(table, channel, n)) is not None]
         found += here
+        _warn_of_other_package(table, channel, here, collector)
         blamed = _blame(table, channel, here, collector) or blamed
     if not found and not blamed:
         collector.add(
@@ -70,6 +71,22 @@ def _blame(table: DataTable, channel: int, found: list[Robx], collector: Collect
         )
         blamed = True
     return blamed
+
+
+def _warn_of_other_package(table: DataTable, channel: int, here: list[Robx], collector: Collector) -> None:
+    """Warn of ROBX_* data in a channel whose transformations are TE4's, and the reverse: nothing reads them."""
+    packages = {robx.package for robx in here}
+    if len(packages) != 1:
+        return
+    te4 = "TE4" in packages
+    rows = table.channel(channel).package_rows(te4=not te4)
+    if rows:
+        first = written_name(rows[0].datum, not te4, rows[0].index)
+        names = "$MC_TRAFO6_…" if te4 else "$MC_ROBX_…"
+        text = f"channel {channel} has a {'TE4' if te4 else 'ROBX'} transformation, which reads {names} only"
+        more = f" and {len(rows) - 1} more" if len(rows) > 1 else ""
+        hint = f"TRAFO_TYPE_x {ROBX_TYPE} reads $MC_ROBX_…, {TE4_TYPE} reads $MC_TRAFO6_…"
+        collector.add("CB343", f"{text}: {first}{more} ignored", span=rows[0].span, parameter=first, hint=hint)
 
 
 def _type_span(data: ChannelData) -> tuple[Span | None, int | None]:

@@ -59,7 +59,8 @@ def ik_all(
         ChainbuildError: T is no rigid transform, or the robot has more axes than its task determines.
     """
     query = Query.of(robot, as_pose(T), start, held, windings)
-    return find_all(query).branches
+    # Held axes are no branch's business: outside their limits there is no branch at all.
+    return tuple(branch for branch in find_all(query).branches if not robot.violated_limits(branch.axes))
 
 
 def find_all(query: Query) -> Found:

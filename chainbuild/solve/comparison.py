@@ -51,7 +51,8 @@ def pose_errors(ours: Matrices, theirs: Matrices, judged: Task, column: int = 2)
 def forward_poses(robot: Robot, axes: Vector) -> Matrices:
     """Return the poses (n, 4, 4) [m] of axis values (n, n_axes); not a number where there is none."""
     kinematics = robot.kinematics
-    return np.array([kinematics.pose(robot.q(row)).homogeneous for row in axes]).reshape(-1, 4, 4)
+    axis_map = robot.chain.axis_map
+    return np.array([kinematics.pose(axis_map.q(row)).homogeneous for row in axes]).reshape(-1, 4, 4)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

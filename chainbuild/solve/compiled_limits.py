@@ -37,16 +37,23 @@ def turn_inside(problem, y):
 
 @jit
 def onto_sums(problem, y):
-    """Move y the shortest way onto each coupled limit it violates, one after the other, then cut it to its limits."""
+    """Move y onto each coupled limit it violates, by axes that their own limits leave room to move."""
+    lower, upper = problem.lower, problem.upper
     for c in range(len(problem.sums)):
-        value = 0.0
-        for n in range(len(y)):
-            value += problem.sums[c, n] * y[n]
-        gap = min(max(value, problem.sum_lower[c]), problem.sum_upper[c]) - value
-        if gap != 0.0:
+        g = problem.sums[c]
+        for _ in range(len(y)):
+            value, length = 0.0, 0.0
             for n in range(len(y)):
-                y[n] += gap * problem.sums[c, n]
-                y[n] = min(max(y[n], problem.lower[n]), problem.upper[n])
+                value += g[n] * y[n]
+            gap = min(max(value, problem.sum_lower[c]), problem.sum_upper[c]) - value
+            for n in range(len(y)):
+                if (y[n] < upper[n] and gap * g[n] > 0.0) or (y[n] > lower[n] and gap * g[n] < 0.0):
+                    length += g[n] * g[n]
+            if length == 0.0:
+                break
+            for n in range(len(y)):
+                if (y[n] < upper[n] and gap * g[n] > 0.0) or (y[n] > lower[n] and gap * g[n] < 0.0):
+                    y[n] = min(max(y[n] + gap / length * g[n], lower[n]), upper[n])
 
 
 @jit

@@ -91,6 +91,43 @@ def descend(problem, target, y, work, inside, goal, close_enough, steps, stall_s
 
 
 @jit
+def squared_error(problem, target, y, work):
+    """Fill error and Jacobian of the task at y and return the squared error."""
+    pose_and_jacobian(problem.fixed, problem.prismatic, problem.A, problem.b, y, work.T, work.J, work.small)
+    tool_error(work.T, target, problem.axis, work.error, work.small)
+    if problem.weighted:
+        weigh(problem.weights, work.J, work.error)
+    squared = 0.0
+    for r in range(problem.rows):
+        squared += work.error[r] * work.error[r]
+    return squared
+
+
+@jit
+def approach(problem, target, y, work):
+    """Move y to where the error is smallest near by; return the squared error and the steps taken."""
+    squared, damping, taken = squared_error(problem, target, y, work), rules.NEAREST_DAMPING, 0
+    kept = y.copy()
+    while taken < rules.NEAREST_STEPS and damping < 1.0 / rules.DAMPING_FLOOR:
+        taken += 1
+        damped_step(problem.rows, work.J, work.error, work.H, work.g, work.step, damping)
+        stop_at_limits(problem, y, work, damping)
+        onto_sums(problem, y)
+        moved = squared_error(problem, target, y, work)
+        if moved < squared:
+            gain, squared, damping = squared - moved, moved, damping * rules.NEAREST_SHRINK
+            kept[:] = y
+            if gain <= rules.NEAREST_GAIN * squared:
+                break
+        else:
+            damping *= rules.NEAREST_GROWTH
+            y[:] = kept
+            squared_error(problem, target, y, work)
+    y[:] = kept
+    return squared, taken
+
+
+@jit
 def rank_starts(features, scale, target, wanted, distances):
     """Write the squared distance of each start's pose to the target; `wanted` (12,) is scratch."""
     for r in range(3):
@@ -172,7 +209,6 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
         Outcome, steps over all starts, starts after the first, distance and angle left at y.
     """
     distances = np.empty(len(problem.points))
-    rank_starts(problem.features, problem.scale, target, work.features, distances)
     close_enough = min(accuracy[1], accuracy[2]) ** 2
     nearest, least, iterations = np.inf, np.inf, 0
     best = wanted.copy()
@@ -180,6 +216,8 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
         if attempt == 0 and has_start:
             y[:] = start
         else:
+            if attempt == (1 if has_start else 0):
+                rank_starts(problem.features, problem.scale, target, work.features, distances)
             next_start(problem.points, distances, attempt, y)
         inside = attempt % rules.FREE_EVERY != rules.FREE_EVERY - 1
         met, squared, taken = descend(
@@ -190,6 +228,8 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
             turned = turn_inside(problem, y)
             beyond = excess(problem, y)
             if beyond <= _SLACK:
+                for n in range(len(y)):  # to the last digit; a free descent may end a rounding beyond
+                    y[n] = min(max(y[n], problem.lower[n]), problem.upper[n])
                 # The last step of the descent was forward kinematics at y; only what moved since is looked at again.
                 if near(problem, y, wanted) or turned or problem.weighted or problem.axis != problem.shown_axis:
                     distance, angle = errors(problem, target, y, work)
@@ -216,7 +256,7 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
             turn_inside(problem, y)
             outside[:] = y
     y[:] = best
-    _, nearest, taken = descend(problem, target, y, work, True, accuracy[0], close_enough, rules.POLISH_STEPS, 1.0)
+    nearest, taken = approach(problem, target, y, work)
     distance, angle = errors(problem, target, y, work)
     outcome = _STALLED if nearest < rules.CLOSE**2 else _UNREACHABLE
     return (_LIMITS if least < np.inf else outcome), iterations + taken, attempt, distance, angle

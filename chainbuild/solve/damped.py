@@ -44,7 +44,8 @@ def solve(
     Args:
         robot: The robot.
         target: Tool in the workpiece frame [m]: `pin.SE3` or a (4, 4) array.
-        start: Axis values (n_axes,), mm and degrees; None: the configuration of a table whose pose is nearest.
+        start: Axis values (n_axes,), mm and degrees; None: near zero on machine tools, else the configuration of a
+            table whose pose is nearest.
         held: See `Robot.ik`.
         options: See `IkOptions`.
 
@@ -87,12 +88,13 @@ def find(problem: Problem, target: Matrix, start: Vector | None, options: IkOpti
     Args:
         problem: What is asked.
         target: (4, 4) tool in the workpiece frame [m].
-        start: (n_free,) SI values to start from, or None.
+        start: (n_free,) SI values to start from; None: the problem's home, or its table.
         options: Tolerances and budget.
 
     Raises:
         ChainbuildError: the target is no rigid transform.
     """
+    start = problem.home if start is None else start
     wanted = problem.middle if start is None else start
     if beyond_bound(problem, target):
         options = replace(options, max_restarts=0)
@@ -102,10 +104,17 @@ def find(problem: Problem, target: Matrix, start: Vector | None, options: IkOpti
             found = compiled.search(packed, target, start, wanted, options)
             if found.outcome == rules.NOT_RIGID:
                 raise refusal(target)
-            return found
+            return _judged(problem, found)
     if not plain.is_rigid(target):
         raise refusal(target)
-    return plain.search(problem, target, start, wanted, options)
+    return _judged(problem, plain.search(problem, target, start, wanted, options))
+
+
+def _judged(problem: Problem, found: Found) -> Found:
+    """Return what was found; no success while a held axis stands outside its limits."""
+    if problem.held_beyond and found.outcome == rules.OK:
+        return found._replace(outcome=rules.LIMITS)
+    return found
 
 
 def result_of(problem: Problem, target: Matrix, found: Found, options: IkOptions) -> IkResult:
@@ -114,5 +123,7 @@ def result_of(problem: Problem, target: Matrix, found: Found, options: IkOptions
     ok = outcome == rules.OK
     reason = "" if ok else reason_of(problem, target, found, options, find)
     axes = problem.shown(y)
-    violated = problem.robot.violated_limits(problem.shown(found.outside)) if outcome == rules.LIMITS else ()
+    violated: tuple[str, ...] = ()
+    if outcome == rules.LIMITS:
+        violated = problem.robot.violated_limits(axes if problem.held_beyond else problem.shown(found.outside))
     return IkResult(ok, axes, STATUSES[outcome], distance, angle, iterations, restarts, problem.task, reason, violated)

@@ -14,6 +14,7 @@ from chainbuild.solve.damped import solve
 from chainbuild.solve.options import IkOptions
 from chainbuild.solve.result import IkResult
 from chainbuild.solve.start import Held
+from chainbuild.solve.within import kept_within
 
 if TYPE_CHECKING:
     import pinocchio as pin
@@ -47,11 +48,11 @@ def inverse(
             return damped
     target = as_pose(T)
     found = _by_all_means(robot, target, start, held, solver, absolute_c_deg, options, damped)
-    if prefer is None:
-        return found
-    from chainbuild.solve.redundancy import preferred
+    if prefer is not None:
+        from chainbuild.solve.redundancy import preferred
 
-    return preferred(robot, found, target, prefer, start, held)
+        found = preferred(robot, found, target, prefer, start, held)
+    return kept_within(robot, found, target)
 
 
 def _by_all_means(

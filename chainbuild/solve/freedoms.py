@@ -82,11 +82,19 @@ class Box:
         return np.minimum(np.maximum(y, self.lower), self.upper)
 
     def onto_sums(self, y: Vector) -> Vector:
-        """Return y moved the shortest way onto each coupled limit it violates, one after the other."""
+        """Return y moved onto each coupled limit it violates, by axes that their own limits leave room to move."""
         for g, lower, upper in zip(self.sums, self.sum_lower, self.sum_upper, strict=True):
-            value = float(g.dot(y))
-            if not lower <= value <= upper:
-                y = self.clamp(y + (min(max(value, lower), upper) - value) * g)
+            for _ in range(len(y)):
+                value = float(g.dot(y))
+                gap = min(max(value, lower), upper) - value
+                if gap == 0.0:
+                    break
+                push = gap * g
+                movable = np.where(push > 0.0, y < self.upper, y > self.lower) * g
+                length = float(movable.dot(movable))
+                if length == 0.0:
+                    break
+                y = self.clamp(y + gap / length * movable)
         return y
 
     def inside(self, y: Vector) -> bool:
@@ -170,13 +178,24 @@ def freedoms_of(robot: Robot) -> Freedoms:
 def _prepare(robot: Robot) -> Freedoms:
     axes = robot.axes
     factors = robot.kinematics.si_factors
-    lower = np.array([-math.inf if a.endless else a.lower for a in axes]) * factors
-    upper = np.array([math.inf if a.endless else a.upper for a in axes]) * factors
+    lower = _inner([-math.inf if a.endless else a.lower for a in axes], factors, math.inf)
+    upper = _inner([math.inf if a.endless else a.upper for a in axes], factors, -math.inf)
     box = Box(lower, upper, periodic_axes(robot.chain), tuple(a.name for a in axes), *_coupled(robot.chain, factors))
     span_low, span_high = finite_span(lower, upper)
     stagger = _START_STAGGER * np.where(np.arange(len(axes)) % 2 == 0, 1.0, -1.0)
     middle = (span_low + span_high) / 2.0 + stagger * np.minimum(span_high - span_low, math.tau)
     return Freedoms(box, middle, factors, _reach(robot))
+
+
+def _inner(limits: Sequence[float], factors: Vector, inwards: float) -> Vector:
+    """Return limits in SI that stay on the inner side when they are turned back into mm and degrees."""
+    bounds = []
+    for limit, factor in zip(limits, factors.tolist(), strict=True):
+        bound = limit * factor
+        while math.isfinite(bound) and (bound / factor - limit) * inwards < 0.0:
+            bound = math.nextafter(bound, inwards)
+        bounds.append(bound)
+    return np.array(bounds)
 
 
 def finite_span(lower: Vector, upper: Vector) -> tuple[Vector, Vector]:

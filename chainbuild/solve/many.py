@@ -69,7 +69,9 @@ def solve_many(
         if begin is not None and len(begin) > 1 and robot.kinematics.has_input_axes:
             return _row_by_row(robot, targets, begin, held, options, advance)
         problem = problem_of(robot, None if begin is None else begin[0], held, options)
-        first = None if begin is None else np.ascontiguousarray(begin[:, problem.free] * problem.factors)
+        first = None if problem.home is None else problem.home[None]
+        if begin is not None:
+            first = np.ascontiguousarray(begin[:, problem.free] * problem.factors)
         columns = Columns.of(len(targets), len(problem.free))
         packed = compiled.packed(problem) if options.compiled and compiled.available() else None
         if packed is None:
@@ -98,6 +100,8 @@ def _compiled(
         bad = np.flatnonzero(rows[1][:, 0] == rules.NOT_RIGID)
         if len(bad):
             raise _at_row(refusal(targets[begin + bad[0]]), begin + int(bad[0]))
+        if problem.held_beyond:
+            rows[1][rows[1][:, 0] == rules.OK, 0] = rules.LIMITS
         advance(len(rows[0]))
 
 

@@ -57,7 +57,11 @@ def follow(
     row = 0
     with bar(len(targets), progress) as advance:
         while row < len(targets):
-            done = 0 if last is None else _easy_stretch(problem, targets[row:], last, columns, row, options)
+            done = (
+                0
+                if last is None or problem.held_beyond
+                else _easy_stretch(problem, targets[row:], last, columns, row, options)
+            )
             if done == 0:
                 done = _tight_spot(problem, targets, row, begin_part, columns, last, options)
             row += done

@@ -86,7 +86,8 @@ class _Search:
                 found, y = y, self.box.into(y)
                 beyond = 0.0 if y is found and not self.coupled and inside else self.box.excess(y)
                 if beyond <= rules.INSIDE_SLACK:
-                    y = self.box.nearest(y, self.wanted)
+                    # To the last digit: a free descent may end a rounding beyond a limit.
+                    y = self.box.nearest(y if inside else self.box.clamp(y), self.wanted)
                     # The last step was forward kinematics at `found`; what whole turns moved is looked at again.
                     distance, angle = self.task.misses(y, self.target, self.last if y is found else None)
                     if self.verified(distance, angle):
@@ -101,7 +102,7 @@ class _Search:
             # The branch that the start is on tells best what is in the way.
             met, y, _ = self.descend(start, False, rules.MAX_STEPS, rules.STALL_SHARE)
             outside = self.box.into(y) if met else outside
-        _, best, nearest = self.descend(best, True, rules.POLISH_STEPS, 1.0)
+        best, nearest = self.approach(best)
         outcome = rules.STALLED if nearest < rules.CLOSE**2 else rules.UNREACHABLE
         if least < math.inf:
             outcome = rules.LIMITS
@@ -133,6 +134,30 @@ class _Search:
                 moved = self._stop_at_limits(y, step, J, error, damping)
             y = self.box.onto_sums(moved) if inside and self.coupled else moved
         return squared < self.close_enough, y, squared
+
+    def approach(self, y: Vector) -> tuple[Vector, float]:
+        """Return where the error is smallest near by, and the squared error there."""
+        error, J = self.error(y)
+        squared, damping = float(error.dot(error)), rules.NEAREST_DAMPING
+        for _ in range(rules.NEAREST_STEPS):
+            self.iterations += 1
+            step = self.damping.step(J, error, damping)
+            moved = self.box.onto_sums(self._stop_at_limits(y, step, J, error, damping))
+            try:
+                error_there, J_there = self.error(moved)
+            except ChainbuildError:
+                break
+            squared_there = float(error_there.dot(error_there))
+            if squared_there < squared:
+                gain, squared, damping = squared - squared_there, squared_there, damping * rules.NEAREST_SHRINK
+                y, error, J = moved, error_there, J_there
+                if gain <= rules.NEAREST_GAIN * squared:
+                    break
+            elif damping < 1.0 / rules.DAMPING_FLOOR:
+                damping *= rules.NEAREST_GROWTH
+            else:
+                break
+        return y, squared
 
     def _stop_at_limits(self, y: Vector, step: Vector, J: Matrix, error: Vector, damping: float) -> Vector:
         """Return y moved by the step; axes that would leave their limits stop there, the others take over the rest."""

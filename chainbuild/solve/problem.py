@@ -5,6 +5,7 @@ Everything here is prepared once for a robot, its held axes and the options, and
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 from weakref import WeakKeyDictionary
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 
+_ROUNDED: Final = 1e-6  # mm or degrees: a held axis this close beyond its limit stands on it
 _KEPT: Final = 16  # problems kept a robot: additional axes may take another value with every pose
 
 
@@ -41,12 +43,15 @@ class Problem:
         x: (n_axes,) SI values of the held axes; the others are 0.
         axes: The same in mm and degrees.
         box: Limits of the free axes.
-        middle: (n_free,) default start.
+        middle: (n_free,) near the middle of the limits.
+        home: (n_free,) where the search starts without a start given, or None: anywhere in the table. Machine tools
+            stand upright most of the time, where an axis is free: it shall stay near its zero.
         factors: (n_free,) mm and degrees to SI.
         reach: Bound on the distance between workpiece and tool [m].
         bounded: Whether the whole distance counts, so that `reach` can refuse a target.
         starts: Configurations to start from.
         turns: Whether any turn counts.
+        held_beyond: Words for each held axis that stands outside its limits: no answer is one then.
         plain: The task for the plain path, filled in at its first use.
         compiled: The problem as one array for the compiled path, filled in at its first use.
     """
@@ -61,11 +66,13 @@ class Problem:
     axes: Vector
     box: Box
     middle: Vector
+    home: Vector | None
     factors: Vector
     reach: float
     bounded: bool
     starts: Starts
     turns: bool
+    held_beyond: tuple[str, ...]
     plain: list[Task] = field(default_factory=list)
     compiled: list[Any] = field(default_factory=list)
 
@@ -140,12 +147,20 @@ def _prepare(robot: Robot, x: Vector, fixed: NDArray[np.bool_], options: IkOptio
         axes=x / freedoms.si_factors,
         box=box,
         middle=freedoms.middle[free],
+        home=None if robot.task == "pose" else box.clamp(np.zeros(len(free))),
         factors=freedoms.si_factors[free],
         reach=freedoms.reach,
         bounded=bool((weights[:3] > 0.0).all()),
         starts=starts,
         turns=bool(weights[3:].any()),
+        held_beyond=tuple(_held_beyond(robot, x / freedoms.si_factors, fixed)),
     )
+
+
+def _held_beyond(robot: Robot, values: Vector, fixed: NDArray[np.bool_]) -> Iterator[str]:
+    for axis, value, held in zip(robot.axes, values.tolist(), fixed.tolist(), strict=True):
+        if held and not axis.endless and not axis.lower - _ROUNDED <= value <= axis.upper + _ROUNDED:
+            yield f"{axis.name} at {value:.3f} {axis.unit} (limits {axis.lower:g} … {axis.upper:g})"
 
 
 def _weights(robot: Robot, options: IkOptions) -> tuple[Vector, int]:

@@ -26,6 +26,7 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.robot.kinematics import damped_step
 from chainbuild.robot.robot import as_pose
 from chainbuild.solve.axis_values import turned_axes
+from chainbuild.solve.freedoms import freedoms_of
 from chainbuild.solve.query import LIMIT_SLACK, Query
 from chainbuild.solve.result import IkResult
 from chainbuild.solve.start import Held
@@ -126,6 +127,8 @@ def solve_programmed(
     found = solve(target, start)
     if found.success or found.status == "limits" or not chain.follows_c:
         return found
+    if float(np.linalg.norm(target.translation)) > freedoms_of(robot).reach:
+        return found  # too far for any orientation
     c_deg = frames.angles_from_matrix(chain.angle_mode, target.rotation)[2]
     return _following(Query.of(robot, target, start, held), PoseAngle(chain.angle_mode, c_deg), solve) or found
 

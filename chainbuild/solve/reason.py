@@ -37,6 +37,8 @@ def reason_of(problem: Problem, target: Matrix, found: Found, options: IkOptions
         options: The options it had.
         search: What to search with for the position alone.
     """
+    if problem.held_beyond:
+        return "an axis is held outside its limits: " + ", ".join(problem.held_beyond)
     if found.outcome == rules.LIMITS:
         return "reached only outside the limits: " + ", ".join(_violations(problem, found.outside))
     if found.outcome == rules.STALLED:

@@ -32,8 +32,13 @@ SHARP: Final = 1e-8
 NEAREST_FIRST: Final = 4
 # A pose that so many descents, free ones among them, did not reach is given up as unreachable.
 HOPELESS: Final = 30
-# Steps spent on the nearest pose once none meets the target.
-POLISH_STEPS: Final = 20
+# The nearest pose, once none meets the target: a descent whose damping follows success (Marquardt), for the error does
+# not vanish there and full steps overshoot. Steps at most, first damping, its factors, and the gain that ends it.
+NEAREST_STEPS: Final = 40
+NEAREST_DAMPING: Final = 1e-2
+NEAREST_GROWTH: Final = 6.0
+NEAREST_SHRINK: Final = 0.2
+NEAREST_GAIN: Final = 1e-9
 # A remaining error below this is called "stalled", not "unreachable".
 CLOSE: Final = 1e-3
 # How far an answer may lie beyond a limit: rounding, not more.

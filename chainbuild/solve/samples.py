@@ -71,7 +71,7 @@ def make_samples(robot: Robot, count: int, kinds: Sequence[str] = MADE_KINDS, se
 def _with_pose(robot: Robot, axes: Vector) -> Vector:
     """Return the rows that have a finite pose."""
     kinematics = robot.kinematics
-    finite = [bool(np.isfinite(kinematics.pose(robot.q(row)).homogeneous).all()) for row in axes]
+    finite = [bool(np.isfinite(kinematics.pose(robot.chain.axis_map.q(row)).homogeneous).all()) for row in axes]
     kept: Vector = axes[np.array(finite, dtype=bool)]
     return kept
 

@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.chain.elements import Axis
+from chainbuild.errors import Span, TableError
 from chainbuild.tables.reader import Chunk, Table
 
-RESULT_COLUMNS: Final = ("status", "position_error_mm", "rotation_error_deg")
+STATUS_COLUMN: Final = "status"
+RESULT_COLUMNS: Final = (STATUS_COLUMN, "position_error_mm", "rotation_error_deg")
 VIOLATIONS_COLUMN: Final = "violations"
 
 
@@ -33,6 +35,14 @@ class AxisTable(Table):
     def __init__(self, path: Path, axes: Sequence[Axis]) -> None:
         names = tuple(axis.name for axis in axes)
         super().__init__(path, lambda _: (names, (*names, *RESULT_COLUMNS, VIOLATIONS_COLUMN)))
+
+    def _refuse_faults(self, span: Span, fields: Sequence[str]) -> None:
+        """Refuse a row that holds no numbers; one where inverse kinematics has failed is called so."""
+        status = fields[self.names.index(STATUS_COLUMN)].strip() if STATUS_COLUMN in self.names else ""
+        if status not in ("", "ok") and not any(fields[place].strip() for place in self._places):
+            text = f"the row has no axis values: inverse kinematics failed there ({status[:40]})"
+            raise TableError(text, span=span, permitted="rows with axis values", hint="take failed rows out first")
+        super()._refuse_faults(span, fields)
 
     def rows(self) -> Iterator[tuple[int, NDArray[np.float64]]]:
         """Read the rows that are left: line number and axis values (n_axes,)."""

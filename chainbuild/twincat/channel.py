@@ -23,13 +23,12 @@ from chainbuild.twincat.config import (
     kept_by,
     short_name,
 )
-from chainbuild.twincat.named_parameters import acts_on, nearest_name
+from chainbuild.twincat.named_parameters import is_general, named_parameter, nearest_name
 from chainbuild.twincat.reader import Assignment, Key, ParameterList, canonical
 
 # P-CHAN-00112; 11 is described as not supported by the controller.
 _ANGLE_MODES: Final = frozenset({*range(-1, 6), *range(10, 22)})
-_UNIVERSAL: Final = 91  # judges its names itself
-_COUPLING: Final = 210
+_JUDGE_THEIR_NAMES: Final = (91, 210)  # universal and coupling kinematic, configured by names
 
 
 def read_channel(parameters: ParameterList, collector: Collector, index: int = 0, name: str = "") -> Channel:
@@ -136,12 +135,12 @@ def _place(entry: Assignment, root: str) -> tuple[int, int, tuple[Key, ...]]:
 
 def _warn_unknown(trafo: Trafo, collector: Collector) -> None:
     """Warn of parameters that nothing reads: misspelt, with a wrong index, or of a type configured by names."""
-    if trafo.type == _UNIVERSAL:
+    if trafo.type in _JUDGE_THEIR_NAMES:
         return
     for name, entry in trafo.extras.items():
-        if acts_on(name, by_name=trafo.type == _COUPLING):
+        if is_general(name):
             continue
-        known = acts_on(name, by_name=True)
+        known = named_parameter(name) is not None
         what = f"has no effect on KIN_TYP {trafo.type}" if known else "is no parameter of a kinematic"
         near = None if known else nearest_name(name)
         hint = f"did you mean {trafo.prefix}.{near}?" if near else None

@@ -1,7 +1,7 @@
-"""Nonlinear axis maps of tool heads: the growing nozzle of 25, the virtual axis of 70, the spatial angles of 59 and 60.
+"""Nonlinear axis maps of tool heads: the virtual axis of 70, the spatial angles of 59 and 60.
 
 Each takes the axis values through an affine map to inner values (signs, zero offsets, SI) and bends only those that
-are not straight: q = bend(A·axes + b).
+are not straight: q = bend(A·axes + b). `maps_length` has those of tools that grow with their tilt.
 """
 
 from __future__ import annotations
@@ -15,16 +15,17 @@ import numpy as np
 
 from chainbuild import tolerances
 from chainbuild.chain.axismap import AffineMap, Matrix, Vector
+from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.frames import cos_sin_deg
-from chainbuild.units import AxisKind, m_from_mm, rad_from_deg
+from chainbuild.units import AxisKind, deg_from_rad, rad_from_deg
 
-_FIVE_AXES: Final[tuple[AxisKind, ...]] = ("linear", "linear", "linear", "rotary", "rotary")
-_SIX_AXES: Final[tuple[AxisKind, ...]] = (*_FIVE_AXES, "rotary")
+FIVE_AXES: Final[tuple[AxisKind, ...]] = ("linear", "linear", "linear", "rotary", "rotary")
+_SIX_AXES: Final[tuple[AxisKind, ...]] = (*FIVE_AXES, "rotary")
 _LEAN_SLACK: Final = 1e-12  # [rad] the largest lean, computed back by an arc sine, still counts as reached
 _C, _A = 3, 4  # indices in X, Y, Z, C, A (59: C, A; 60: C, B)
 
 
-def _straight(
+def straight_map(
     kinds: Sequence[AxisKind], offsets_deg: Sequence[float], signs: Sequence[float] | None = None
 ) -> AffineMap:
     """Return the map sign·axis + offset, axis by axis; the offsets of linear axes must be 0."""
@@ -32,64 +33,9 @@ def _straight(
     return AffineMap.of(np.diag(signs if signs is not None else np.ones(len(kinds))), offsets, kinds)
 
 
-def _nonzero(cosine: float) -> float:
+def nonzero(cosine: float) -> float:
     """Return a cosine kept off 0, so that a derivative at a singular point is huge but finite."""
     return math.copysign(max(abs(cosine), tolerances.GIMBAL_LOCK), cosine)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class NozzleMap:
-    """KIN_TYP 25: joints X, Y, Z, C, A straight; joint nozzle = length·(1/cos a - 1), a the angle of joint A.
-
-    Attributes:
-        straight: Axis values → X, Y, Z, C, A.
-        length: Length at a = 0 [m].
-    """
-
-    straight: AffineMap
-    length: float
-
-    @classmethod
-    def of(cls, length_mm: float, offsets_deg: Sequence[float]) -> NozzleMap:
-        """Build the map of a length and the angles added to the axis values X, Y, Z, C, A."""
-        return cls(_straight(_FIVE_AXES, offsets_deg), m_from_mm(length_mm))
-
-    @property
-    def periodic(self) -> tuple[str, ...]:
-        """Axes whose whole turn leads to the same pose."""
-        return ("C", "A")
-
-    def q(self, axes: Vector) -> Vector:
-        """Return the joint values (6,) of axis values (5,); not a number where the nozzle is horizontal."""
-        q = self.straight.q(axes)
-        return np.append(q, self._extension(float(q[_A])))
-
-    def _extension(self, angle: float) -> float:
-        cosine = math.cos(angle)
-        if abs(cosine) < tolerances.ZERO_VECTOR:
-            return math.nan
-        return self.length * (1.0 / cosine - 1.0)
-
-    def axes(self, q: Vector) -> Vector:
-        """Return the axis values of joint values; the nozzle's follows from them."""
-        return self.straight.axes(q[:-1])
-
-    def dq_daxes(self, axes: Vector) -> Matrix:
-        """Return the derivative (6, 5)."""
-        angle = float(self.straight.q(axes)[_A])
-        last = np.zeros((1, 5))
-        last[0, _A] = self.length * math.sin(angle) / _nonzero(math.cos(angle)) ** 2
-        return np.vstack((self.straight.A, last))
-
-    def q_bounds(self, lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
-        """Return the joint bounds; where the tilt may pass 90 degrees, the nozzle's are those assumed for a slide."""
-        low, high = self.straight.q_bounds(lower, upper)
-        tilt = max(abs(float(low[_A])), abs(float(high[_A])))
-        bound = m_from_mm(tolerances.ASSUMED_LINEAR_LIMIT_MM)
-        if math.cos(min(tilt, math.pi)) <= tolerances.GIMBAL_LOCK:
-            return np.append(low, -bound), np.append(high, bound)
-        ends = (0.0, self._extension(tilt))
-        return np.append(low, min(ends)), np.append(high, max(ends))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,7 +53,7 @@ class VirtualTurnMap:
     @classmethod
     def of(cls, signs: Sequence[float], offsets_deg: Sequence[float]) -> VirtualTurnMap:
         """Build the map of signs and added angles of X, Y, Z, B, A, CV."""
-        return cls(_straight(_SIX_AXES, offsets_deg, signs))
+        return cls(straight_map(_SIX_AXES, offsets_deg, signs))
 
     @property
     def periodic(self) -> tuple[str, ...]:
@@ -140,7 +86,7 @@ class VirtualTurnMap:
         by_b, by_a = (cos_b * cos_a, 0.0, -sin_b * cos_a), (-sin_b * sin_a, -cos_a, -cos_b * sin_a)
         by_angles = [(cos_v * dx - sin_v * dy, sin_v * dx + cos_v * dy, dz) for dx, dy, dz in (by_b, by_a)]
         by_angles.append((-y, x, 0.0))
-        radius = _nonzero(math.copysign(math.hypot(x, z), cos_a))
+        radius = nonzero(math.copysign(math.hypot(x, z), cos_a))
         bent = np.zeros((5, 6))
         bent[:3, :3] = np.eye(3)
         for n, (dx, dy, dz) in enumerate(by_angles, start=3):
@@ -186,6 +132,7 @@ class SpatialAnglesMap:
         sin_tilt: sin δ, not 0.
         side: +1, or -1 where the inclined axis leans to the other side.
         zero: (2,) offsets taken off C_m and A_m [rad].
+        axis: Name of the inclined axis.
     """
 
     straight: AffineMap
@@ -193,13 +140,16 @@ class SpatialAnglesMap:
     sin_tilt: float
     side: float
     zero: tuple[float, float]
+    axis: str = "A"
 
     @classmethod
-    def of(cls, tilt_deg: float, zero_deg: tuple[float, float] = (0.0, 0.0), side: float = 1.0) -> SpatialAnglesMap:
+    def of(
+        cls, tilt_deg: float, zero_deg: tuple[float, float] = (0.0, 0.0), side: float = 1.0, axis: str = "A"
+    ) -> SpatialAnglesMap:
         """Build the map of a tilt other than 0 and the offsets taken off the machine angles C and A (B)."""
         cosine, sine = cos_sin_deg(tilt_deg)
         zero = (rad_from_deg(zero_deg[0]), rad_from_deg(zero_deg[1]))
-        return cls(_straight(_FIVE_AXES, (0.0,) * 5), cosine, sine, side, zero)
+        return cls(straight_map(FIVE_AXES, (0.0,) * 5), cosine, sine, side, zero, axis)
 
     @property
     def periodic(self) -> tuple[str, ...]:
@@ -217,6 +167,17 @@ class SpatialAnglesMap:
             return math.nan
         ratio = math.sin(spatial / 2.0) / self.sin_tilt
         return self.side * 2.0 * math.asin(max(-1.0, min(1.0, ratio)))
+
+    def refusal(self, axes: Vector) -> ChainbuildError | None:
+        """Return the error of a lean that the head cannot reach, or None."""
+        if math.isfinite(self.machine_angle(float(self.straight.q(axes)[_A]))):
+            return None
+        lean = deg_from_rad(self.largest_lean)
+        return AxisValueError(
+            f"the head cannot lean the tool by {self.axis} = {axes[_A]:g} deg: twice the tilt of its axis (HD7) is all",
+            parameter=self.axis,
+            permitted=f"{-lean:.9g} to {lean:.9g} deg",
+        )
 
     def _turn_of_c(self, machine: float) -> float:
         """Return C_s - C_m: how far the inclined axis itself turns the lean about Z."""
@@ -243,7 +204,7 @@ class SpatialAnglesMap:
         result: Matrix = np.eye(5)
         spatial = float(self.straight.q(axes)[_A])
         half = self.machine_angle(spatial) / 2.0
-        cosine = _nonzero(math.cos(half))
+        cosine = nonzero(math.cos(half))
         slope = self.side * math.cos(spatial / 2.0) / (self.sin_tilt * cosine)
         result[_A, _A] = slope
         # d/dm atan2(cos δ·sin(m/2), cos(m/2)) = (cos δ/2) / (1 - sin²δ·sin²(m/2))

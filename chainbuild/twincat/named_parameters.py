@@ -15,7 +15,7 @@ from chainbuild.units import deg_from_raw, mm_from_tenth_um
 
 _INDEX: Final = re.compile(r"\[(\d+)\]")
 _ANGLES: Final = (3, 4, 5)
-# What every kinematic has: how it is written. Where it stands in a coupling also decides for the last two.
+# What every kinematic has and how it is written; the last two act in a coupling.
 _GENERAL: Final = {"id": "id", "type": "type", "name": "name", "param": "param[k]", "base": "base[k]",
                    "lock_dof": "lock_dof[k]"}  # fmt: skip
 
@@ -68,15 +68,9 @@ def named_parameter(name: str) -> NamedParameter | None:
     return named_parameters().get(key)
 
 
-def acts_on(name: str, *, by_name: bool) -> bool:
-    """Return whether a name behind the dot of trafo[j] is a parameter of a kinematic.
-
-    Args:
-        name: The name, with indices.
-        by_name: True for a type that is configured by names, False for one that is by PARAM[].
-    """
-    key = _INDEX.sub("", name)
-    return named_parameter(name) is not None and (by_name or key in _GENERAL)
+def is_general(name: str) -> bool:
+    """Return whether a name behind the dot of trafo[j] is a named parameter of every kinematic in a coupling."""
+    return named_parameter(name) is not None and _INDEX.sub("", name) in _GENERAL
 
 
 def nearest_name(name: str) -> str | None:

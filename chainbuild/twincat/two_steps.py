@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild import frames
-from chainbuild.chain.axismap import AxisMap
+from chainbuild.chain.axismap import AxisMap, refusal_of
 from chainbuild.chain.elements import Chain
 from chainbuild.chain.poses import angle_rates, pose, pose_jacobian
 from chainbuild.errors import ChainbuildError, UnsupportedKinematicError
@@ -169,6 +169,11 @@ class TwoStepMap:
             J = self.coordinates.derivative(values)[: self.taken]
             values = values + (np.linalg.pinv(J, rcond=1e-9) @ error) / factors
         raise ChainbuildError("the first transformation step was not brought to these joint values")
+
+    def refusal(self, axes: Vector) -> ChainbuildError | None:
+        """Return why one of the steps has no joint values, or None."""
+        first = refusal_of(self.coordinates.chain.axis_map, axes)
+        return first or refusal_of(self.second, self.coordinates.values(axes)[: self.taken])
 
     def dq_daxes(self, axes: Vector) -> Matrix:
         """Return the derivative, SI by SI."""

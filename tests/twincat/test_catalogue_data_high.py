@@ -30,7 +30,7 @@ AXES: dict[int, str] = {
     82: "X:lt Y:lt Z:lt B:rt C:rw A:rt",
     85: "X:lt C:rt",
     96: "G1:rt G2:rt G3:rt G4:rt",
-    98: "",
+    98: "X:lt Y:lt Z:lt C:rt A:rt",  # the carrier that convention kin98_carrier assumes
     202: "XQ:lt YQ:rt ZQ:lt CS:rw",
     203: "C:rw YL:rt ZL:lt",
     205: "X:lt C:rt Z:lt",
@@ -68,7 +68,7 @@ HD: dict[int, str] = {
     213: "lll ..a llllll .aa ..... fffff .......... aaa ......... l",
 }
 N_AXES = {36: 4, 45: 6, 52: 5, 57: 5, 58: 5, 59: 5, 60: 5, 61: 5, 63: 5, 64: 6, 70: 6, 76: 5, 80: 5, 81: 5, 82: 6,
-          85: 2, 96: 4, 98: 0, 202: 4, 203: 3, 205: 3, 206: 6, 207: 4, 208: 5, 213: 5}  # fmt: skip
+          85: 2, 96: 4, 98: 5, 202: 4, 203: 3, 205: 3, 206: 6, 207: 4, 208: 5, 213: 5}  # fmt: skip
 N_HD = {36: 8, 45: 29, 52: 5, 57: 16, 58: 16, 59: 20, 60: 16, 61: 19, 63: 19, 64: 21, 70: 11, 76: 6, 80: 16, 81: 16,
         82: 19, 85: 3, 96: 10, 98: 4, 202: 10, 203: 10, 205: 17, 206: 43, 207: 9, 208: 36, 213: 21}  # fmt: skip
 # Chapters of the manual; 96, 202, 203 and 205 have no number of their own.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from chainbuild.chain.elements import Axis
-from chainbuild.errors import ChainbuildError, ParseError
+from chainbuild.errors import ChainbuildError, MachineDataError, ParseError
 from chainbuild.text import SourceText
 from chainbuild.twincat.container import is_container, read_container
 
@@ -129,10 +129,30 @@ def test_a_modulo_axis_turns_without_end() -> None:
     assert not axes[1].endless
 
 
+def test_limits_the_wrong_way_round_are_refused() -> None:
+    found = machine(project(ROBOT, axes=axis("C1", 10000, -10000)))
+    with pytest.raises(MachineDataError, match=r"C1 leave no range: 1 to -1 deg.*swe_pos above 10000"):
+        found.chain()
+
+
 def test_limits_without_range_are_left_alone() -> None:
-    chain = machine(project(ROBOT, axes=axis("C1", 10000, -10000))).chain()
-    assert chain.axes[0].assumed
-    assert "CB230" in codes(chain)
+    endless = axis("C1", 10000, -10000, extra="kenngr.achs_mode 0x4")
+    for lists in (axis("C1", 10000, 10000), endless):
+        chain = machine(project(ROBOT, axes=lists)).chain()
+        assert chain.axes[0].assumed
+        assert "CB230" in codes(chain)
+
+
+@pytest.mark.parametrize(("key", "side", "limits"), [("neg", "lower", (-5.0, 360.0)), ("pos", "upper", (-360.0, 5.0))])
+def test_the_limit_that_is_known_stays(key: str, side: str, limits: tuple[float, float]) -> None:
+    both = axis("C1", -50000, 50000)
+    lists = "\n".join(line for line in both.splitlines() if f"swe_{'pos' if key == 'neg' else 'neg'}" not in line)
+    assert f"swe_{key}" in lists
+    chain = machine(project(ROBOT, axes=lists)).chain()
+    assert (chain.axes[0].lower, chain.axes[0].upper, chain.axes[0].assumed) == (*limits, True)
+    (finding,) = [f for f in chain.findings if f.code == "CB233"]
+    assert f"only the {side} software limit" in finding.text
+    assert finding.span is not None
 
 
 def test_a_tool_list_belongs_to_its_channel() -> None:

@@ -180,5 +180,5 @@ def test_reference_poses(name: str) -> None:
 
 def test_98_is_refused_by_name() -> None:
     with pytest.raises(UnsupportedKinematicError, match=r"KIN_TYP 98.*neither its axes nor its chain"):
-        build(98)
+        build(98, kin98_carrier="refused")
     assert issubclass(UnsupportedKinematicError, ChainbuildError)

@@ -21,9 +21,10 @@ from chainbuild.chain.assemble import Element, Move, linear, rotary, shift, turn
 from chainbuild.conventions import Choices
 from chainbuild.frames import rot_x, rot_z
 from chainbuild.twincat.head_parts import direction_sign, slides, towards_slide, zero_deg
-from chainbuild.twincat.maps_heads import NozzleMap
+from chainbuild.twincat.maps_length import NozzleLaw, TiltLengthMap
 from chainbuild.twincat.parts import asked_sign, tool_end
 from chainbuild.twincat.recipe import Drive, Params, Recipe, RecipeFunction, driven, zero_and_sign
+from chainbuild.units import m_from_mm
 
 # Tilt of the nozzle of KIN_TYP 25 where nobody gives limits: its length grows beyond all bounds towards 90 degrees.
 _NOZZLE_TILT_DEG: Final = 80.0
@@ -48,7 +49,8 @@ def kin_25(p: Params, choose: Choices) -> Recipe:
     p.note("CB421", "tool_z", text, hint=f"nozzle = {growing:g} mm·(1/cos A - 1)")
     low, high = -a.offset_deg - _NOZZLE_TILT_DEG, -a.offset_deg + _NOZZLE_TILT_DEG
     axes = tuple(replace(axis, lower=low, upper=high) if axis.name == "A" else axis for axis in p.axes)
-    axis_map = NozzleMap.of(growing, (0.0, 0.0, 0.0, c.offset_deg, a.offset_deg))
+    law = NozzleLaw(m_from_mm(growing))
+    axis_map = TiltLengthMap.of(law, (0.0, 0.0, 0.0, c.offset_deg, a.offset_deg))
     return Recipe(tool=[*fork, linear("nozzle", "-z")], axes=axes, axis_map=axis_map)
 
 

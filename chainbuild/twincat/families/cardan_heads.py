@@ -47,7 +47,7 @@ def kin_60(p: Params, choose: Choices) -> Recipe:
     cosine, sine = cos_sin_deg(p.deg("tilt_angle"))
     side = asked_sign(choose, "kin60_tilt_sign", sine)
     offsets = _Offsets(("internal_offset_c",), ("internal_offset_b",))
-    angles = _angles(p, choose, offsets, side)
+    angles = _angles(p, choose, offsets, side, "B")
     return _recipe(p, choose, _Head("B", (0.0, side * sine, cosine), "sp_to_b", "b_to_c"), angles, [], [])
 
 
@@ -89,7 +89,7 @@ class _Angles:
     spatial: SpatialAnglesMap | None
 
 
-def _angles(p: Params, choose: Choices, offsets: _Offsets, side: float = 1.0) -> _Angles:
+def _angles(p: Params, choose: Choices, offsets: _Offsets, side: float = 1.0, axis: str = "A") -> _Angles:
     c = math.fsum(zero_deg(p, choose, key) for key in offsets.c)
     inner = math.fsum(zero_deg(p, choose, key) for key in offsets.inner)
     tilt = p.deg("tilt_angle")
@@ -101,7 +101,7 @@ def _angles(p: Params, choose: Choices, offsets: _Offsets, side: float = 1.0) ->
         return _Angles((c, inner), None)
     exact = flip(choose, "spatial_angle_offsets", "direction_exact", c, inner) < 0
     taken = (0.0, 0.0) if exact else (c, inner)
-    return _Angles((c, inner), SpatialAnglesMap.of(tilt, taken, side))
+    return _Angles((c, inner), SpatialAnglesMap.of(tilt, taken, side, axis))
 
 
 def _recipe(
