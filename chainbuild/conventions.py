@@ -9,6 +9,7 @@ from functools import cache
 from importlib import resources
 from typing import Literal
 
+from chainbuild.closest import listed
 from chainbuild.errors import ConventionError, Span
 
 
@@ -75,13 +76,13 @@ def check_choice(name: str, choice: str, span: Span | None = None) -> None:
         raise ConventionError(text, span=span, permitted="name: choice")
     known = conventions().get(name)
     if known is None:
-        raise ConventionError(f"unknown convention '{name}'", span=span, permitted=", ".join(sorted(conventions())))
+        raise ConventionError(f"unknown convention '{name}'", span=span, permitted=listed(name, sorted(conventions())))
     if choice not in known.choices:
         raise ConventionError(
             f"convention {name} has no choice '{choice}'",
             span=span,
             parameter=name,
-            permitted=", ".join(known.choices),
+            permitted=listed(choice, list(known.choices)),
         )
 
 
@@ -116,7 +117,7 @@ class Choices:
         return tuple(self._used[name] for name in sorted(self._used))
 
     def unused(self) -> tuple[str, ...]:
-        """Return the names the user chose that had no bearing on the chain."""
+        """Return the names the user chose that the chain did not need."""
         return tuple(sorted(set(self.chosen) - set(self._used)))
 
 

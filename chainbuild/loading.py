@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from chainbuild.chain.elements import Chain
+from chainbuild.closest import listed
 from chainbuild.errors import (
     ChainbuildError,
     FileAccessError,
@@ -59,7 +61,7 @@ def _check_kinematics(machine: Machine, collector: Collector) -> None:
     named = machine.overlay.kinematic is not None
     entries = machine.kinematics()
     if named and entries:
-        _try_chain(machine, None, None, collector)
+        _note_assumed(machine, _try_chain(machine, None, None, collector), collector)
     ids = [(entry.channel, entry.id) for entry in entries]
     names: set[tuple[int, str]] = set()
     for entry in entries:
@@ -69,14 +71,31 @@ def _check_kinematics(machine: Machine, collector: Collector) -> None:
             told_by_name = ids.count((entry.channel, entry.id)) > 1 and (entry.channel, entry.name) not in names
             wanted = entry.name if told_by_name and entry.name else entry.id
         names.add((entry.channel, entry.name))
-        _try_chain(machine, wanted, entry.channel, collector)
+        first = wanted is None and entry.channel == entries[0].channel
+        # Without a channel, too: of several, the finding that one is taken is part of the file's.
+        chain = _try_chain(machine, wanted, None if first else entry.channel, collector)
+        if first:
+            _note_assumed(machine, chain, collector)
 
 
-def _try_chain(machine: Machine, kinematic: int | str | None, channel: int | None, collector: Collector) -> None:
+def _note_assumed(machine: Machine, chain: Chain | None, collector: Collector) -> None:
+    """Note which axes of the default kinematic have no limits of their own."""
+    names = [axis.name for axis in chain.axes if axis.assumed and not axis.endless] if chain is not None else []
+    if names:
+        text = f"limits assumed for {', '.join(names)}: the file does not give both sides"
+        hint = "give them in the overlay: [limits] " + f"{names[0]} = [lower, upper]"
+        collector.add("CB501", text, span=Span(str(machine.path)), hint=hint)
+
+
+def _try_chain(
+    machine: Machine, kinematic: int | str | None, channel: int | None, collector: Collector
+) -> Chain | None:
+    """Translate a kinematic and build its model; what is refused becomes a finding, and None is returned."""
     try:
         chain = machine.chain(kinematic=kinematic, channel=channel)
         collector.findings.extend(chain.findings)
         chain.build()
+        return chain
     except UnsupportedKinematicError as error:
         if kinematic is None:
             collector.add_error(error)
@@ -84,6 +103,7 @@ def _try_chain(machine: Machine, kinematic: int | str | None, channel: int | Non
             collector.add("CB223", error.message, span=error.span)
     except ChainbuildError as error:
         collector.add_error(error)
+    return None
 
 
 def _read(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None, collector: Collector) -> Machine:
@@ -136,7 +156,6 @@ def find_machine(path: str | os.PathLike[str]) -> Path:
         return file
     found = shipped_path(str(path))
     if found is None:
-        raise FileAccessError(
-            "no such file, nor a shipped machine of that name", span=Span(str(path)), permitted=", ".join(shipped())
-        )
+        known = listed(file.stem, shipped())
+        raise FileAccessError("no such file, nor a shipped machine of that name", span=Span(str(path)), permitted=known)
     return found

@@ -13,6 +13,7 @@ from typing import Final
 
 from chainbuild import tolerances
 from chainbuild.chain.elements import Chain
+from chainbuild.closest import listed
 from chainbuild.errors import ConventionError, MachineDataError, Span
 from chainbuild.findings import Collector, Finding
 from chainbuild.overlay import Overlay
@@ -88,6 +89,11 @@ class Machine(ABC):
         self.path = path
         self.overlay = overlay
         self._collector = collector
+
+    def __repr__(self) -> str:
+        types = list(dict.fromkeys(entry.type for entry in self.kinematics()))
+        more = ["…"] if len(types) > 3 else []
+        return f"<Machine {self.path.name}: {', '.join([self.dialect, *types[:3], *more])}>"
 
     @property
     def name(self) -> str:
@@ -206,6 +212,17 @@ def _as_int(value: object) -> int | None:
         return None
 
 
+def blame_channel(
+    error: MachineDataError, entries: Sequence[KinematicEntry], wanted: int | str | None, channel: int
+) -> None:
+    """Let an error on a kinematic that a channel lacks say which other channel has it."""
+    matches = [e for e in entries if e.channel != channel and (wanted == e.name or matching_id([e], wanted))]
+    if wanted is not None and matches:
+        channels = " and ".join(dict.fromkeys(str(entry.channel) for entry in matches))
+        error.message = f"channel {channel} configures no kinematic {wanted!r}"
+        error.hint = f"channel {channels} has it: choose the channel, too"
+
+
 def choose_kinematic(entries: Sequence[KinematicEntry], wanted: int | str | None, file: str) -> KinematicEntry:
     """Return the entry that `wanted` names by id or name; None: the one marked default.
 
@@ -220,7 +237,8 @@ def choose_kinematic(entries: Sequence[KinematicEntry], wanted: int | str | None
         return next((entry for entry in entries if entry.default), entries[0])
     matches = [e for e in entries if wanted == e.name] or matching_id(entries, wanted)
     if not matches:
-        known = ", ".join(f"{e.id} ({e.name})" if e.name else str(e.id) for e in entries)
+        shown = [f"{e.id} ({e.name})" if e.name else str(e.id) for e in entries]
+        known = listed(str(wanted), shown, called=[e.name or str(e.id) for e in entries])
         raise MachineDataError(
             f"the file configures no kinematic {wanted!r:.60}", span=Span(file), parameter="kinematic", permitted=known
         )

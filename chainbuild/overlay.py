@@ -37,7 +37,6 @@ class Overlay:
         tool_length_mm: Length of the tool in the spindle, added to `tool_length_mm` of `Machine.chain`.
         tool: ROBX tool data such as `TC_DP3`, names as in the machine data without `$`.
         axis_lists: Files with TwinCAT axis lists, relative to the overlay.
-        axis_names: Axis names in channel order, in place of the standard ones.
         kinematic: Default kinematic id, name or transformation number.
         geometry: Bodies for drawings and collision.
     """

@@ -33,6 +33,10 @@ ROTATION_MATRIX: Final = 1e-6
 # How far a quaternion's norm may be from 1 in a table: files carry rounded digits.
 QUATERNION_NORM: Final = 1e-3
 
+# Pose angles in a table contradict the quaternion beside them where they are farther apart: four decimals of a
+# quaternion are 0.01 degrees.
+ANGLES_BESIDE_QUATERNION_DEG: Final = 0.05
+
 # Singular values below this share of the largest count as lost freedoms when the task of a chain is chosen.
 RANK: Final = 1e-8
 
@@ -42,6 +46,14 @@ ASSUMED_LINEAR_LIMIT_MM: Final = 10_000.0
 
 # Larger axis values than this are taken as a mistake: the arithmetic could not keep 1e-6 mm.
 HUGE_AXIS_VALUE: Final = 1e9
+
+# Arms whose main lengths part by more than this factor, or that reach less or farther than this, are doubted: most
+# come of a wrong unit. Nothing is refused for it.
+ARM_LENGTH_RATIO: Final = 50.0
+ARM_REACH_MM: Final = (50.0, 50_000.0)
+
+# A count of 1e-4 mm or degrees below this (0.1 mm) that has a fraction is doubted: it looks like a value in mm.
+FRACTIONAL_COUNT: Final = 1000.0
 
 # A pose farther away than this [m] is taken as a mistake.
 HUGE_POSITION_M: Final = 1e6

@@ -5,6 +5,7 @@ A table stands between `<!-- table: NAME -->` and `<!-- end -->`; everything els
 
 from __future__ import annotations
 
+import json
 import re
 import runpy
 import sys
@@ -14,6 +15,7 @@ from pathlib import Path
 import chainbuild
 from chainbuild.conventions import conventions
 from chainbuild.findings import finding_kinds
+from chainbuild.twincat.catalogue import title_of
 
 ROOT = Path(__file__).parent.parent
 PAGES = ("README.md", "docs/conventions.md", "docs/kinematics.md", "docs/findings.md", "docs/robx.md")
@@ -44,9 +46,12 @@ def types() -> str:
     """Return the table of KIN_TYPs."""
     rows = [
         (number, entry.title, entry.family, " ".join(a.name for a in entry.axes), entry.orientation, entry.manual)
-        for number, entry in sorted(chainbuild.catalogue().items())
+        for number, entry in chainbuild.catalogue().items()
     ]
-    return table(("KIN_TYP", "title", "family", "axes in channel order", "orientation", "source"), rows)
+    for number in (91, 210):
+        title = f"[{title_of(number)}](coupling.md)"
+        rows.append((number, title, "list of axes" if number == 91 else "list of kinematics", "as listed", "", ""))
+    return table(("KIN_TYP", "title", "family", "axes in channel order", "orientation", "source"), sorted(rows))
 
 
 def type_parameters() -> str:
@@ -78,13 +83,26 @@ def convention_table() -> str:
 
 def findings() -> str:
     """Return the register of findings."""
-    return table(("number", "severity", "meaning"), ((k.code, k.severity, k.title) for k in finding_kinds().values()))
+    kinds = sorted(finding_kinds().values(), key=lambda kind: kind.code)
+    return table(("number", "severity", "meaning"), ((k.code, k.severity, k.title) for k in kinds))
 
 
 def robx_combinations() -> str:
     """Return what becomes of every arrangement, number of axes and wrist of the ROBX transformation."""
     rows = runpy.run_path(str(ROOT / "docs/robx_combinations.py"))["rows"]
     return table(("MAIN_AXES", "axis 4 to the last rotary basic axis", "4 axes", "5 axes", "6 axes"), rows())
+
+
+def solvers() -> str:
+    """Return the table of inverse kinematics against its peers, as `make bench` measured it."""
+    rows = json.loads((ROOT / "tests/bench/results.json").read_text("utf-8"))
+    names = list(dict.fromkeys(row["machine"] for row in rows))
+    cells: dict[str, list[str]] = {}
+    for row in rows:
+        base = next(r for r in rows if r["machine"] == row["machine"] and r["solver"] == "roboticstoolbox ik_LM")
+        found = "" if row["found"] == 1.0 else f", {100 * row['found']:.1f} %"
+        cells.setdefault(row["solver"], []).append(f"{row['median'] / base['median']:.2f}{found}")
+    return table(("cold, median", *names), [(name, *row) for name, row in cells.items()])
 
 
 TABLES: dict[str, Callable[[], str]] = {
@@ -94,6 +112,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "conventions": convention_table,
     "findings": findings,
     "robx-combinations": robx_combinations,
+    "solvers": solvers,
 }
 
 

@@ -49,7 +49,8 @@ def outcome(data: str) -> str:
     if errors:
         alarm = f", alarm {errors[0].alarm}" if errors[0].alarm else ""
         return f"refused ({errors[0].code}{alarm})"
-    return f"built ({', '.join(sorted({finding.code for finding in findings}))})" if findings else "legal"
+    warned = sorted({finding.code for finding in findings if finding.severity == "warning"})
+    return f"built ({', '.join(warned)})" if warned else "legal"
 
 
 def machine_data(number: int, letters: str, parallel: bool, count: int, wrist: int) -> str:

@@ -13,6 +13,7 @@ PACKAGE = Path(__file__).parent.parent / "chainbuild"
 ORDER = [
     "errors",
     "tolerances",
+    "closest",
     "units",
     "findings",
     "frames",

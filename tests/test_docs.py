@@ -61,3 +61,20 @@ def test_the_commands_of_the_readme_run(tmp_path: Path) -> None:
             check=False,
         )
         assert done.returncode == 0, f"{command}: {done.stderr}"
+
+
+def test_every_command_the_pages_name_exists() -> None:
+    from chainbuild.cli.entry import build_app
+
+    known = {name for name in build_app() if not name.startswith("-")}
+    for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")):
+        named = set(re.findall(r"`chainbuild ([a-z][a-z-]*)\b", page.read_text("utf-8")))
+        assert named <= known, f"{page.name}: {named - known}"
+    readme = (ROOT / "README.md").read_text("utf-8")
+    assert all(f"chainbuild {name}" in readme for name in known - {"demo"})
+
+
+def test_links_between_the_pages_lead_somewhere() -> None:
+    for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")):
+        for target in re.findall(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)", page.read_text("utf-8")):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"

@@ -12,7 +12,7 @@ import pytest
 import chainbuild
 from chainbuild.errors import ChainbuildError, FileAccessError, ParseError
 
-BENCH = Path(__file__).parent.parent / "bench"
+BENCH = Path(__file__).parent / "bench"
 
 BRANCHED = """<robot name="two arms">
   <link name="base"/><link name="slide"/><link name="upper"/><link name="fore"/><link name="hand"/><link name="camera"/>

@@ -268,6 +268,11 @@ class Chain:
     controller_solver: ControllerSolver | None = None
     geometry: Geometry = NO_GEOMETRY
 
+    def __repr__(self) -> str:
+        names = [axis.name for axis in self.axes]
+        listed = f"{names[0]} … {names[-1]}" if len(names) > 3 else ", ".join(names)
+        return f"<Chain {self.name}: {self.kinematic}, axes {listed}>"
+
     def frame(self, name: str) -> Frame:
         """Return a frame by name."""
         return next(frame for frame in self.frames if frame.name == name)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from chainbuild.chain.axismap import joint_values
 from chainbuild.chain.elements import BASE_LINK, Chain, Joint, Matrix, Vector
 from chainbuild.frames import ANGLE_MODES, inverse, quaternion_from_matrix, rot_about, transform
 from chainbuild.units import deg_from_rad
@@ -31,14 +32,14 @@ def link_placements(chain: Chain, q: Vector) -> dict[str, Matrix]:
 def frame_placement(chain: Chain, name: str, axes: ArrayLike) -> Matrix:
     """Return a frame in the base [m] at axis values (n_axes,), mm and degrees."""
     frame = chain.frame(name)
-    q = chain.axis_map.q(np.asarray(axes, dtype=float))
+    q = joint_values(chain.axis_map, np.asarray(axes, dtype=float))
     return link_placements(chain, q)[frame.link] @ frame.T_link_frame
 
 
 def pose(chain: Chain, axes: ArrayLike) -> Matrix:
     """Return the tool in the workpiece frame [m] at axis values (n_axes,), mm and degrees."""
     tool, workpiece = chain.frame("tool"), chain.frame("workpiece")
-    links = link_placements(chain, chain.axis_map.q(np.asarray(axes, dtype=float)))
+    links = link_placements(chain, joint_values(chain.axis_map, np.asarray(axes, dtype=float)))
     return inverse(links[workpiece.link] @ workpiece.T_link_frame) @ links[tool.link] @ tool.T_link_frame
 
 
@@ -49,7 +50,7 @@ def pose_jacobian(chain: Chain, axes: ArrayLike) -> Matrix:
     workpiece.
     """
     values = np.asarray(axes, dtype=float)
-    links = link_placements(chain, chain.axis_map.q(values))
+    links = link_placements(chain, joint_values(chain.axis_map, values))
     tool, workpiece = chain.frame("tool"), chain.frame("workpiece")
     T_workpiece = links[workpiece.link] @ workpiece.T_link_frame
     tip = (links[tool.link] @ tool.T_link_frame)[:3, 3]

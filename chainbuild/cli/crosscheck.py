@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 from cyclopts import Parameter
 
-from chainbuild.cli.show import note, print_json, warn
-from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError, all_findings
+from chainbuild.cli.show import note, print_json
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
 from chainbuild.units import m_from_mm, rad_from_deg
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ def _compare(file: str, other: Path | str, check_options: CheckOptions, options:
 
     machine = options.machine(file)
     chain = options.chain(machine)
-    warn(all_findings(machine, chain))
+    options.announce(file, machine, chain)
     return compare(
         chain.build(),
         read_recording(other, chain) if isinstance(other, Path) else other,

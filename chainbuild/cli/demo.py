@@ -7,9 +7,9 @@ import sys
 from pathlib import Path
 from typing import Final
 
-from chainbuild.cli.show import console, table
+from chainbuild.cli.show import console, counted_findings, table
 from chainbuild.cli.urdf import Folder
-from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions
+from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, all_findings
 
 _EXAMPLE: Final = "kr6r900"
 _LOOK: Final = (
@@ -34,17 +34,24 @@ def demo(
     from chainbuild.machines import shipped
     from chainbuild.out.urdf import write_urdf
 
-    shown = table("Written", "Name", "Machine", "Kinematic", "Axes", "URDF")
+    shown = table("Written", "Name", "Kinematic", "Machine")
+    shown.columns[0].no_wrap = shown.columns[1].no_wrap = True
     names = shipped() if file is None else (file,)
+    warnings = 0
     for name in names:
-        robot = options.robot(name)
-        path = write_urdf(robot, folder)
-        axes = " ".join(axis.name for axis in robot.axes)
-        shown.add_row(name, robot.chain.title, robot.chain.kinematic, axes, str(path))
+        machine = options.machine(name)
+        chain = options.chain(machine)
+        robot = chain.build()
+        write_urdf(robot, folder)
+        warnings += sum(finding.severity != "info" for finding in all_findings(machine, chain))
+        shown.add_row(name, chain.kinematic, chain.title)
     out = console()
     out.print(shown)
     example, command = _EXAMPLE if _EXAMPLE in names else names[-1], command_name()
-    out.print(f"Written: {len(names)} robots below {folder}/. What to look at, here for {example}:", highlight=False)
+    out.print(f"{len(names)} robot{'s' * (len(names) != 1)} written: {folder}/NAME/NAME.urdf", soft_wrap=True)
+    if warnings:
+        out.print(f"{counted_findings(warnings)}; {command} check NAME lists them", soft_wrap=True)
+    out.print(f"What to look at, here for {example}:", highlight=False)
     for arguments, what in _LOOK:
         out.print(f"  {command} {arguments.format(example)}", f"    {what}", sep="\n", soft_wrap=True, highlight=False)
     return 0

@@ -1,7 +1,7 @@
 """Where the command starts and where every error ends: one message on stderr and an exit code.
 
 Exit codes: 0 done, also with warnings; 1 input refused; 2 wrong usage; 3 some rows failed; 130 interrupted;
-141 the reader of the output has gone; 128 + n ended by signal n.
+141 the reader of the output has gone. Other signals end the process as they do without a handler.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from chainbuild.cli.ik import ik
 from chainbuild.cli.info import info
 from chainbuild.cli.inspect import inspect
 from chainbuild.cli.limits import limits
-from chainbuild.cli.process import Terminated, ending_signals, standard_streams
+from chainbuild.cli.process import signals, standard_streams
 from chainbuild.cli.singularity import singularity
 from chainbuild.cli.types import types
 from chainbuild.cli.urdf import urdf
@@ -35,7 +35,6 @@ from chainbuild.cli.workspace import workspace
 from chainbuild.errors import ChainbuildError
 
 DONE, REFUSED, WRONG_USAGE, ROWS_FAILED, INTERRUPTED, READER_GONE = 0, 1, 2, 3, 130, 141
-ENDED_BY_SIGNAL = 128  # and the signal's number
 
 _COMMANDS = (
     info,
@@ -86,11 +85,9 @@ def main(tokens: Sequence[str] | None = None) -> int:
         tokens: Words of the command line; None: those the program was called with.
     """
     words = list(sys.argv[1:] if tokens is None else tokens)
-    with standard_streams(), ending_signals():
+    with standard_streams(), signals():
         try:
             return _run(words)
-        except Terminated as ended:
-            return _fail("chainbuild: terminated", ENDED_BY_SIGNAL + ended.number)
         except KeyboardInterrupt:
             return _fail("chainbuild: interrupted", INTERRUPTED)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chainbuild.cli.show import note, output, with_progress
-from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, pointed_axis
+from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, held_axes, pointed_axis
 from chainbuild.errors import ChainbuildError, Span
 
 if TYPE_CHECKING:
@@ -23,7 +23,8 @@ def fk(file: str, /, *, axes: Path, output_file: Output = None, options: Machine
     The table has one column an axis, named like the controller's axes, in mm and degrees. The poses are written with
     position in mm, quaternion, tool vector and the angles A, B, C of the controller; where C runs on over whole turns
     c_deg does so, too. Values outside the limits are computed and counted; on a machine with limits on sums of axes,
-    such as the angle of a parallelogram, the column violations names what a row violates.
+    such as the angle of a parallelogram, the column violations names what a row violates. Axes that `ik` holds, such as
+    a track, follow in columns of their own, so that `ik` finds them there.
 
     Args:
         file: A machine file, or the name of a shipped machine.
@@ -37,11 +38,15 @@ def fk(file: str, /, *, axes: Path, output_file: Output = None, options: Machine
     outside: Counter[str] = Counter()
     with AxisTable(axes, robot.axes) as table, output(output_file) as stream:
         coupled = bool(robot.chain.constraints)
-        writer = PoseWriter(stream, robot.chain.angle_mode, tool_axis=pointed_axis(robot), violations=coupled)
+        held = held_axes(robot)
+        writer = PoseWriter(
+            stream, robot.chain.angle_mode, tool_axis=pointed_axis(robot), held=list(held), violations=coupled
+        )
         for line, values in with_progress(table.rows(), table, "poses"):
             violated = robot.violated_limits(values)
             try:
-                writer.write(robot.fk(values).homogeneous, _shown_angles(robot, values), violated)
+                T = robot.fk(values).homogeneous
+                writer.write(T, _shown_angles(robot, values), violated, [values[n] for n in held.values()])
             except ChainbuildError as error:
                 error.span = error.span or Span(table.file, line)
                 raise

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from itertools import chain, islice
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 from chainbuild import tolerances
 from chainbuild.cli.show import note, output, with_progress
-from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, pointed_axis
+from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, held_axes, pointed_axis
 from chainbuild.errors import ChainbuildError, Span, TableError
 from chainbuild.units import deg_from_rad, mm_from_m
 
@@ -22,13 +22,14 @@ if TYPE_CHECKING:
 
     from chainbuild.robot.robot import Robot
     from chainbuild.solve.result import IkResult
-    from chainbuild.tables import AxisTable, PoseTable
+    from chainbuild.tables import AxisTable, PoseRow, PoseTable
 
     Matrix = NDArray[np.float64]
 
 Solver = Literal["auto", "damped", "analytic", "controller"]
 
 _ROWS_FAILED = 3
+_REASONS_SHOWN = 10
 
 
 def ik(
@@ -51,6 +52,9 @@ def ik(
     and c_deg may stand alone. Where C runs on over whole turns, c_deg says which turn is meant, also beside a
     quaternion.
 
+    Axes that are programmed beside the pose, such as a track or a rotary table (`info`: held by ik), are held, not
+    solved for: at the value of a column of their name, as `fk` writes it, else at that of --start, else at 0.
+
     Args:
         file: A machine file, or the name of a shipped machine.
         poses: CSV table of poses.
@@ -63,23 +67,66 @@ def ik(
     from chainbuild.tables import AxisTable, IkWriter
 
     robot = options.robot(file)
-    statuses: Counter[str] = Counter()
     with ExitStack() as stack:
         table = stack.enter_context(_pose_table(robot, poses))
+        report = _Report(table.file)
         starts = stack.enter_context(AxisTable(start, robot.axes)) if start else None
+        report.tell_held([name for name in held_axes(robot) if name not in table.held and not starts])
         coupled = bool(robot.chain.constraints)
         writer = IkWriter(stack.enter_context(output(output_file)), robot.axes, violations=coupled)
-        for result in with_progress(_solutions(robot, table, starts, solver), table, "axis values"):
-            statuses[result.status] += 1
+        for row, result in with_progress(_solutions(robot, table, starts, solver), table, "axis values"):
+            report.add(row, result)
             angle = deg_from_rad(result.rotation_error) if table.oriented else None
             axes, distance = result.axes if result.success else None, mm_from_m(result.position_error)
             violated = () if result.success else result.violated or robot.violated_limits(result.axes)
             writer.write(axes, result.status, distance, angle, violated)
-    failed = statuses.total() - statuses["ok"]
-    if failed:
-        reasons = ", ".join(f"{count} {status}" for status, count in sorted(statuses.items()) if status != "ok")
-        note(f"{table.file}: {failed} of {statuses.total()} poses failed: {reasons}")
-    return _ROWS_FAILED if failed else 0
+    return _ROWS_FAILED if report.finish() else 0
+
+
+class _Report:
+    """Says on stderr which rows failed and why, and what was not taken as the table says it.
+
+    Args:
+        file: Name of the table of poses.
+    """
+
+    def __init__(self, file: str) -> None:
+        self._file = file
+        self._statuses: Counter[str] = Counter()
+        self._reasons: list[str] = []
+        self._contradictory = 0
+        self._first_contradictory = 0
+
+    def tell_held(self, names: Sequence[str]) -> None:
+        """Say which input axes stand at 0 because nothing gives their values."""
+        if names:
+            note(f"{', '.join(names)} held at 0: neither {self._file} nor --start gives a value")
+
+    def add(self, row: PoseRow, result: IkResult) -> None:
+        """Count a row."""
+        self._statuses[result.status] += 1
+        if row.contradictory:
+            self._contradictory += 1
+            self._first_contradictory = self._first_contradictory or row.line
+        if not result.success and len(self._reasons) < _REASONS_SHOWN:
+            reason = f": {result.reason}" if result.reason else ""
+            self._reasons.append(f"{self._file}:{row.line}: {result.status}{reason}")
+
+    def finish(self) -> int:
+        """Print what there is to say and return how many rows failed."""
+        if self._contradictory:
+            more = f" ({self._contradictory} rows in all)" if self._contradictory > 1 else ""
+            first = f"{self._file}:{self._first_contradictory}"
+            note(f"{first}: a_deg, b_deg, c_deg contradict the quaternion, which counts{more}")
+        failed = self._statuses.total() - self._statuses["ok"]
+        for reason in self._reasons:
+            note(reason)
+        if failed > len(self._reasons):
+            note(f"… and {failed - len(self._reasons)} more")
+        if failed:
+            counts = ", ".join(f"{n} {status}" for status, n in sorted(self._statuses.items()) if status != "ok")
+            note(f"{self._file}: {failed} of {self._statuses.total()} poses failed: {counts}")
+        return failed
 
 
 def _pose_table(robot: Robot, poses: Path) -> PoseTable:
@@ -93,17 +140,20 @@ def _pose_table(robot: Robot, poses: Path) -> PoseTable:
         follows_c=chain.follows_c,
         running_c=chain.absolute_c is not None,
         tool_axis=pointed_axis(robot),
+        held=list(held_axes(robot)),
     )
 
 
-def _solutions(robot: Robot, table: PoseTable, starts: AxisTable | None, solver: Solver) -> Iterator[IkResult]:
+def _solutions(
+    robot: Robot, table: PoseTable, starts: AxisTable | None, solver: Solver
+) -> Iterator[tuple[PoseRow, IkResult]]:
     """Solve pose by pose; without start values each begins where the last solution ended."""
     given = _Starts(starts, table.file) if starts else None
     last: NDArray[np.float64] | None = None
     for row in table.rows():
         begin = given.next() if given else last
         try:
-            result = robot.ik(row.T, start=begin, solver=solver, absolute_c_deg=row.c_deg)
+            result = robot.ik(row.T, start=begin, held=row.held, solver=solver, absolute_c_deg=row.c_deg)
         except ChainbuildError as error:
             error.span = error.span or Span(table.file, row.line)
             raise
@@ -111,7 +161,7 @@ def _solutions(robot: Robot, table: PoseTable, starts: AxisTable | None, solver:
             result = _agreeing(robot, row.T, result)
         if result.success:
             last = result.axes
-        yield result
+        yield row, result
     if given:
         given.finish()
 

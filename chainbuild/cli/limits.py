@@ -31,7 +31,7 @@ def limits(
     json: Json = False,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
-    """Sweep one axis over another and find where the robot is free of itself, to a hundredth of a degree.
+    """Sweep one axis over another and find where the robot does not touch itself, to a hundredth of a degree.
 
     Without --axis: the limit angles of a ROBX parallelogram (MD62964), with a verdict on the file's values and a
     proposal to paste.

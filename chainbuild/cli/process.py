@@ -12,21 +12,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
-from typing import Final
+from typing import Any, Final
 
-_SIGNALS: Final = ("SIGTERM", "SIGHUP")  # the second is unknown on Windows
+from chainbuild.out.files import discard_parts
 
-
-class Terminated(KeyboardInterrupt):
-    """The process was asked to end; like an interrupt it passes everything that cleans up.
-
-    Args:
-        number: The signal.
-    """
-
-    def __init__(self, number: int) -> None:
-        super().__init__()
-        self.number = number
+_ENDING: Final = ("SIGTERM", "SIGHUP")  # the second is unknown on Windows
 
 
 class _NoStream(io.TextIOBase):
@@ -55,23 +45,47 @@ def standard_streams() -> Iterator[None]:
             sys.stdout, sys.stderr = before
 
 
+_interrupted = False
+
+
 @contextmanager
-def ending_signals() -> Iterator[None]:
-    """Turn signals that would end the process on the spot into `Terminated`, so that half-written files go."""
+def signals() -> Iterator[None]:
+    """Let signals that end the process take half-written files with them, and let no interrupt be lost."""
+    global _interrupted  # noqa: PLW0603 - signals belong to the process
+    _interrupted = False
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    numbers = [getattr(signal, name) for name in _SIGNALS if hasattr(signal, name)]
-    taken = [number for number in numbers if signal.getsignal(number) is signal.SIG_DFL]
+    ending = [getattr(signal, name) for name in _ENDING if hasattr(signal, name)]
+    handlers: dict[int, tuple[Any, Any]] = dict.fromkeys(ending, (signal.SIG_DFL, _end))
+    handlers[signal.SIGINT] = (signal.default_int_handler, _interrupt)
+    taken = {number: before for number, (before, _) in handlers.items() if signal.getsignal(number) is before}
     for number in taken:
-        signal.signal(number, _terminate)
+        signal.signal(number, handlers[number][1])
     try:
         yield
     finally:
-        for number in taken:
+        for number, before in taken.items():
             with suppress(ValueError, OSError):
-                signal.signal(number, signal.SIG_DFL)
+                signal.signal(number, before)
 
 
-def _terminate(number: int, _frame: FrameType | None) -> None:
-    raise Terminated(number)
+def check_interrupt() -> None:
+    """Raise KeyboardInterrupt where one has come and was lost: C++ code drops what is raised while it calls Python."""
+    if _interrupted:
+        raise KeyboardInterrupt
+
+
+def _interrupt(_number: int, _frame: FrameType | None) -> None:
+    global _interrupted  # noqa: PLW0603
+    _interrupted = True
+    raise KeyboardInterrupt
+
+
+def _end(number: int, _frame: FrameType | None) -> None:
+    """Remove half-written files and end as the signal does without a handler."""
+    discard_parts()
+    with suppress(OSError):
+        os.write(2, b"chainbuild: terminated\n")
+    signal.signal(number, signal.SIG_DFL)
+    os.kill(os.getpid(), number)

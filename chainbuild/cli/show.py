@@ -14,6 +14,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table as RichTable
 
+from chainbuild.cli.process import check_interrupt
 from chainbuild.errors import ChainbuildError
 from chainbuild.findings import Collector, Finding
 from chainbuild.out.files import open_atomic
@@ -25,6 +26,8 @@ Item = TypeVar("Item")
 
 _WIDTH_WITHOUT_TERMINAL: Final = 200
 _ROWS_BETWEEN_UPDATES: Final = 256
+# Findings that a channel, tool or kinematic was taken, or none, where the file has several: they change every result.
+CHOICES: Final = frozenset({"CB246", "CB337", "CB340", "CB406", "CB411"})
 _COLOURS: Final = {"error": "bold red", "warning": "yellow", "info": "dim"}
 
 
@@ -37,7 +40,9 @@ def console(stream: TextIO | None = None) -> Console:
 
 def table(title: str, *columns: str) -> RichTable:
     """Return an empty table whose long cells fold."""
-    result = RichTable(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
+    result = RichTable(
+        title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0)
+    )
     for column in columns:
         result.add_column(column, overflow="fold")
     return result
@@ -98,11 +103,26 @@ def print_findings(findings: Iterable[Finding]) -> None:
         out.print(f"{finding}{more}", style=_COLOURS[finding.severity], soft_wrap=True)
 
 
-def warn(findings: Iterable[Finding]) -> None:
-    """Print what is more than information on stderr, one a line."""
+def announce(findings: Iterable[Finding], check: str) -> None:
+    """Print on stderr which of several was taken, and in one line that there are warnings.
+
+    Args:
+        findings: What was found.
+        check: Command that lists everything.
+    """
+    warnings = 0
     for finding in findings:
-        if finding.severity != "info":
+        if finding.code in CHOICES:
             note(str(finding))
+        elif finding.severity != "info":
+            warnings += 1
+    if warnings:
+        note(f"{counted_findings(warnings)}: {check}")
+
+
+def counted_findings(warnings: int) -> str:
+    """Return the number of warnings in words."""
+    return f"{warnings} finding{'s' * (warnings != 1)} (warning{'s' * (warnings != 1)})"
 
 
 def note(text: str) -> None:
@@ -129,7 +149,9 @@ def with_progress(items: Iterable[Item], source: Table, what: str) -> Iterator[I
         what: What is being done.
     """
     if not sys.stderr.isatty():
-        yield from items
+        for item in items:
+            check_interrupt()
+            yield item
         return
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
@@ -137,6 +159,7 @@ def with_progress(items: Iterable[Item], source: Table, what: str) -> Iterator[I
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(what, total=source.size or None)
         for count, item in enumerate(items):
+            check_interrupt()
             if count % _ROWS_BETWEEN_UPDATES == 0:
                 bar.update(task, completed=source.position)
             yield item

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from chainbuild.cli.axisvalues import At, rows_of
-from chainbuild.cli.show import console, note, number, print_json, table, warn
-from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError, all_findings
+from chainbuild.cli.show import console, note, number, print_json, table
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
 from chainbuild.units import mm_from_m
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def singularity(
 
     machine = options.machine(file)
     chain = options.chain(machine)
-    warn(all_findings(machine, chain))
+    options.announce(file, machine, chain)
     robot = chain.build()
     rows = rows_of(robot, at, axes)
     if not len(rows):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -76,13 +77,25 @@ class MachineOptions:
         return machine.chain(self.kinematic, self.channel, self.tool_length, self.choices())
 
     def robot(self, file: str) -> Robot:
-        """Read a machine file and build the robot; warnings go to stderr."""
-        from chainbuild.cli.show import warn
-
+        """Read a machine file and build the robot; stderr says that there are warnings."""
         machine = self.machine(file)
         chain = self.chain(machine)
-        warn(all_findings(machine, chain))
+        self.announce(file, machine, chain)
         return chain.build()
+
+    def announce(self, file: str, machine: Machine, chain: Chain) -> None:
+        """Say on stderr what was chosen among several, and that there are warnings."""
+        from chainbuild.cli.show import announce
+
+        announce(all_findings(machine, chain), f"chainbuild check {shlex.join([file, *self.words()])}")
+
+    def words(self) -> list[str]:
+        """Return the options as words of a command line."""
+        words = [] if self.kinematic is None else ["--kinematic", self.kinematic]
+        words += [] if self.channel is None else ["--channel", str(self.channel)]
+        words += ["--tool-length", f"{self.tool_length:g}"] if self.tool_length else []
+        words += [word for choice in self.convention for word in ("--convention", choice)]
+        return words + ([] if self.overlay is None else ["--overlay", str(self.overlay)])
 
 
 DEFAULT_OPTIONS = MachineOptions()
@@ -94,6 +107,11 @@ def pointed_axis(robot: Robot) -> Literal["x", "z"]:
     Z, but for machines that are programmed by the tool direction their own: on ROBX robots of five axes that is X.
     """
     return robot.chain.tool_axis if robot.task == "direction" else "z"
+
+
+def held_axes(robot: Robot) -> dict[str, int]:
+    """Return the axes that inverse kinematics does not move: name → place among the axes."""
+    return {axis.name: n for n, axis in enumerate(robot.axes) if axis.held}
 
 
 def all_findings(machine: Machine, chain: Chain | None) -> tuple[Finding, ...]:

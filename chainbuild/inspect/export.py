@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from chainbuild.frames import ANGLE_MODES
 from chainbuild.inspect.panel import panel_html
 from chainbuild.inspect.scene import Scene
 from chainbuild.inspect.sweep import FRAMES_PER_SECOND, Sweep, sweep
@@ -78,10 +79,23 @@ def _data(robot: Robot, scene: Scene, motion: Sweep, recorder: _Recorder) -> str
         "segments": [{"axis": s.axis, "first": s.first, "last": s.last} for s in motion.segments],
         "bounds": bounds.round(6).tolist(),
         "view": _VIEW,
+        "pose": _pose(robot, scene),
         "commands": [base64.b64encode(command).decode("ascii") for command in recorder.commands],
     }
     # No text inside may end the script element.
     return json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def _pose(robot: Robot, scene: Scene) -> dict[str, Any]:
+    """Return what the page reads the pose of the tool from: two frames in the scene, and how angles are told."""
+    chain = robot.chain
+    places = {name: scene.frame_place(name) for name in ("tool", "workpiece")}
+    total = chain.absolute_c
+    return {
+        **{name: {"path": path.split("/"), "T": T.ravel().tolist()} for name, (path, T) in places.items()},
+        "factors": ANGLE_MODES[chain.angle_mode].factors,
+        "absoluteC": None if total is None else {"coefficients": total.coefficients, "offset": total.offset},
+    }
 
 
 class _Recorder:

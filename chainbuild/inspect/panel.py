@@ -11,6 +11,7 @@ from chainbuild.chain.bodies import BASE_COLOUR, TOOL_SIDE, WORKPIECE_SIDE, Colo
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.conventions import UsedConvention
 from chainbuild.findings import Finding
+from chainbuild.frames import ANGLE_MODES
 
 _MARKS = {"I": "inferred", "?": "open"}
 
@@ -29,12 +30,24 @@ def panel_html(chain: Chain, grid_cell: float, stopped: Sequence[str]) -> str:
         '<div id="controls"><button id="play" type="button">Pause</button>'
         '<input id="time" type="range" min="0" value="0" step="0.01" aria-label="Time of the sweep in seconds">'
         '<button id="fit" type="button">Fit view</button></div>',
+        _tool(chain),
         _axes(chain, stopped),
         _legend(chain, grid_cell),
         _conventions(chain.conventions),
         _findings(chain.findings),
     ]
     return "\n".join(parts)
+
+
+def _tool(chain: Chain) -> str:
+    """Return the table that the page fills with the pose of the tool."""
+    head = "".join(f'<th class="number">{text}</th>' for text in ("X mm", "Y mm", "Z mm", "A°", "B°", "C°"))
+    cells = '<td class="number"></td>' * 6
+    meaning = escape(ANGLE_MODES[chain.angle_mode].meaning)
+    return (
+        f'<h2>Tool in the workpiece frame</h2><table id="tcp"><thead><tr>{head}</tr></thead><tbody><tr>{cells}</tr>'
+        f'</tbody></table><p class="soft">Angles of the controller: R = {meaning}</p>'
+    )
 
 
 def _axes(chain: Chain, stopped: Sequence[str]) -> str:

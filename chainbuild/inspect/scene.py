@@ -93,6 +93,11 @@ class Scene:
         power = 10.0 ** math.floor(math.log10(rough))
         return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= rough * 1.001)
 
+    def frame_place(self, name: str) -> tuple[str, Matrix]:
+        """Return the scene path of the link that carries a frame, and the frame in it (4, 4) [m]."""
+        frame = self.robot.chain.frame(name)
+        return self._paths[frame.link], frame.T_link_frame
+
     def _place(self, q: Vector) -> None:
         chain = self.robot.chain
         for joint, T in zip(chain.joints, joint_transforms(chain, q), strict=True):

@@ -31,6 +31,8 @@ _SHORT_DECIMALS: Final = 11  # 10 pm: finer than any machine datum
 _SHORT_DEGREES: Final = 9  # 1e-9 degrees: finer than any machine datum
 _DECIMALS: Final = 13  # of all other numbers: 0.1 pm, 1e-13 rad is 0.2 pm at 2 m
 
+_parts: set[Path] = set()  # temporary files of what is being written
+
 
 def number_text(value: float) -> str:
     """Return a number (SI) with at most 15 significant digits and 13 decimals, without signed zero."""
@@ -117,6 +119,7 @@ def _temporary(target: Path) -> Iterator[TextIO]:
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
     handle, name = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=".part", dir=target.parent)
     part = Path(name)
+    _parts.add(part)
     try:
         with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
             yield stream
@@ -125,6 +128,15 @@ def _temporary(target: Path) -> Iterator[TextIO]:
     except BaseException:
         part.unlink(missing_ok=True)
         raise
+    finally:
+        _parts.discard(part)
+
+
+def discard_parts() -> None:
+    """Remove the temporary files of all files being written: for a process that is about to end."""
+    for part in tuple(_parts):
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
 
 
 def _mode(target: Path) -> int:

@@ -26,8 +26,10 @@ def urdf_limitations(chain: Chain) -> tuple[str, ...]:
     for axis in chain.axes:
         if axis.endless:
             notes.append(f"axis {axis.name} turns without end; its joint is written with the limits of the chain")
-        if axis.assumed:
-            notes.append(f"the limits of axis {axis.name} are assumed: neither machine data nor overlay give any")
+    assumed = [axis.name for axis in chain.axes if axis.assumed]
+    if assumed:
+        names = f"ax{'es' if len(assumed) > 1 else 'is'} {', '.join(assumed)}"
+        notes.append(f"the limits of {names} are assumed: neither machine data nor overlay give any")
     return tuple(notes)
 
 

@@ -59,6 +59,16 @@ def axis_rows(axes: Sequence[Axis], given: ArrayLike) -> Matrix:
     return values
 
 
+def outside_limits(axes: Sequence[Axis], values: Vector) -> list[str]:
+    """Return the names of the axes whose values lie outside their limits."""
+    outside = []
+    for axis, value in zip(axes, values, strict=True):
+        slack = 1e-9 * max(1.0, abs(axis.lower), abs(axis.upper))
+        if not axis.endless and not axis.lower - slack <= value <= axis.upper + slack:
+            outside.append(axis.name)
+    return outside
+
+
 def as_pose(T: pin.SE3 | ArrayLike) -> pin.SE3:
     """Return a pose as `pin.SE3`.
 

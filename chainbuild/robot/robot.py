@@ -15,7 +15,7 @@ from chainbuild.chain.axismap import joint_values
 from chainbuild.chain.check import check_chain
 from chainbuild.chain.elements import Axis, Chain, Task
 from chainbuild.errors import AxisValueError, ChainbuildError
-from chainbuild.robot.inputs import as_pose, axis_rows, axis_vector, numbers
+from chainbuild.robot.inputs import as_pose, axis_rows, axis_vector, numbers, outside_limits
 from chainbuild.robot.kinematics import Kinematics
 from chainbuild.robot.product import poses_at
 from chainbuild.robot.task import choose_task
@@ -50,6 +50,9 @@ class Robot:
         check_chain(chain)
         self.chain = chain
         self.kinematics = Kinematics(chain)
+
+    def __repr__(self) -> str:
+        return repr(self.chain).replace("<Chain", "<Robot", 1)
 
     @property
     def name(self) -> str:
@@ -311,10 +314,5 @@ class Robot:
     def violated_limits(self, axes: ArrayLike) -> tuple[str, ...]:
         """Return the names of the axes outside their limits, then of the limits on sums of axes that are violated."""
         values = self.axis_values(axes)
-        outside = []
-        for axis, value in zip(self.axes, values, strict=True):
-            slack = 1e-9 * max(1.0, abs(axis.lower), abs(axis.upper))
-            if not axis.endless and not axis.lower - slack <= value <= axis.upper + slack:
-                outside.append(axis.name)
-        outside += [limit.name for limit in self.chain.constraints if limit.margin(values) < -tolerances.LIMIT_SUM_DEG]
-        return tuple(outside)
+        sums = [limit.name for limit in self.chain.constraints if limit.margin(values) < -tolerances.LIMIT_SUM_DEG]
+        return (*outside_limits(self.axes, values), *sums)

@@ -1,4 +1,4 @@
-"""Control-side data of a transformation, without bearing on its geometry: motion limits, iteration, reset state."""
+"""Control-side data of a transformation, which do not change its geometry: motion limits, iteration, reset state."""
 
 from __future__ import annotations
 

@@ -39,6 +39,10 @@ class DataTable:
         """Return the assignment of an NC or option datum, or None."""
         return self.rows.get((_SHARED, False, name, index))
 
+    def texts(self, name: str) -> set[str]:
+        """Return all strings of a datum in capitals, those of all channels together."""
+        return {str(row.value).upper() for row in self.rows.values() if row.datum.name == name}
+
     def tools(self) -> Mapping[tuple[int, int], Mapping[str, Assignment]]:
         """Return the tool data by (tool, cutting edge) and name."""
         result: dict[tuple[int, int], dict[str, Assignment]] = {}
@@ -110,17 +114,24 @@ class ChannelData:
 
 
 def tabulate(reading: Reading, collector: Collector) -> DataTable:
-    """Build the table of a file; a repeated assignment is replaced, with a warning."""
+    """Build the table of a file; a repeated assignment is replaced, with a warning where the values differ."""
     rows: dict[_Key, Assignment] = {}
+    equal: list[Assignment] = []
     for row in reading.assignments:
         channel = row.channel if row.datum.prefix == "MC" else _SHARED
         key = (channel, row.te4, row.datum.name, row.index)
         before = rows.pop(key, None)
-        if before is not None:
+        if before is not None and before.value == row.value:
+            equal.append(row)
+        elif before is not None:
             name = written_name(row.datum, row.te4, row.index)
             text = f"{name} stands in line {before.span.line} already; the last value, {_shown(row.value)}, counts"
             collector.add("CB113", text, span=row.span, parameter=name)
         rows[key] = row
+    if equal:
+        first = written_name(equal[0].datum, equal[0].te4, equal[0].index)
+        text = f"assignments repeated with the same value: {len(equal)}, the first is {first}"
+        collector.add("CB117", text, span=equal[0].span)
     return DataTable(reading, rows)
 
 

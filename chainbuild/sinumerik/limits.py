@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
@@ -18,6 +19,9 @@ from chainbuild.units import AxisKind, deg_from_rad, m_s_from_mm_min, mm_from_m,
 # The control's own default for an axis without software limits is ±1e8.
 _NO_LIMIT = 1e8
 _ENDLESS = 4
+_LIMIT_DATA = ("POS_LIMIT_MINUS", "POS_LIMIT_PLUS")
+_NAMING_DATA = ("AXCONF_MACHAX_NAME_TAB", "AXCONF_LOGIC_MACHAX_TAB", "AXCONF_CHANAX_NAME_TAB")
+_PLAIN_AXIS = re.compile(r"AX\d+")
 
 
 def machine_axes(
@@ -60,7 +64,8 @@ def _endless(axis: Axis) -> Axis:
 def machine_axis_names(robx: Robx, table: DataTable, channel_axis: int) -> tuple[str, ...]:
     """Return the names under which axis data may stand: AXn, and the machine axis' own name; none without machine axis.
 
-    The channel axis' number is the machine axis' unless $MC_AXCONF_MACHAX_USED says otherwise.
+    The channel axis' number is the machine axis' unless $MC_AXCONF_MACHAX_USED says otherwise. Archives may write the
+    channel axis' name (MD11230 MD_FILE_STYLE, bit 2); it counts where no machine axis bears it.
     """
     used = robx.data.row("AXCONF_MACHAX_USED", channel_axis - 1)
     number = int(used.value) if used is not None and not isinstance(used.value, str) else channel_axis
@@ -71,7 +76,36 @@ def machine_axis_names(robx: Robx, table: DataTable, channel_axis: int) -> tuple
     own = table.shared("AXCONF_MACHAX_NAME_TAB", number - 1)
     if own is not None:
         names.append(str(own.value).upper())
-    return tuple(dict.fromkeys(names))
+    in_channel = robx.data.row("AXCONF_CHANAX_NAME_TAB", channel_axis - 1)
+    if in_channel is not None and str(in_channel.value).upper() not in table.texts("AXCONF_MACHAX_NAME_TAB"):
+        names.append(str(in_channel.value).upper())
+    return tuple(name for name in dict.fromkeys(names) if name)
+
+
+def warn_of_orphans(table: DataTable, transformations: Sequence[Robx], collector: Collector) -> None:
+    """Warn of software limits of axes that no transformation has, where they may be meant for one of its axes.
+
+    Other axes of the machine may have limits, too: what the file itself names as an axis is not doubted, nor AXn
+    where every axis of the transformations has its limits.
+    """
+    used = [names for robx in transformations for axis in robx.axes_in if (names := _names_of(robx, table, axis))]
+    known = {name for names in used for name in names}
+    limits = {str(row.index): row for row in table.rows.values() if row.datum.name in _LIMIT_DATA}
+    complete = all(any(name in limits for name in names) for names in used)
+    declared = {name for datum in _NAMING_DATA for name in table.texts(datum)}
+    orphans = [
+        name
+        for name in limits
+        if name not in known and name not in declared and not (complete and _PLAIN_AXIS.fullmatch(name))
+    ]
+    if orphans and used:
+        axes = ", ".join(dict.fromkeys(" or ".join(names) for names in used))
+        text = f"software limits of {', '.join(orphans)}: no axis of a transformation has this name; they are ignored"
+        collector.add("CB349", text, span=limits[orphans[0]].span, hint=f"its axes are {axes}")
+
+
+def _names_of(robx: Robx, table: DataTable, channel_axis: int) -> tuple[str, ...]:
+    return machine_axis_names(robx, table, channel_axis) if channel_axis else ()
 
 
 def _limited(axis: Axis, robx: Robx, table: DataTable, channel_axis: int, collector: Collector) -> Axis:
@@ -79,7 +113,7 @@ def _limited(axis: Axis, robx: Robx, table: DataTable, channel_axis: int, collec
 
     def row(datum: str) -> Assignment | None:
         found = sorted((r for name in names if (r := table.axis(datum, name))), key=lambda r: r.span.line)
-        if len(found) > 1:
+        if len(found) > 1 and found[0].value != found[-1].value:
             first, last = (written_name(r.datum, False, r.index) for r in (found[0], found[-1]))
             text = f"{first} in line {found[0].span.line} and {last} are the same axis; the last value counts"
             collector.add("CB113", text, span=found[-1].span, parameter=last)

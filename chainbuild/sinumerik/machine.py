@@ -15,6 +15,7 @@ from chainbuild.machine import (
     KinematicEntry,
     Machine,
     ParameterRow,
+    blame_channel,
     checked_channel,
     checked_kinematic,
     choose_kinematic,
@@ -22,7 +23,7 @@ from chainbuild.machine import (
 )
 from chainbuild.overlay import Overlay
 from chainbuild.sinumerik.data_table import DataTable, tabulate
-from chainbuild.sinumerik.limits import machine_axes
+from chainbuild.sinumerik.limits import machine_axes, warn_of_orphans
 from chainbuild.sinumerik.main_axes import basic_moves
 from chainbuild.sinumerik.parameters import parameter_rows
 from chainbuild.sinumerik.pose_data import absolute_c, check_pose_data, constraints, controller_solver
@@ -113,7 +114,7 @@ class RobxMachine(Machine):
         chain = _build(self, robx, length_mm, gripper, choose, collector)
         for name in choose.unused():
             if name in (conventions or {}):
-                text = f"the convention {name} has no bearing on this kinematic"
+                text = f"this kinematic does not use the convention {name}"
                 collector.add("CB339", text, span=Span(self.table.reading.file))
         found = dict.fromkeys((*self._reading_findings, *collector.findings))
         return replace(chain, conventions=choose.used(), findings=tuple(found))
@@ -150,10 +151,11 @@ class RobxMachine(Machine):
         here = [robx for robx in self.transformations if robx.data.channel_number == channel]
         if wanted == GRIPPER and here:
             return here[0], True
-        entries = [entry for entry in self.kinematics() if entry.channel == channel and entry.name != GRIPPER]
+        entries = [entry for entry in self.kinematics() if entry.channel == channel]
         try:
             number = choose_kinematic(entries, wanted, file).id
         except MachineDataError as error:
+            blame_channel(error, self.kinematics(), wanted, channel)
             raise error if kinematic is not None else self.overlay.blamed(error, "kinematic") from None
         return next(robx for robx in here if robx.transformation == number), False
 
@@ -174,6 +176,7 @@ def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Co
     table = tabulate(reading, collector)
     # Data that were refused would show as missing: no judgement on what is left.
     transformations = find_transformations(table, Collector(strict=False) if reading.refused else collector)
+    warn_of_orphans(table, transformations, collector)
     tool = active_tool(table, overlay, collector)
     machine = RobxMachine(path, overlay, collector, table, transformations, tool)
     if not reading.refused:

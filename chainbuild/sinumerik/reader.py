@@ -2,21 +2,38 @@
 
 from __future__ import annotations
 
-import difflib
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from chainbuild.errors import ChainbuildError, MachineDataError, ParseError, Span
 from chainbuild.findings import Collector
-from chainbuild.sinumerik.catalogue import MachineDatum, catalogue, lookup, lookup_number
-from chainbuild.sinumerik.values import Index, Refusal, Value, check_value, parse_index, parse_value
+from chainbuild.sinumerik.catalogue import MachineDatum, lookup, lookup_number
+from chainbuild.sinumerik.misspelt import (
+    TE4_DATUM,
+    Stranger,
+    has_own_name,
+    named_stranger,
+    warn_nameless,
+    warn_of_stranger,
+)
+from chainbuild.sinumerik.values import (
+    Index,
+    Refusal,
+    Value,
+    check_value,
+    elements_of,
+    parse_index,
+    parse_value,
+    without_checksum,
+)
 from chainbuild.text import SourceText
 
 # Blanks only before the words, no line ends: a run of empty lines would be tried again from each of them.
 _ANY_CASE = re.IGNORECASE | re.ASCII
 _SINUMERIK = re.compile(
     r"\\?\$(?:M[NCA]|S[NCA]|TC|ON)_[A-Z]"
-    r"|^[ \t]*(?:CHANDATA[ \t]*\(|%_N_\w|(?:ROBX|TRAFO6)_[A-Z]|(?:N|MD)[ \t]*62[69]\d\d\b)",
+    r"|^[ \t]*(?:CHANDATA[ \t]*\(|%_N_\w|(?:ROBX|TRAFO6|TRAFO_TYPE)_[A-Z0-9]|(?:N|MD)[ \t]*62[69]\d\d\b)",
     _ANY_CASE | re.MULTILINE,
 )
 _HEADER = re.compile(r"\s*%_N_(?:CH(\d{1,2})_)?", _ANY_CASE)
@@ -29,8 +46,8 @@ _ASSIGNMENT = re.compile(
         =?\s*(?P<value>.*)$""",
     _ANY_CASE | re.VERBOSE | re.DOTALL,
 )
-_OWN_DATUM = re.compile(r"(?:\$MC_)?(?:ROBX|TRAFO6)_[A-Z0-9_]+", _ANY_CASE)
-_TE4_DATUM = re.compile(r"(?:\$MC_)?TRAFO6_", _ANY_CASE)
+# Names that no NC program uses for anything else, so that they are known without their $ and prefix, too.
+_PLAIN_NAME = re.compile(r"(?:ROBX|TRAFO6|TRAFO_TYPE|TRAFO_AXES_IN|TRAFO_INCLUDES_TOOL|AXCONF)_[A-Z0-9_]+", _ANY_CASE)
 _PROGRAM_END = re.compile(r"\s*(?:N\d+\s*)?(?:M0?2|M17|M30|RET)\s*", _ANY_CASE)
 _ESCAPE = re.compile(r"\\([$_\[\]])")
 _DATUM_MARKS = ("MD", "SD")
@@ -89,6 +106,7 @@ class _State:
     channels: tuple[int, ...] = ()
     ignored: int = 0
     refused: int = 0
+    strangers: list[Stranger] = field(default_factory=list)
 
 
 def is_sinumerik(text: str) -> bool:
@@ -114,8 +132,10 @@ def read_assignments(source: SourceText, collector: Collector) -> Reading:
     state = _State(source.file, collector)
     for number, raw in enumerate(source.lines(), start=1):
         _read_line(state, number, raw)
+    for stranger in state.strangers:
+        warn_of_stranger(stranger, state.assignments, collector)
     if state.ignored:
-        text = f"lines without bearing on the kinematics: {state.ignored}; they were ignored"
+        text = f"unrelated lines ignored: {state.ignored}"
         collector.add("CB110", text, span=Span(source.file))
     return Reading(source.file, tuple(state.assignments), state.channels or (1,), state.ignored, state.refused)
 
@@ -146,7 +166,7 @@ def _without_comment(line: str) -> str:
 
 
 def _chandata(state: _State, rest: str, span: Span) -> None:
-    match = re.fullmatch(r"\(\s*(\d{1,4})\s*\)", rest.strip(), re.ASCII)
+    match = re.fullmatch(r"\(\s*(\d{1,4})\s*\)", without_checksum(rest.strip()), re.ASCII)
     channel = int(match[1]) if match else 0
     if 1 <= channel <= _MAX_CHANNEL:
         _enter_channel(state, channel)
@@ -169,17 +189,37 @@ def _assignment(state: _State, line_span: Span, line: str) -> None:
     if match is None or datum is None:
         _not_ours(state, line_span, line, match)
         return
-    te4 = bool(_TE4_DATUM.match(match["name"])) if match["name"] else int(match["number"]) == datum.te4_number
+    te4 = bool(TE4_DATUM.match(match["name"])) if match["name"] else int(match["number"]) == datum.te4_number
     span = _at(line_span, match)
     _compare_number(state, match, datum, te4, span)
     try:
-        index = _index(datum, match)
-        value = parse_value(match["value"])
-        check_value(datum, index if isinstance(index, int) else 0, value)
+        for index, value in _values(datum, match):
+            state.assignments.append(Assignment(datum, te4, index, value, state.channel, span))
     except Refusal as refusal:
         _refuse(state, refusal, _designation(datum, te4, match["index"]), span)
+
+
+def _values(datum: MachineDatum, match: re.Match[str]) -> Iterator[tuple[Index, Value]]:
+    """Yield index and value of what a line assigns: one element, or with SET several from its index on."""
+    text = without_checksum(match["value"])
+    elements = elements_of(text)
+    if elements is None:
+        index = _index(datum, match)
+        yield index, _checked(datum, index, text)
         return
-    state.assignments.append(Assignment(datum, te4, index, value, state.channel, span))
+    if datum.indexed_by != "element":
+        raise Refusal("CB105", "SET assigns the elements of an array, not axes or tools", "one value a line")
+    start = _index(datum, match) if match["index"] is not None else 0
+    first = start if isinstance(start, int) else 0
+    for n, element in enumerate(elements, start=first):
+        index = parse_index(datum, str(n))
+        yield index, _checked(datum, index, element)
+
+
+def _checked(datum: MachineDatum, index: Index, text: str) -> Value:
+    value = parse_value(text, string=datum.type == "string")
+    check_value(datum, index if isinstance(index, int) else 0, value)
+    return value
 
 
 def _datum(match: re.Match[str]) -> MachineDatum | None:
@@ -187,7 +227,7 @@ def _datum(match: re.Match[str]) -> MachineDatum | None:
     if match["name"]:
         datum = lookup(match["name"])
         # A bare word is a datum only where it cannot be anything else: NC programs stand in archives too.
-        return datum if match["name"].startswith("$") or _OWN_DATUM.fullmatch(match["name"]) else None
+        return datum if match["name"].startswith("$") or _PLAIN_NAME.fullmatch(match["name"]) else None
     if match["number"] and match["mark"].upper() in _DATUM_MARKS:
         return lookup_number(int(match["number"]))
     return None
@@ -239,33 +279,7 @@ def _compare_number(state: _State, match: re.Match[str], datum: MachineDatum, te
 def _not_ours(state: _State, span: Span, line: str, match: re.Match[str] | None) -> None:
     """Count a line that assigns nothing of use; warn where it names a datum of the transformation all the same."""
     state.ignored += 1
-    named = _OWN_DATUM.search(line)
-    if named is None:
-        _warn_nameless(state, span, match)
-        return
-    name = named[0].upper()
-    if lookup(name) is None:
-        known = [datum.te4_name or datum.name if _TE4_DATUM.match(name) else datum.name for datum in _own_data()]
-        close = difflib.get_close_matches(name.removeprefix("$MC_"), known, 1)
-        hint = f"did you mean {close[0]}?" if close else None
-        text = f"{named[0][:60]} is not a known machine datum; it was ignored"
-        state.collector.add("CB108", text, span=span, hint=hint)
-    else:
-        state.collector.add("CB111", f"the line names {named[0]} but assigns nothing; it was ignored", span=span)
-
-
-def _warn_nameless(state: _State, span: Span, match: re.Match[str] | None) -> None:
-    """Warn where a block number is that of a datum of the transformation and a value follows, but no name."""
-    if match is None or not match["number"] or match["name"] or not match["value"]:
-        return
-    datum = lookup_number(int(match["number"]))
-    if datum is None or not datum.te4_name:
-        return
-    te4 = int(match["number"]) == datum.te4_number
-    name = f"$MC_{datum.te4_name}" if te4 else datum.identifier
-    text = f"{match['mark'].upper()}{match['number']} is the number of {name}, but the line names no datum: ignored"
-    state.collector.add("CB116", text, span=span, hint=f"write MD{match['number']}, or the name")
-
-
-def _own_data() -> list[MachineDatum]:
-    return [datum for datum in catalogue().values() if datum.te4_name]
+    if not has_own_name(line):
+        warn_nameless(match, span, state.collector)
+    elif stranger := named_stranger(line, state.channel, span, state.collector):
+        state.strangers.append(stranger)

@@ -101,7 +101,7 @@ class Robx:
         feature_mask: Bit 0 runs the angle C of a 4-axis SCARA on.
         c_angle_offset_deg: C at mathematical zero with its sign reversed.
         parallel_limits_deg: Limit angles of the parallelogram.
-        control: What has no bearing on the geometry.
+        control: What does not change the geometry.
     """
 
     data: ChannelData

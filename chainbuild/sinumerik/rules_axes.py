@@ -14,6 +14,7 @@ from chainbuild.findings import Collector
 from chainbuild.sinumerik.data_table import DataTable
 from chainbuild.sinumerik.report import Report
 from chainbuild.sinumerik.robx import ExtraAxis, ExtraGroup, Robx
+from chainbuild.sinumerik.rules_plausible import check_plausible
 
 _ROBOT_INPUTS = 6
 _USED_INPUTS = 15
@@ -45,6 +46,7 @@ def check_axes(robx: Robx, table: DataTable, collector: Collector) -> None:
     _check_flange_axes(report)
     check_gripper(robx, collector, asked=False)
     _check_features(report, table)
+    check_plausible(robx, collector)
 
 
 def _check_inputs(report: Report) -> None:
@@ -108,10 +110,11 @@ def _check_spindles(report: Report) -> None:
 def _check_wrist_type(report: Report) -> None:
     robx = report.robx
     permitted = _WRISTS_BY_AXES[robx.num_axes]
+    lacks = "" if robx.given("WRIST_AXES") else f" (the default: {robx.parameter('WRIST_AXES')} is missing)"
     if robx.wrist not in permitted:
         report.add(
             "CB305",
-            f"wrist type {robx.wrist} does not fit {robx.num_axes} axes",
+            f"wrist type {robx.wrist}{lacks} does not fit {robx.num_axes} axes",
             ("WRIST_AXES", "NUM_AXES"),
             permitted=" or ".join(str(wrist) for wrist in permitted),
         )

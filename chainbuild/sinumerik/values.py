@@ -20,6 +20,8 @@ _NOT_FINITE = re.compile(r"[+-]?(?:nan|inf|infinity|1\.#\w+)", _ANY_CASE)
 _AXIS = re.compile(r"(?:\d+\s*,\s*)?([A-Z_][A-Z0-9_]*)", _ANY_CASE)
 _TOOL = re.compile(r"(\d{1,9})(?:\s*,\s*(\d{1,9}))?", re.ASCII)
 _ELEMENT = re.compile(r"\d{1,9}", re.ASCII)
+_SET = re.compile(r"SET\s*\((.*)\)", _ANY_CASE)
+_CHECKSUM = re.compile(r"[0-9A-F]{1,4}", _ANY_CASE)
 _WORDS = {"TRUE": 1.0, "FALSE": 0.0}
 _BASES = {"H": 16, "B": 2}
 _MASK_BITS = 32
@@ -41,18 +43,56 @@ class Refusal(Exception):
         self.permitted = permitted
 
 
-def parse_value(text: str) -> Value:
+def without_checksum(text: str) -> str:
+    """Cut off the checksum that archives may carry behind a value (MD11230 MD_FILE_STYLE, bit 0).
+
+    >>> without_checksum("1444 '2F34"), without_checksum("'B101' '1a"), without_checksum("'B101'")
+    ('1444', "'B101'", "'B101'")
+    """
+    value, quote, digits = text.removesuffix("'").rpartition("'")
+    if quote and value.strip() and value[-1] in ' \t"' and _CHECKSUM.fullmatch(digits):
+        return value.rstrip()
+    return text
+
+
+def elements_of(text: str) -> list[str] | None:
+    """Return the texts of the elements of an array assignment, or None for a single value.
+
+    >>> elements_of('SET(1, -1.5,"A,B")'), elements_of("1")
+    (['1', ' -1.5', '"A,B"'], None)
+    """
+    match = _SET.fullmatch(text.strip())
+    if match is None:
+        return None
+    parts: list[list[str]] = [[]]
+    quoted = False
+    for character in match[1]:
+        quoted ^= character == '"'
+        if character == "," and not quoted:
+            parts.append([])
+        else:
+            parts[-1].append(character)
+    return ["".join(part) for part in parts]
+
+
+def parse_value(text: str, *, string: bool = False) -> Value:
     """Return the number or string that a text stands for.
 
     >>> parse_value("-1.5e2"), parse_value("'H1F'"), parse_value('"A1"')
     (-150.0, 31.0, 'A1')
 
+    Args:
+        text: The value.
+        string: True where a string is due: nothing else is asked for then.
+
     Raises:
-        Refusal: no value, no number, not finite or a decimal comma.
+        Refusal: no value, no number, not finite or a decimal comma; no string where one is due.
     """
     text = text.strip()
     if not text:
-        raise Refusal("CB101", "there is no value", "a number")
+        raise Refusal("CB101", "there is no value", "a string in double quotes" if string else "a number")
+    if string and not _STRING.fullmatch(text):
+        raise Refusal("CB107", f"{text[:40]} is no string", "a string in double quotes")
     if match := _NUMBER.fullmatch(text):
         number = float(match[1] + match[2].upper().replace("EX", "E"))
         if math.isfinite(number):

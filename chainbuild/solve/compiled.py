@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from importlib.util import find_spec
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,8 +23,12 @@ Matrix = NDArray[np.float64]
 
 @cache
 def available() -> bool:
-    """Return whether numba is installed (extra `fast`)."""
-    return find_spec("numba") is not None
+    """Return whether numba is installed (extra `fast`) and goes with the NumPy there is."""
+    try:
+        import_module("numba")
+    except ImportError:
+        return False
+    return True
 
 
 def search(packed: Packed, target: Matrix, start: Vector | None, wanted: Vector, options: IkOptions) -> Found:

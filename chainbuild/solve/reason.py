@@ -43,6 +43,11 @@ def reason_of(problem: Problem, target: Matrix, found: Found, options: IkOptions
         return "reached only outside the limits: " + ", ".join(_violations(problem, found.outside))
     if found.outcome == rules.STALLED:
         return f"the search ended {_gap(found)} from the pose"
+    return _unreachable(problem, target, found, options, search)
+
+
+def _unreachable(problem: Problem, target: Matrix, found: Found, options: IkOptions, search: Search) -> str:
+    """Tell a pose that is too far or too near from one whose orientation is the trouble."""
     if beyond_bound(problem, target):
         distance = math.dist(target[:3, 3], (0.0, 0.0, 0.0))
         reach = f"the kinematic reaches {problem.reach * 1000:.1f} mm"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Final, TextIO
 
@@ -16,6 +16,10 @@ from chainbuild.tables.reader import Chunk, Table
 STATUS_COLUMN: Final = "status"
 RESULT_COLUMNS: Final = (STATUS_COLUMN, "position_error_mm", "rotation_error_deg")
 VIOLATIONS_COLUMN: Final = "violations"
+
+# Decimals written of mm and degrees, whose last bits are noise, and of unit vectors.
+DECIMALS: Final = 12
+UNIT_DECIMALS: Final = 15
 
 
 class AxisTable(Table):
@@ -34,7 +38,12 @@ class AxisTable(Table):
 
     def __init__(self, path: Path, axes: Sequence[Axis]) -> None:
         names = tuple(axis.name for axis in axes)
+        self._axis_names = names
         super().__init__(path, lambda _: (names, (*names, *RESULT_COLUMNS, VIOLATIONS_COLUMN)))
+
+    def _shown_columns(self, permitted: Sequence[str]) -> Sequence[str]:
+        # What inverse kinematics writes beside the axes is let through, but nobody has to give it.
+        return self._axis_names
 
     def _refuse_faults(self, span: Span, fields: Sequence[str]) -> None:
         """Refuse a row that holds no numbers; one where inverse kinematics has failed is called so."""
@@ -83,7 +92,7 @@ class IkWriter:
             rotation_error_deg: Angle to it; None where the table gave no orientation.
             violated: Names of the limits that keep the pose out of reach.
         """
-        shown = self._empty if axes is None else numbers(axes)
+        shown = self._empty if axes is None else numbers(axes.tolist())
         angle = "" if rotation_error_deg is None else number(rotation_error_deg)
         last = f",{joined(violated)}" if self._violations else ""
         self._stream.write(f"{shown},{status},{number(position_error_mm)},{angle}{last}\n")
@@ -94,18 +103,24 @@ def joined(names: Sequence[str]) -> str:
     return "; ".join(names)
 
 
-def number(value: float) -> str:
-    """Return a number that reads back as the same double, without signed zero."""
-    return repr(float(value) + 0.0)
+def number(value: float, decimals: int = DECIMALS) -> str:
+    """Return a number without the noise of its last bits and without signed zero.
+
+    >>> number(1765.0000000000002), number(-2.3e-14), number(0.1 + 0.2)
+    ('1765.0', '0.0', '0.3')
+    """
+    return repr(round(float(value), decimals) + 0.0)
 
 
-def numbers(values: NDArray[np.float64]) -> str:
-    """Return the fields of a row."""
-    return ",".join(map(repr, (values + 0.0).tolist()))
+def numbers(values: Iterable[float]) -> str:
+    """Return the fields of lengths in mm and angles in degrees."""
+    return ",".join(map(number, values))
 
 
 __all__ = [
+    "DECIMALS",
     "RESULT_COLUMNS",
+    "UNIT_DECIMALS",
     "VIOLATIONS_COLUMN",
     "AxisTable",
     "Chunk",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal, TextIO
@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from chainbuild import frames, tolerances
 from chainbuild.chain.elements import Task
-from chainbuild.tables.axes import VIOLATIONS_COLUMN, joined, numbers
+from chainbuild.tables.axes import DECIMALS, UNIT_DECIMALS, VIOLATIONS_COLUMN, joined, number
 from chainbuild.tables.reader import Choice, Table
-from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m
+from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m, rad_from_deg
 
 Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]
@@ -27,6 +27,7 @@ TOOL_COLUMNS: Final = ("tool_x", "tool_y", "tool_z")
 C_COLUMN: Final = "c_deg"
 ANGLE_COLUMNS: Final = ("a_deg", "b_deg", C_COLUMN)
 POSE_COLUMNS: Final = (*POSITION_COLUMNS, *QUATERNION_COLUMNS, *TOOL_COLUMNS, *ANGLE_COLUMNS)
+_UNIT_VECTORS: Final = slice(3, 10)  # quaternion and tool vector
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,11 +38,15 @@ class PoseRow:
         line: Line number, from 1.
         T: (4, 4) tool in the workpiece frame [m].
         c_deg: The angle C where it runs on over whole turns and the table gives it, else None.
+        held: Input axis → value, for the columns that the table has.
+        contradictory: True where A, B, C beside the quaternion are those of another orientation.
     """
 
     line: int
     T: Matrix
     c_deg: float | None = None
+    held: Mapping[str, float] | None = None
+    contradictory: bool = False
 
 
 class PoseTable(Table):
@@ -50,7 +55,7 @@ class PoseTable(Table):
     x_mm, y_mm, z_mm are due. The orientation is the quaternion where it is given, else A, B, C; a machine whose task
     is "direction" also takes the tool vector alone, one whose task is "position" needs none. Other pose columns are
     permitted and not read. Of a machine on which A and B follow C, c_deg alone will do; where C runs on over whole
-    turns, c_deg is also read beside a quaternion.
+    turns, c_deg is also read beside a quaternion. Input axes may have columns of their own.
 
     Args:
         path: The file.
@@ -59,8 +64,10 @@ class PoseTable(Table):
         follows_c: True where A and B follow C.
         running_c: True where C runs on over whole turns.
         tool_axis: Axis of the tool frame that is the tool vector.
+        held: Names of the input axes, which inverse kinematics does not move.
 
     Attributes:
+        held: Those of the input axes that have a column.
         oriented: False where the table gives no orientation.
         by_quaternion: True where it gives quaternions.
 
@@ -78,7 +85,9 @@ class PoseTable(Table):
         follows_c: bool = False,
         running_c: bool = False,
         tool_axis: ToolAxis = "z",
+        held: Sequence[str] = (),
     ) -> None:
+        self._inputs = tuple(held)
         self._angle_mode = angle_mode
         self._task = task
         self._follows_c = follows_c
@@ -91,11 +100,31 @@ class PoseTable(Table):
         self._orientation = slice(3, 3 + len(orientation))
         self._rotation = self._reader(orientation)
         self._c = self.wanted.index(C_COLUMN) if running_c and C_COLUMN in self.wanted else None
+        self.held = tuple(name for name in self._inputs if name in self.names)
+        self._held = slice(len(self.wanted) - len(self.held), len(self.wanted))
 
     def _choose(self, names: Sequence[str]) -> Choice:
         orientation = self._orientation_columns(set(names))
         beside = (C_COLUMN,) if self._running_c and C_COLUMN in names and C_COLUMN not in orientation else ()
-        return (*POSITION_COLUMNS, *orientation, *beside), (*POSE_COLUMNS, VIOLATIONS_COLUMN)
+        held = (name for name in self._inputs if name in names)
+        return (*POSITION_COLUMNS, *orientation, *beside, *held), (*POSE_COLUMNS, *self._inputs, VIOLATIONS_COLUMN)
+
+    def _shown_columns(self, permitted: Sequence[str]) -> Sequence[str]:
+        return [name for name in permitted if name != VIOLATIONS_COLUMN]
+
+    def _beside_columns(self) -> tuple[str, ...]:
+        # Read for comparison only. Where C runs on over whole turns c_deg is an input of its own.
+        given = set(self.names) >= {*QUATERNION_COLUMNS, *ANGLE_COLUMNS}
+        return ANGLE_COLUMNS if given and not self._running_c else ()
+
+    def _alternatives(self, missing: Sequence[str]) -> str:
+        """Return the other orientations that this machine takes, where the table gives none at all."""
+        groups = [QUATERNION_COLUMNS, ANGLE_COLUMNS]
+        groups += [(C_COLUMN,)] if self._follows_c else []
+        groups += [TOOL_COLUMNS] if self._task != "pose" else []
+        if set(self.names) & {name for group in groups for name in group}:
+            return ""
+        return "".join(f", or {', '.join(group)}" for group in groups if not set(group) & set(missing))
 
     def _orientation_columns(self, names: set[str]) -> tuple[str, ...]:
         if names & set(QUATERNION_COLUMNS):
@@ -132,7 +161,19 @@ class PoseTable(Table):
                 position = [m_from_mm(value) for value in values[:3]]
                 rotation = self._rotation(line, values[self._orientation])
                 c_deg = None if self._c is None else values[self._c]
-                yield PoseRow(line, frames.transform(rotation, position), c_deg)
+                held = dict(zip(self.held, values[self._held], strict=True)) if self.held else None
+                contradictory = bool(self.beside) and self._contradicts(rotation, values[-len(self.beside) :])
+                yield PoseRow(line, frames.transform(rotation, position), c_deg, held, contradictory)
+
+    def _contradicts(self, rotation: Matrix, angles: list[float]) -> bool:
+        """Return whether angles A, B, C are given and describe another rotation than the quaternion."""
+        if not all(abs(angle) < tolerances.HUGE_AXIS_VALUE for angle in angles):
+            return False
+        difference = rotation - frames.matrix_from_angles(self._angle_mode, angles)
+        # A rotation by a small angle differs from 1 by the angle times the square root of 2.
+        return float(np.linalg.norm(difference)) > math.sqrt(2.0) * rad_from_deg(
+            tolerances.ANGLES_BESIDE_QUATERNION_DEG
+        )
 
     def _from_quaternion(self, line: int, quaternion: list[float]) -> Matrix:
         self._check_length(line, quaternion, QUATERNION_COLUMNS)
@@ -160,29 +201,51 @@ class PoseWriter:
         stream: Where to.
         angle_mode: Name in `frames.ANGLE_MODES`.
         tool_axis: Axis of the tool frame that is the tool vector.
+        held: Names of the input axes; each has a column behind the pose.
         violations: True: one more column names the limits that are violated.
     """
 
-    def __init__(self, stream: TextIO, angle_mode: str, *, tool_axis: ToolAxis = "z", violations: bool = False) -> None:
+    def __init__(
+        self,
+        stream: TextIO,
+        angle_mode: str,
+        *,
+        tool_axis: ToolAxis = "z",
+        held: Sequence[str] = (),
+        violations: bool = False,
+    ) -> None:
         self._stream = stream
         self._angle_mode = angle_mode
         self._tool_axis = tool_axis
         self._violations = violations
-        stream.write(",".join((*POSE_COLUMNS, VIOLATIONS_COLUMN) if violations else POSE_COLUMNS) + "\n")
+        last = (VIOLATIONS_COLUMN,) if violations else ()
+        stream.write(",".join((*POSE_COLUMNS, *held, *last)) + "\n")
 
-    def write(self, T: Matrix, angles: Sequence[float] | None = None, violated: Sequence[str] = ()) -> None:
+    def write(
+        self,
+        T: Matrix,
+        angles: Sequence[float] | None = None,
+        violated: Sequence[str] = (),
+        held: Sequence[float] = (),
+    ) -> None:
         """Write one pose.
 
         Args:
             T: (4, 4) tool in the workpiece frame [m].
             angles: A, B, C as the controller shows them; None: those of the pose.
             violated: Names of the limits that are violated.
+            held: Values of the input axes, mm and degrees.
         """
-        values = pose_values(T, self._angle_mode, self._tool_axis)
-        if angles is not None:
-            values[-3:] = angles
-        last = f",{joined(violated)}" if self._violations else ""
-        self._stream.write(f"{numbers(values)}{last}\n")
+        values = pose_values(T, self._angle_mode, self._tool_axis).tolist()
+        # Rounding may lead to -180, which (-180, 180] does not hold.
+        shown = angles or [180.0 if round(value, DECIMALS) == -180.0 else value for value in values[-3:]]
+        fields = [
+            *(number(value) for value in values[: _UNIT_VECTORS.start]),
+            *(number(value, UNIT_DECIMALS) for value in values[_UNIT_VECTORS]),
+            *(number(value) for value in (*shown, *held)),
+        ]
+        last = [joined(violated)] if self._violations else []
+        self._stream.write(",".join([*fields, *last]) + "\n")
 
 
 def pose_values(T: Matrix, angle_mode: str, tool_axis: ToolAxis = "z") -> Vector:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild import tolerances
+from chainbuild.closest import closest
 from chainbuild.errors import FileAccessError, Span, TableError
 
 _CHUNK_ROWS: Final = 1024
@@ -31,7 +32,8 @@ class Chunk:
 
     Attributes:
         lines: (n,) line numbers, from 1.
-        values: (n, columns) numbers of the wanted columns, in the order they were asked for.
+        values: (n, columns) numbers of the wanted columns, in the order they were asked for; behind them those of
+            `Table.beside`, NaN where the file gives no number.
     """
 
     lines: tuple[int, ...]
@@ -50,6 +52,7 @@ class Table:
         size: Bytes of the file; 0 where it is a pipe.
         names: Column names of the header.
         wanted: Column names in the order of `Chunk.values`.
+        beside: Columns that are also read and may hold anything.
 
     Raises:
         FileAccessError: the file cannot be read.
@@ -68,11 +71,13 @@ class Table:
         try:
             self.names, self.header_span = self._header()
             self.wanted, permitted = choose(self.names)
+            self.beside = self._beside_columns()
             self._check_header(permitted)
         except BaseException:
             self._stream.close()
             raise
         self._places = [self.names.index(name) for name in self.wanted]
+        self._beside_places = [self.names.index(name) for name in self.beside]
 
     def __enter__(self) -> Self:
         return self
@@ -139,18 +144,33 @@ class Table:
             return tuple(name.strip() for name in _quoted_fields(line, span)), span
         raise TableError("the table is empty: its first line must name the columns", span=Span(self.file))
 
+    def _beside_columns(self) -> tuple[str, ...]:
+        """Return the columns of the header that are read although nothing depends on them."""
+        return ()
+
+    def _shown_columns(self, permitted: Sequence[str]) -> Sequence[str]:
+        """Return the permitted columns that messages name."""
+        return permitted
+
+    def _alternatives(self, missing: Sequence[str]) -> str:
+        """Return what would do in place of missing columns, as the end of a sentence."""
+        return ""
+
     def _check_header(self, permitted: Sequence[str]) -> None:
-        listed = ", ".join(permitted)
+        shown = self._shown_columns(permitted)
+        listed = ", ".join(shown)
         for place, name in enumerate(self.names):
             if name not in permitted:
                 text = f"unknown column '{name}'" if name else f"column {place + 1} has no name"
-                hint = None if _field_fault(name) else "the first line must name the columns"
+                near = closest(name, shown)
+                hint = f"did you mean {near}?" if near else None
+                hint = hint if _field_fault(name) else "the first line must name the columns"
                 raise TableError(text, span=self._header_spot(place), parameter=name, permitted=listed, hint=hint)
             if name in self.names[:place]:
                 raise TableError(f"column '{name}' stands twice", span=self._header_spot(place), parameter=name)
         missing = [name for name in self.wanted if name not in self.names]
         if missing:
-            text = f"missing column{'s' * (len(missing) > 1)} {', '.join(missing)}"
+            text = f"missing column{'s' * (len(missing) > 1)} {', '.join(missing)}{self._alternatives(missing)}"
             raise TableError(text, span=self.header_span, parameter=missing[0], permitted=listed)
 
     def _header_spot(self, place: int) -> Span:
@@ -167,7 +187,7 @@ class Table:
         # float() also reads 1_000, digits of other scripts, nan and infinity: look closer where a row may hold some.
         if not line.isascii() or "_" in line or not all(abs(v) < tolerances.HUGE_AXIS_VALUE for v in values):
             self._refuse_faults(Span(self.file, number, 1, line), fields)
-        return values
+        return [*values, *(_number_or_nan(fields[place]) for place in self._beside_places)]
 
     def _refuse_faults(self, span: Span, fields: Sequence[str]) -> None:
         for place in sorted(self._places):
@@ -225,6 +245,13 @@ def _field_fault(field: str) -> str:
     if not math.isfinite(value):
         return f"'{text[:40]}' is not finite"
     return "" if abs(value) < tolerances.HUGE_AXIS_VALUE else f"{text[:40]} is too large"
+
+
+def _number_or_nan(field: str) -> float:
+    try:
+        return float(field)
+    except ValueError:
+        return math.nan
 
 
 def _spot(span: Span, fields: Sequence[str], place: int) -> Span:

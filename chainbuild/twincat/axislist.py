@@ -14,9 +14,11 @@ from chainbuild.chain.elements import Axis
 from chainbuild.errors import Span
 from chainbuild.findings import Collector
 from chainbuild.twincat.config import ChannelAxis, kept_by
+from chainbuild.twincat.counts import Unit, doubt_number
 from chainbuild.twincat.reader import ParameterList
 from chainbuild.units import deg_from_raw, mm_from_tenth_um
 
+_LIMITS: Final = ("kenngr.swe_neg", "kenngr.swe_pos")
 _MODULO: Final = 0x4
 _UNS32: Final = 2**32 - 1
 
@@ -60,7 +62,10 @@ def read_axis_list(parameters: ParameterList, facts: Mapping[str, str], collecto
         entry = parameters.get(name)
         if entry is not None:
             with kept_by(collector):
-                return entry.number()
+                value = entry.number()
+                unit: Unit = "mm or deg" if name in _LIMITS else ""
+                doubt_number(value, entry.raw, entry.name, entry.span, unit, collector)
+                return value
         return None
 
     named = parameters.get("kopf.log_achs_name")
@@ -79,8 +84,8 @@ def read_axis_list(parameters: ParameterList, facts: Mapping[str, str], collecto
         names=tuple(name for name in names if name),
         number=None if axis_number is None else int(axis_number),
         index=int(index) if index.isascii() and index.isdigit() else None,
-        lower=number("kenngr.swe_neg"),
-        upper=number("kenngr.swe_pos"),
+        lower=number(_LIMITS[0]),
+        upper=number(_LIMITS[1]),
         modulo=modulo,
     )
 

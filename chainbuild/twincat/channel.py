@@ -23,6 +23,7 @@ from chainbuild.twincat.config import (
     kept_by,
     short_name,
 )
+from chainbuild.twincat.counts import doubt_counts
 from chainbuild.twincat.named_parameters import is_general, named_parameter, nearest_name
 from chainbuild.twincat.reader import Assignment, Key, ParameterList, canonical
 
@@ -43,12 +44,14 @@ def read_channel(parameters: ParameterList, collector: Collector, index: int = 0
     _refuse_repeated(trafos, collector)
     for trafo in trafos:
         _warn_unknown(trafo, collector)
+        doubt_counts(trafo, collector)
     pcs = tuple(t for t in _grouped(parameters, collector, "trafo_pcs") if t)
     if pcs:
         text = f"{len(pcs)} PCS transformation(s) are read; they act on the program's coordinates, not on the machine"
         collector.add("CB226", text, span=pcs[0].span)
     if parameters.ignored:
-        text = f"{parameters.ignored} entries of the list are not about kinematics and were left alone"
+        first = f"; the first: {', '.join(parameters.ignored_names)}"
+        text = f"unrelated entries ignored: {parameters.ignored}{first}"
         collector.add("CB206", text, span=parameters.span)
     defaults = _defaults(parameters, collector)
     channel = Channel(
@@ -85,7 +88,9 @@ class _Builder:
             case (("name", None),):
                 self.name = short_name(entry, collector)
             case (("param" | "wz_kopf_versatz", k),):
-                self.params[checked_index(entry, k, MAX_PARAM)] = RawValue(entry.number(), entry.name, entry.span)
+                self.params[checked_index(entry, k, MAX_PARAM)] = RawValue(
+                    entry.number(), entry.name, entry.span, entry.raw
+                )
             case _:
                 self.extras[canonical(rest)] = entry
 
@@ -144,7 +149,7 @@ def _warn_unknown(trafo: Trafo, collector: Collector) -> None:
         what = f"has no effect on KIN_TYP {trafo.type}" if known else "is no parameter of a kinematic"
         near = None if known else nearest_name(name)
         hint = f"did you mean {trafo.prefix}.{near}?" if near else None
-        text = f"{entry.name[:80]} {what}; it is left alone"
+        text = f"{entry.name[:80]} {what}; it is ignored"
         collector.add("CB227", text, span=entry.span, parameter=entry.name[:80], hint=hint)
 
 

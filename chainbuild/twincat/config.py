@@ -21,11 +21,12 @@ UNKNOWN_ID_ALARM: Final = 21630
 
 @dataclass(frozen=True, slots=True)
 class RawValue:
-    """A number of a list in its own counts (1e-4 mm, 1e-4 degrees or bare), and where it stands."""
+    """A number of a list in its own counts (1e-4 mm, 1e-4 degrees or bare), where it stands and how it is written."""
 
     value: float
     name: str
     span: Span
+    raw: str = ""
 
 
 @dataclass(frozen=True, slots=True)

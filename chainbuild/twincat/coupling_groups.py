@@ -146,7 +146,7 @@ class _Reading:
     def unknown_names(self) -> None:
         for key, entry in self.coupling.extras.items():
             if not _KNOWN.fullmatch(key):
-                text = f"{entry.name} is no parameter of KIN_TYP {COUPLING}; it is left alone"
+                text = f"{entry.name} is no parameter of KIN_TYP {COUPLING}; it is ignored"
                 self.collector.add("CB456", text, span=entry.span, parameter=entry.name)
 
     def configured(self, k: int, by_id: bool) -> bool:

@@ -9,8 +9,10 @@ from chainbuild.chain.assemble import assemble
 from chainbuild.chain.elements import Chain
 from chainbuild.conventions import Choices
 from chainbuild.findings import Collector
+from chainbuild.twincat.arms import doubt_arms
 from chainbuild.twincat.catalogue import KinType, kin_type
 from chainbuild.twincat.config import RawValue
+from chainbuild.twincat.counts import doubt_params
 from chainbuild.twincat.recipe import Params
 from chainbuild.twincat.source import DIALECT, Source
 from chainbuild.twincat.toollist import acting_params
@@ -30,10 +32,11 @@ def build_params(source: Source, kind: KinType, collector: Collector) -> Params:
         for k, entry in params.items():
             raw[k + 1] = raw.get(k + 1, 0.0) + entry.value
             entries[k + 1] = entry
+    doubt_params(acting_params(source.tool, source.trafo, Collector(strict=False)), kind.number, collector)
     known = {row.n for row in kind.hd}
     for n in sorted(set(raw) - known):
         if raw[n]:
-            text = f"HD{n} has no meaning for KIN_TYP {kind.number}; its value is left alone"
+            text = f"HD{n} has no meaning for KIN_TYP {kind.number}; its value is ignored"
             collector.add("CB403", text, span=entries[n].span, parameter=entries[n].name)
     return Params(
         data=kind.data,
@@ -56,6 +59,7 @@ def serial_draft(source: Source, choose: Choices, collector: Collector) -> Chain
     kind = kin_type(source.trafo.type, source.trafo.span)
     params = build_params(source, kind, collector)
     recipe = kind.recipe(params, choose)
+    doubt_arms(params)
     axes = recipe.axes or params.axes
     body = assemble(axes, recipe.tool, recipe.workpiece, recipe.axis_map)
     return Chain(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -21,6 +21,8 @@ from chainbuild.twincat.reader import ROOTS, Line, read_list
 from chainbuild.twincat.toollist import Tool, read_tools
 
 _TEXT: Final = re.compile(rf"^[ \t]*(?:{'|'.join(sorted(ROOTS))})(?=[ \t\[.]|$)", re.MULTILINE | re.IGNORECASE)
+
+_TOOLS_NAMED: Final = 8
 
 
 def is_twincat(text: str) -> bool:
@@ -54,9 +56,13 @@ def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Co
     for name in overlay.axis_lists:
         lists.extend((entry, "") for entry in _axis_lists(name, collector))
     if not any(channel.trafos for channel in channels) and not _has_errors(collector):
+        slip = next((finding for finding in collector.findings if finding.code == "CB215"), None)
+        hint = f"line {slip.span.line}: {slip.hint}" if slip is not None and slip.span is not None else None
         collector.add(
-            "CB213", "the file configures no kinematic", span=Span(source.file), permitted="trafo[0].id and the like"
-        )
+            "CB213", "the file configures no kinematic", span=Span(source.file), hint=hint,
+            permitted="trafo[0].id and the like",
+        )  # fmt: skip
+    _note_tools(tools, overlay, source.file, collector)
     content = Content(channels, tools, tuple(lists))
     machine = TwinCatMachine(source.file, path, overlay, collector, content)
     _warn_unsupported(machine, collector)
@@ -86,6 +92,16 @@ def _channels(
                 tools.append({})
         tools[-1].update(read_tools(parameters, collector))
     return tuple(channels), tuple(tools)
+
+
+def _note_tools(tools: Iterable[Mapping[int, Tool]], overlay: Overlay, file: str, collector: Collector) -> None:
+    """Note that a file holds tools of which none is active."""
+    found = [tool for of_channel in tools for tool in of_channel.values()]
+    if found and "number" not in overlay.tool:
+        names = ", ".join(f"wz[{tool.number}] ({tool.length_mm:g} mm)" for tool in found[:_TOOLS_NAMED])
+        more = f" and {len(found) - _TOOLS_NAMED} more" if len(found) > _TOOLS_NAMED else ""
+        hint = f"choose one in the overlay: [tool] number = {found[0].number}"
+        collector.add("CB246", f"no tool is active; the file holds {names}{more}", span=found[0].span, hint=hint)
 
 
 def _number(section: Section) -> str:

@@ -14,6 +14,7 @@ from chainbuild.machine import (
     KinematicEntry,
     Machine,
     ParameterRow,
+    blame_channel,
     checked_channel,
     checked_kinematic,
     choose_kinematic,
@@ -156,6 +157,7 @@ class TwinCatMachine(Machine):
         try:
             entry = choose_kinematic(entries, sought, self.file)
         except MachineDataError as error:
+            blame_channel(error, self.kinematics(), sought, channel.index)
             if by_overlay:
                 error = self.overlay.blamed(error, "kinematic")
             # The controller's error for an id that the list does not configure.
@@ -213,5 +215,6 @@ def _tell_apart(same: Sequence[KinematicEntry], taken: KinematicEntry, collector
 
 def _with_alarm(error: MachineDataError, alarm: int | None) -> MachineDataError:
     return MachineDataError(
-        error.message, span=error.span, parameter=error.parameter, permitted=error.permitted, alarm=alarm, code="CB404"
-    )
+        error.message, span=error.span, parameter=error.parameter, permitted=error.permitted, alarm=alarm,
+        hint=error.hint, code="CB404",
+    )  # fmt: skip

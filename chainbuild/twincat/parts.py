@@ -70,6 +70,7 @@ def flagged_axis(
     flag = f"direction_{name.lower()}"
     sign, value = table_flag(p, choose, flag), p.number(flag)
     if value not in _FLAG_VALUES:
-        text = f"the direction flag HD{p.data.row(flag).n} of {name} is {value:g}; it is read as {sign:+g}"
-        p.note("CB430", flag, text, hint="0 keeps the sense of rotation, 1 reverses it")
+        text = f"the direction flag HD{p.data.row(flag).n} of {name} is {value:.10g}; it is read as {sign:+g}"
+        hint = "0 keeps the sense of rotation, 1 reverses it"
+        p.note("CB430", flag, text, hint=f"{hint}; is this a length at the wrong index?" if abs(value) > 1 else hint)
     return table_rotary(choose, name, direction, sign=sign, zero_deg=p.deg(f"offset_{name.lower()}"), carries=carries)

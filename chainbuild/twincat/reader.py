@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Final
 
-from chainbuild.errors import ParseError, Span
+from chainbuild.errors import ChainbuildError, ParseError, Span
 from chainbuild.findings import Collector
 from chainbuild.twincat import values
 
-# Structures that say something about kinematics, tools or axes; everything else in a list is counted and left alone.
+# Structures that say something about kinematics, tools or axes; everything else in a list is counted and ignored.
 ROOTS: Final = frozenset(
     {
         "trafo", "kin_step", "kinematik", "trafo_pcs", "wz", "gruppe", "kenngr", "kopf", "kinematik_id",
@@ -25,6 +27,13 @@ _ASSIGNMENT: Final = re.compile(rf"\s*(?P<name>{_PART}(?:\.[ \t]*{_PART})*)(?:[ 
 _KEY: Final = re.compile(r"([A-Za-z_]\w*)(?:\[([^\]]*)\])?|()\[([^\]]*)\]", re.ASCII)
 _ROOT: Final = re.compile(r"\s*([A-Za-z_]\w*)", re.ASCII)
 _INDEX_DIGITS: Final = 9
+# Names with blanks where none belong: before or within brackets, or before a dot.
+_SPACED: Final = re.compile(r"\s*[A-Za-z_]\w*(?:[ \t]*\[[ \t]*\d+[ \t]*\]|[ \t]*\.[ \t]*[A-Za-z_]\w*)+", re.ASCII)
+_BROKEN: Final = re.compile(r"(?<=\S)[ \t]+[\[.\]]|\[[ \t]")
+_MISSPELT_ROOTS: Final = ROOTS - {"gruppe", "kenngr", "kopf"}
+_ALIKE: Final = 0.75
+_NAMED: Final = 3
+_NAME_SHOWN: Final = 60
 
 Key = tuple[str, int | None]
 
@@ -78,12 +87,14 @@ class ParameterList:
     Attributes:
         assignments: Canonical name → the assignment that counts (the last one).
         ignored: How many entries have nothing to do with kinematics.
+        ignored_names: The names of the first of them.
         span: Where the list begins.
     """
 
     assignments: Mapping[str, Assignment]
     ignored: int = 0
     span: Span | None = None
+    ignored_names: tuple[str, ...] = ()
 
     def get(self, name: str) -> Assignment | None:
         """Return an assignment by its canonical name."""
@@ -117,6 +128,9 @@ class _Reading:
     ended: bool = False
     late: Span | None = None
     strange: list[Line] = field(default_factory=list)
+    unread: list[str] = field(default_factory=list)
+    misspelt: dict[str, list[Line]] = field(default_factory=dict)
+    equal: list[Span] = field(default_factory=list)
 
     def line(self, line: Line) -> None:
         text = line.text.strip()
@@ -133,15 +147,25 @@ class _Reading:
             self.unrelated(line)
 
     def unrelated(self, line: Line) -> None:
-        if _ASSIGNMENT.match(line.text):
-            self.ignored += 1
-        else:
+        match = _ASSIGNMENT.match(line.text)
+        name = _squeezed(line.text) or (re.sub(r"\s", "", match["name"]) if match else None)
+        if name is None:
             self.strange.append(line)
+            return
+        root = _root(line.text)
+        if _nearest_root(root):
+            self.misspelt.setdefault(root, []).append(line)
+            return
+        self.ignored += 1
+        if len(self.unread) < _NAMED:
+            self.unread.append(name[:_NAME_SHOWN])
 
     def assignment(self, line: Line) -> None:
         match = _ASSIGNMENT.match(line.text)
-        if match is None:
+        squeezed = _squeezed(line.text)
+        if match is None or squeezed:
             hint = "name and value are separated by blanks, without `=`" if "=" in line.text else None
+            hint = f"a name holds no blanks; did you mean {squeezed}?" if squeezed else hint
             self.collector.add(
                 "CB201", "the line is no `name value` assignment", span=self.span(line), hint=hint, error=ParseError
             )
@@ -172,7 +196,9 @@ class _Reading:
             keys = (("kin_step", 0), *keys)
         name = canonical(keys)
         earlier = self.found.get(name)
-        if earlier is not None:
+        if earlier is not None and _same_value(earlier, entry):
+            self.equal.append(entry.span)
+        elif earlier is not None:
             self.collector.add(
                 "CB205", f"{entry.name} stands twice; this value counts, the one of line {earlier.span.line} does not",
                 span=entry.span, parameter=entry.name,
@@ -181,6 +207,34 @@ class _Reading:
 
     def span(self, line: Line, column: int = 1) -> Span:
         return Span(self.file, line.number, column, line.text)
+
+
+@cache
+def _nearest_root(root: str) -> str | None:
+    """Return the structure that a first word was probably meant to be, or None."""
+    close = difflib.get_close_matches(root[:_NAME_SHOWN], sorted(_MISSPELT_ROOTS), 1, _ALIKE)
+    return close[0] if close else None
+
+
+def _squeezed(text: str) -> str | None:
+    """Return a name that blanks at its brackets or dots break apart, without them; None where none do.
+
+    >>> _squeezed("trafo[ 0 ].param [6] 5"), _squeezed("trafo[0]. param[6] .5")
+    ('trafo[0].param[6]', None)
+    """
+    match = _SPACED.match(text)
+    if match is None or not _BROKEN.search(match[0]):
+        return None
+    return re.sub(r"\s", "", match[0])[:_NAME_SHOWN]
+
+
+def _same_value(first: Assignment, second: Assignment) -> bool:
+    if first.raw == second.raw:
+        return True
+    try:
+        return first.number() == second.number()
+    except ChainbuildError:
+        return False
 
 
 def _root(text: str) -> str:
@@ -208,6 +262,13 @@ def read_list(lines: Iterable[Line], file: str, collector: Collector) -> Paramet
         line = reading.strange[0]
         text = f"{len(reading.strange)} line(s) are no parameters, first {line.text.strip()[:60]!r}"
         collector.add("CB207", text, span=reading.span(line))
+    for root, where in reading.misspelt.items():
+        text = f"entries that begin with '{root[:_NAME_SHOWN]}' are not read: {len(where)}"
+        hint = f"did you mean {_nearest_root(root)}?"
+        collector.add("CB215", text, span=reading.span(where[0]), parameter=root[:_NAME_SHOWN], hint=hint)
+    if reading.equal:
+        text = f"entries repeated with the same value: {len(reading.equal)}"
+        collector.add("CB214", text, span=reading.equal[0])
     if reading.late is not None:
         collector.add("CB208", "the list goes on after `Ende`; nothing behind it is read", span=reading.late)
-    return ParameterList(reading.found, reading.ignored, first)
+    return ParameterList(reading.found, reading.ignored, first, tuple(reading.unread))

@@ -17,6 +17,7 @@ from chainbuild.twincat.config import (
     kept_by,
     short_name,
 )
+from chainbuild.twincat.counts import Unit, doubt_number
 from chainbuild.twincat.reader import Assignment, ParameterList
 from chainbuild.units import mm_from_tenth_um
 
@@ -76,11 +77,15 @@ def _tool(number: int, entries: Iterable[Assignment], collector: Collector) -> T
             match entry.keys[1:]:
                 # kinematic.wz_kopf_versatz is the spelling of versions up to 2.60.
                 case (("kinematic" | "kinematik", None), ("param" | "wz_kopf_versatz", j)) | (("wz_kopf_versatz", j),):
-                    params[checked_index(entry, j, MAX_PARAM)] = RawValue(entry.number(), entry.name, entry.span)
+                    params[checked_index(entry, j, MAX_PARAM)] = RawValue(
+                        entry.number(), entry.name, entry.span, entry.raw
+                    )
                 case (("kin_name", None),):
                     kin_name = short_name(entry, collector)
                 case ((("laenge" | "radius" | "kin_id" | "mass_einheit") as key, None),):
                     values[key] = entry.number()
+                    unit: Unit = "mm" if key in ("laenge", "radius") else ""
+                    doubt_number(values[key], entry.raw, entry.name, entry.span, unit, collector)
                 case _:
                     _warn_misspelt(entry, collector)
     assert span is not None  # a tool exists by its entries
@@ -102,7 +107,7 @@ def _warn_misspelt(entry: Assignment, collector: Collector) -> None:
     close = difflib.get_close_matches(name[:80], _NAMES, 1, _MISSPELT)
     if close:
         meant = {"kinematic": "kinematic.param[k]", "kinematik": "kinematic.param[k]"}.get(close[0], close[0])
-        text = f"{entry.name[:80]} is no tool parameter that is read; it is left alone"
+        text = f"{entry.name[:80]} is no tool parameter that is read; it is ignored"
         hint = f"did you mean wz[{entry.keys[0][1]}].{meant}?"
         collector.add("CB245", text, span=entry.span, parameter=entry.name[:80], hint=hint)
 

@@ -42,7 +42,7 @@ def translate(source: Source, name: str, title: str, conventions: Mapping[str, s
     ahead = int(coupling_data()["tcp_axes"]) if source.trafo.type == COUPLING else 0
     axes = _limited(chain.axes, ahead, source, collector)
     for unused in choose.unused():
-        collector.add("CB405", f"the chosen convention {unused} has no bearing on this kinematic")
+        collector.add("CB405", f"this kinematic does not use the chosen convention {unused}")
     finished = replace(
         chain.with_axes(axes),
         name=name,

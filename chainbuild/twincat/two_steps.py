@@ -145,7 +145,9 @@ class TwoStepMap:
     n_q: int
 
     def q(self, axes: Vector) -> Vector:
-        """Return the joint values of axis values."""
+        """Return the joint values of axis values; not a number where step 0 has none."""
+        if refusal_of(self.coordinates.chain.axis_map, axes) is not None:
+            return np.full(self.n_q, np.nan)
         return self.second.q(self.coordinates.values(axes)[: self.taken])
 
     def axes(self, q: Vector) -> Vector:
@@ -176,7 +178,9 @@ class TwoStepMap:
         return first or refusal_of(self.second, self.coordinates.values(axes)[: self.taken])
 
     def dq_daxes(self, axes: Vector) -> Matrix:
-        """Return the derivative, SI by SI."""
+        """Return the derivative, SI by SI; 0 where step 0 has no joint values."""
+        if refusal_of(self.coordinates.chain.axis_map, axes) is not None:
+            return np.zeros((self.n_q, len(axes)))
         values = self.coordinates.values(axes)[: self.taken]
         return self.second.dq_daxes(values) @ self.coordinates.derivative(axes)[: self.taken]
 

@@ -108,7 +108,7 @@ def _stretch(axis: UniversalAxis, name: str, choose: Choices, collector: Collect
     if abs(length - 1.0) < 1e-12:
         return 1.0
     scaled = choose["kin91_linear_length"] == "scales"
-    effect = f"the axis moves {length:.9g} mm a millimetre" if scaled else "its length is left alone"
+    effect = f"the axis moves {length:.9g} mm a millimetre" if scaled else "its length does not count"
     text = f"the direction of the linear axis {name} has the length {length:.9g}; {effect}"
     collector.add("CB453", text, span=axis.span, hint="enter a vector of length 1, or decide kin91_linear_length")
     return length if scaled else 1.0

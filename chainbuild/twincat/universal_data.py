@@ -119,7 +119,7 @@ class _Reading:
     def unknown_names(self) -> None:
         for name, entry in self.trafo.extras.items():
             if not _KNOWN.fullmatch(name):
-                text = f"{entry.name} is no parameter of KIN_TYP 91; it is left alone"
+                text = f"{entry.name} is no parameter of KIN_TYP 91; it is ignored"
                 self.collector.add("CB450", text, span=entry.span, parameter=entry.name)
 
     def axis_count(self) -> int:
@@ -127,7 +127,7 @@ class _Reading:
         count = self.whole("number_of_axes", 6, range(lowest, MAX_AXES + 1))
         beyond = [k for k in range(count, MAX_AXES) if self.given(f"axis[{k}].type", _first_slot(k))]
         if beyond:
-            text = f"axis[{beyond[0]}] is beyond number_of_axes {count}; it is left alone"
+            text = f"axis[{beyond[0]}] is beyond number_of_axes {count}; it is ignored"
             self.collector.add("CB450", text, span=self.span(f"axis[{beyond[0]}].type", _first_slot(beyond[0])))
         return count
 

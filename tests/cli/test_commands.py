@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 
 import chainbuild
 from chainbuild.conventions import conventions
+from chainbuild.machines import shipped_path
 from tests.cli.conftest import REFERENCE, Run
 
 ARM = REFERENCE / "kin45_kr6r900_2.lis"
@@ -21,6 +23,31 @@ def test_info_shows_what_was_read(run: Run) -> None:
         assert words in outcome.out
     assert "--defaults shows them" in outcome.out
     assert "default" in run("info", "kr6r900_2", "--defaults").out
+
+
+def test_info_is_readable_in_80_columns(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    for name in ("kr6r900", "kr6r900_2", "irb2600_track", "scara_cc"):
+        lines = run("info", name).out.splitlines()
+        tables = lines[3 : lines.index("Findings") if "Findings" in lines else None]
+        assert max(map(len, tables)) <= 80
+        text = " ".join(" ".join(tables).split())
+        assert "manual" not in text.partition("Conventions")[0]  # the source only where there is room
+        assert "Limits from" in text
+    assert "transformation in data" in " ".join(run("info", "kr6r900").out.split())
+    assert "joint 2: swings" in run("info", "kr6r900_2").out
+
+
+def test_info_says_how_to_choose_and_where_limits_come_from(run: Run) -> None:
+    out = run("info", "kr6r900").out
+    assert re.search(r"^ 1 +ROBX .* default *$", out, re.MULTILINE)
+    assert re.search(r"^ +gripper .* --kinematic gripper *$", out, re.MULTILINE)
+    text = shipped_path("irb2600").read_text("utf-8")
+    limits = "$MA_POS_LIMIT_MINUS[AX2]=-90\n$MA_POS_LIMIT_PLUS[AX2]=90\n"
+    Path("arm.tea").write_text(text.replace("M17", f"{limits}M17"), "utf-8")
+    Path("arm.chainbuild.toml").write_text("[limits]\nA1 = [-10, 10]\n", "utf-8")
+    axes = json.loads(run("info", "arm.tea", "--json").out)["axes"]
+    assert [axis["limits_from"] for axis in axes[:3]] == ["overlay", "machine data", "assumed"]
 
 
 def test_info_of_arrays_is_one_row_each(run: Run) -> None:
@@ -67,7 +94,7 @@ def test_info_of_an_unsupported_kinematic_shows_it_and_refuses(run: Run) -> None
 
 
 def test_check_accepts_and_refuses(run: Run) -> None:
-    accepted = run("check", ARM)
+    accepted = run("check", "kr6r900_2")
     assert accepted.code == 0
     assert accepted.out.endswith("accepted, no findings\n")
     Path("bad.lis").write_text("trafo[0].id 45\ntrafo[0].param[6] 1,5\nEnde\n", "utf-8")
@@ -102,11 +129,25 @@ def test_check_prints_warnings_and_ends_with_0(run: Run) -> None:
 def test_types_lists_the_catalogue(run: Run) -> None:
     out = run("types").out
     data = json.loads(run("types", "--json").out)
-    assert [entry["kin_typ"] for entry in data] == list(chainbuild.catalogue())
+    assert [entry["kin_typ"] for entry in data] == sorted([*chainbuild.catalogue(), 91, 210])
+    for number, title in ((91, "Universal kinematic"), (210, "Coupling kinematic")):
+        assert re.search(rf"^ {number} +{title} ", out, re.MULTILINE)
+        assert next(entry for entry in data if entry["kin_typ"] == number)["parameters"] == []
     assert "Six-axis articulated robot" in out
     arm = next(entry for entry in data if entry["kin_typ"] == 45)
     assert [axis["name"] for axis in arm["axes"]] == ["C1", "B1", "B2", "A1", "B3", "A2"]
     assert arm["parameters"]
+
+
+def test_types_shows_one_type(run: Run) -> None:
+    out = " ".join(run("types", "45").out.split())
+    for words in ("joint 1: turns the whole arm about Z", "b1_to_b2_z", "Upper arm", "kin45_length_frame="):
+        assert words in out
+    entry = json.loads(run("types", "45", "--json").out)
+    assert (entry["kin_typ"], entry["parameters"][0]["name"], entry["parameters"][0]["unit"]) == (45, "tool_z", "mm")
+    assert json.loads(run("types", "210", "--json").out)["title"] == "Coupling kinematic"
+    refused = run("types", "46")
+    assert (refused.code, refused.err.startswith("chainbuild: KIN_TYP 46 is unknown")) == (1, True)
 
 
 def test_urdf_writes_and_tells(run: Run) -> None:
@@ -114,7 +155,7 @@ def test_urdf_writes_and_tells(run: Run) -> None:
     path = Path("urdf_out/kin45_kr6r900_2/kin45_kr6r900_2.urdf")
     assert outcome.code == 0
     assert outcome.out.splitlines()[0] == str(path)
-    assert "not expressed: the limits of axis C1 are assumed" in outcome.out
+    assert "not expressed: the limits of axes C1, B1, B2, A1, B3, A2 are assumed" in outcome.out
     assert path.is_file()
     data = json.loads(run("urdf", ARM, "--output", "other", "--json").out)
     assert Path(data["path"]).read_bytes() == path.read_bytes()
@@ -129,12 +170,14 @@ def test_inspect_writes_a_page(run: Run) -> None:
 
 
 def test_demo_builds_every_shipped_machine(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "300")
+    monkeypatch.setenv("COLUMNS", "80")
     outcome = run("demo")
-    assert outcome.code == 0
+    assert (outcome.code, outcome.err) == (0, "")
     for name in chainbuild.shipped():
-        assert f"urdf_out/{name}/{name}.urdf" in outcome.out
+        assert f" {name} " in outcome.out, f"{name} is broken"
         assert Path(f"urdf_out/{name}/{name}.urdf").is_file()
+    assert f"{len(chainbuild.shipped())} robots written: urdf_out/NAME/NAME.urdf\n" in outcome.out
+    assert "(warnings); chainbuild check NAME lists them\n" in outcome.out
     assert "chainbuild inspect kr6r900 --export page.html" in outcome.out
 
 
@@ -144,11 +187,24 @@ def test_demo_of_one_machine(run: Run) -> None:
     assert [path.name for path in Path("out").iterdir()] == ["tx2_60"]
 
 
-def test_warnings_go_to_stderr_and_leave_stdout_to_the_result(run: Run) -> None:
+def test_warnings_are_one_line_on_stderr_and_leave_stdout_to_the_result(run: Run) -> None:
     outcome = run("urdf", "kr6r900", "--json")
     assert outcome.code == 0
     json.loads(outcome.out)
-    assert "CB307 warning" in outcome.err
+    assert outcome.err == "1 finding (warning): chainbuild check kr6r900\n"
+    assert run("urdf", "irb2600").err == ""
+    other = run("urdf", "kr6r900", "--tool-length", "5", "--kinematic", "gripper")
+    assert other.err.endswith(": chainbuild check kr6r900 --kinematic gripper --tool-length 5\n")
+
+
+def test_what_was_chosen_among_several_is_told_in_full(run: Run) -> None:
+    text = shipped_path("irb2600").read_text("utf-8")
+    tools = "$TC_DP3[1,1]=10\n$TC_DP3[2,1]=20\n"
+    Path("two.tea").write_text(text.replace("M17", f"{tools}M17"), "utf-8")
+    outcome = run("urdf", "two.tea")
+    assert outcome.code == 0
+    assert outcome.err.startswith("two.tea: CB337 warning: the file holds 2 cutting edges; none is active")
+    assert len(outcome.err.splitlines()) == 1
 
 
 def test_a_named_overlay_is_used(run: Run) -> None:

@@ -145,7 +145,9 @@ def test_failed_rows_end_with_3_and_leave_the_axes_empty(run: Run) -> None:
         stream.write("9000,0,0,0,0,0,1,0,0,1,0,0,0\n" + good + "\n")
     outcome = run("ik", "kr6r900_2", "--poses", "poses.csv", "-o", "axes.csv")
     assert outcome.code == 3
-    assert outcome.err == "poses.csv: 1 of 3 poses failed: 1 unreachable\n"
+    why, count = outcome.err.splitlines()
+    assert why.startswith("poses.csv:3: unreachable: too far: 9000.0 mm")
+    assert count == "poses.csv: 1 of 3 poses failed: 1 unreachable"
     rows = rows_of(Path("axes.csv").read_text("utf-8"))
     assert [row["status"] for row in rows] == ["ok", "unreachable", "ok"]
     assert [rows[1][name] for name in AXES.strip().split(",")] == [""] * 6

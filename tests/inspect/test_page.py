@@ -11,10 +11,12 @@ import pytest
 from numpy.typing import NDArray
 
 import chainbuild
+from chainbuild import frames
 from chainbuild.errors import FileAccessError, Span
 from chainbuild.findings import Finding
 from chainbuild.inspect.export import export_page, page_html
 from chainbuild.inspect.inline import inline_page
+from chainbuild.inspect.sweep import sweep
 from chainbuild.robot.robot import Robot
 from tests.inspect.browser import chromium, document, screenshot
 from tests.inspect.robots import ROBOTS, arm
@@ -66,6 +68,31 @@ def test_the_sweep_moves_the_robot_and_names_the_axis(tmp_path: Path) -> None:
     text = document(page, "#t=6.2")
     assert "Axis A2 moves: −190.0°" in text
     assert re.search(r'<tr class="moving"><td>A2</td>', text)
+
+
+@pytest.mark.parametrize("name", [*ROBOTS, "kr6r900", "scara_cc", "tx2_60", "irb2600_table"])
+def test_the_panel_tells_the_pose_of_the_tool(name: str, tmp_path: Path) -> None:
+    """Between two keyframes, too: the pose is read from the scene, not from keyframes far apart."""
+    robot = ROBOTS[name]() if name in ROBOTS else chainbuild.load(name).chain().build()
+    motion = sweep(robot)
+    for axis in (0, len(robot.axes) - 1):
+        frame = 50 * axis + 16
+        text = document(export_page(robot, tmp_path / "page.html"), f"#t={(frame + 0.5) / 10}")
+        cells = re.findall(r"<td[^>]*>([^<]*)</td>", re.search(r'id="tcp">.*?</table>', text, re.DOTALL)[0])
+        shown = np.array([float(cell.replace("\u2212", "-")) for cell in cells])
+        axes = motion.axes[frame : frame + 2].mean(axis=0)
+        mode = robot.chain.angle_mode
+        T = robot.fk(axes)
+        assert np.abs(shown[:3] - 1000 * T.translation).max() < 0.06 + 1e-6 * np.abs(axes).max()
+        assert np.abs(frames.matrix_from_angles(mode, shown[3:].tolist()) - T.rotation).max() < 0.003
+        if robot.chain.absolute_c:
+            assert shown[5] == pytest.approx(robot.pose_angles(axes)[2], abs=0.06)
+
+
+def test_the_viewers_own_menu_is_hidden(tmp_path: Path) -> None:
+    """Its bar is black, at the upper right."""
+    picture = screenshot(export_page(arm(), tmp_path / "page.html"), "#t=0")
+    assert picture[:20, 1000:].min() > 150
 
 
 def test_the_page_is_readable_on_a_narrow_screen(tmp_path: Path) -> None:

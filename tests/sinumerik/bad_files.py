@@ -70,7 +70,10 @@ BAD = {
     "fraction for an integer": Bad(nr6(NUM_AXES=5.5), ("5.5 is not an integer",), "AXES=5.5", None, "CB107"),
     "no value": Bad(with_line("$MC_ROBX_NUM_AXES="), ("there is no value",), "AXES=", None, "CB101"),
     "two values": Bad(with_line("$MC_ROBX_MAIN_LENGTH_AB[0]=1 2"), ("'1 2' is not a number",), "=1 2", None, "CB102"),
-    "list of values": Bad(with_line("$MC_ROBX_TX3P3_POS[0]=SET(1,2,3)"), ("SET(1,2,3)",), "SET", None, "CB102"),
+    "list too long": Bad(with_line("$MC_ROBX_TX3P3_POS[1]=SET(1,2,3)"), ("[3]", "[0] to [2]"), "SET", None, "CB105"),
+    "list with a gap": Bad(with_line("$MC_ROBX_TX3P3_POS[0]=SET(1,,3)"), ("there is no value",), "SET", None, "CB101"),
+    "list of an axis": Bad(with_line("$MA_POS_LIMIT_PLUS[AX1]=SET(1,2)"), ("not axes",), "SET", None, "CB105"),
+    "name without quotes": Bad(with_line("$MN_AXCONF_MACHAX_NAME_TAB[0]=X1"), ("double quotes",), "=X1", None, "CB107"),
     "hexadecimal without quotes": Bad(with_line("$MC_ROBX_SPECIAL_FEATURE_MASK=H1"), ("'H1'",), "=H1", None, "CB102"),
     "hexadecimal of 40 bits": Bad(
         with_line("$MC_ROBX_SPECIAL_FEATURE_MASK='H1234567890'"), ("32 bits",), "'H1", None, "CB102"

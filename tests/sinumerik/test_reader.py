@@ -135,7 +135,7 @@ def test_warnings_of_lines(line, code, words):
 def test_a_misspelt_name_gets_a_hint():
     collector = Collector()
     assignments("$MC_ROBX_NUM_AXIS=6", collector)
-    assert collector.findings[0].hint == "did you mean ROBX_NUM_AXES?"
+    assert collector.findings[0].hint == "did you mean $MC_ROBX_NUM_AXES?"
 
 
 def test_a_block_number_before_a_name_is_no_contradiction():

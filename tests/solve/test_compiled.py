@@ -129,10 +129,14 @@ def test_without_numba_everything_works(monkeypatch: pytest.MonkeyPatch) -> None
         np.testing.assert_allclose(ours, plain, atol=1e-5)
 
 
-def test_available_looks_for_numba(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_numba_that_cannot_be_imported_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(name: str) -> None:
+        raise ImportError(f"{name} needs another NumPy")
+
     compiled.available.cache_clear()
-    monkeypatch.setattr(compiled, "find_spec", lambda name: None)
+    monkeypatch.setattr(compiled, "import_module", refuse)
     assert not compiled.available()
+    assert arm().ik(arm().fk([10.0, -80.0, 70.0, 20.0, 40.0, 30.0])).success
     compiled.available.cache_clear()
 
 

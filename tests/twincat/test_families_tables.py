@@ -158,6 +158,7 @@ def test_a_flag_that_is_none_leaves_a_finding() -> None:
     built = build(58, {12: 5})
     assert built.codes() == ["CB430"]
     assert "HD12 of A is 5; it is read as -1" in str(built.collector.findings[0])
+    assert "a length at the wrong index?" in str(built.collector.findings[0])
 
 
 @pytest.mark.parametrize("name", ["kin58_trt_2", "kin58_trt_3", "kin36_1"])

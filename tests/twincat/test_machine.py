@@ -63,7 +63,8 @@ def test_a_tool_length_that_is_none(length: object) -> None:
      (-1, "ypr", "CB408"), (12, "ypr", "CB409")],
 )  # fmt: skip
 def test_angle_modes(number: int | None, mode: str, code: str | None) -> None:
-    chain = machine(kin_45({}, "" if number is None else f"ori_rotation_angle {number}")).chain()
+    arms = {8: 4550000.0, 9: 4200000.0}
+    chain = machine(kin_45(arms, "" if number is None else f"ori_rotation_angle {number}")).chain()
     assert chain.angle_mode == mode
     assert codes(chain) == ([code] if code else [])
 

@@ -68,6 +68,55 @@
     const axis = page.names[segment.axis];
     $("now").textContent = `Axis ${axis.name} moves: ${written(values[segment.axis])}${axis.unit}`;
     $("time").value = time;
+    showPose(values);
+  }
+
+  // The tool in the workpiece frame, as the scene has it now: its joints turn at the keyframes' speed like the axes.
+  const three = MeshCat.THREE;
+  const cells = Array.from(document.querySelectorAll("#tcp td"));
+  const [tool, workpiece] = [page.pose.tool, page.pose.workpiece].map(({ path, T }) => {
+    const link = viewer.scene_tree.find(["meshcat", ...path]).object;
+    const place = new three.Matrix4().set(...T);
+    return () => {
+      link.updateWorldMatrix(true, false);
+      return new three.Matrix4().multiplyMatrices(link.matrixWorld, place);
+    };
+  });
+
+  function showPose(axes) {
+    const pose = workpiece().invert().multiply(tool());
+    const position = new three.Vector3().setFromMatrixPosition(pose);
+    const angles = poseAngles((i, j) => pose.elements[i + 4 * j]);
+    const sum = page.pose.absoluteC;
+    if (sum) angles[2] = axes.reduce((total, v, n) => total + sum.coefficients[n] * v, sum.offset);
+    [...position.toArray().map((v) => 1000 * v), ...angles].forEach((value, n) => {
+      cells[n].textContent = written(Math.abs(value) < 0.05 ? 0 : value);
+    });
+  }
+
+  // A, B, C in degrees of a rotation R(row, column); at gimbal lock the first angle is 0.
+  function poseAngles(R) {
+    const factors = page.pose.factors;
+    const [i, j, last] = factors.map(([axis]) => "xyz".indexOf(axis));
+    const k = 3 - i - j;
+    const parity = (j - i + 3) % 3 === 1 ? 1 : -1;
+    const lock = 1e-5;  // keyframes are single precision
+    let raw;
+    if (i === last) {
+      const sine = Math.hypot(R(j, i), R(k, i));
+      raw = sine < lock
+        ? [0, Math.atan2(sine, R(i, i)), Math.atan2(-parity * R(j, k), R(j, j))]
+        : [Math.atan2(R(j, i), -parity * R(k, i)), Math.atan2(sine, R(i, i)), Math.atan2(R(i, j), parity * R(i, k))];
+    } else {
+      const cosine = Math.hypot(R(i, i), R(i, j));
+      const middle = Math.atan2(parity * R(i, k), cosine);
+      raw = cosine < lock
+        ? [0, middle, Math.atan2(parity * R(j, i), R(j, j))]
+        : [Math.atan2(-parity * R(j, k), R(k, k)), middle, Math.atan2(-parity * R(i, j), R(i, i))];
+    }
+    const angles = [0, 0, 0];
+    factors.forEach(([, letter, sign], n) => { angles["ABC".indexOf(letter)] = (sign * raw[n] * 180) / Math.PI; });
+    return angles;
   }
 
   function play() {

@@ -1,19 +1,21 @@
-"""Run the benchmarks and write bench/results.md: `python -m bench [--quick]`."""
+"""Run the benchmarks and write tests/bench/results.md and .json: `python -m tests.bench [--quick]`."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import platform
 import sys
 import tempfile
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
-from bench.machines import Machine, machines
-from bench.measure import Row, batches, compare, refusals
-from bench.singular import largest_steps
 from chainbuild.solve import compiled
+from tests.bench.machines import Machine, machines
+from tests.bench.measure import Row, batches, compare, refusals
+from tests.bench.singular import largest_steps
 
 REFERENCE = "roboticstoolbox ik_LM"
 SINGULAR = ("KR 6 R700", "kr6r900", "tx2_60")
@@ -21,7 +23,7 @@ SINGULAR = ("KR 6 R700", "kr6r900", "tx2_60")
 
 def main() -> int:
     """Measure everything and write the tables."""
-    parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.bench", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="fewer targets and rounds")
     parser.add_argument("-o", "--output", type=Path, default=Path(__file__).parent / "results.md")
     options = parser.parse_args()
@@ -37,6 +39,7 @@ def main() -> int:
             rows += compare(machine, count, rounds)
         parts += [solver_table(rows), other_tables(found, many)]
     options.output.write_text("\n".join(parts), "utf-8")
+    options.output.with_suffix(".json").write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n", "utf-8")
     print(f"wrote {options.output}")
     return 0
 

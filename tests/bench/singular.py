@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bench.machines import Machine
+from tests.bench.machines import Machine
 
 
 def passes(machine: Machine, count: int = 12, points: int = 81) -> list[tuple[np.ndarray, np.ndarray]]:

@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pinocchio as pin
 
-from bench.machines import Machine
 from chainbuild.solve.options import IkOptions
+from tests.bench.machines import Machine
 
 Solver = Callable[[np.ndarray, np.ndarray | None], np.ndarray | None]
 

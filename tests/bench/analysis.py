@@ -1,4 +1,4 @@
-"""Cost of measures and self-distances, against the raw library call of the same run: `python -m bench.analysis`."""
+"""Cost of measures and self-distances beside the raw library call: `python -m tests.bench.analysis`."""
 
 from __future__ import annotations
 

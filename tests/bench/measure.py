@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from bench.machines import Machine
-from bench.peers import IN_AXES, SLOW, Solver, solvers
+from tests.bench.machines import Machine
+from tests.bench.peers import IN_AXES, SLOW, Solver, solvers
 
 TOLERANCE = 1e-6  # m and rad
 

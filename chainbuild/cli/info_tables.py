@@ -1,0 +1,151 @@
+"""The tables of `chainbuild info`, readable from 80 columns on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING, Final
+
+from rich.console import Console
+from rich.table import Table
+
+from chainbuild.cli.open_points import print_convention
+from chainbuild.cli.show import number, table
+
+if TYPE_CHECKING:
+    from chainbuild.chain.elements import Axis, Chain
+    from chainbuild.conventions import UsedConvention
+    from chainbuild.errors import Span
+    from chainbuild.machine import KinematicEntry, Machine, ParameterRow
+
+_WIDE: Final = 120  # columns of a screen on which long texts stand side by side
+
+
+def kinematics_table(entries: Sequence[KinematicEntry]) -> Table:
+    """Return the kinematics that a file configures, with the option that chooses each."""
+    shown = table("Kinematics", "Id", "Name", "Type", "Title", "Chosen by")
+    default = next((entry for entry in entries if entry.default), None)
+    taken: set[tuple[int, int]] = set()
+    for entry in entries:
+        key = (entry.channel, entry.id)
+        # What shares its id with another can be told by its name alone.
+        id_shown = "" if key in taken and entry.name else str(entry.id)
+        taken.add(key)
+        chosen = f"--kinematic {id_shown or entry.name}"
+        if default is not None and entry.channel != default.channel:
+            chosen += f" --channel {entry.channel}"
+        shown.add_row(id_shown, entry.name, entry.type, entry.title, "default" if entry is default else chosen)
+    return shown
+
+
+def axes_table(machine: Machine, chain: Chain) -> Table:
+    """Return the axes with their limits; columns that say nothing of any axis are left out."""
+    meanings = axis_meanings(chain)
+    remarks = [_remarks(axis) for axis in chain.axes]
+    optional: dict[str, list[str]] = {
+        "Carries": [axis.carries for axis in chain.axes] if len({a.carries for a in chain.axes}) > 1 else [],
+        "Remarks": remarks if any(remarks) else [],
+        "Meaning": meanings,
+    }
+    columns = {name: cells for name, cells in optional.items() if cells}
+    shown = table("Axes", "Axis", "Unit", "Lower", "Upper", "Limits from", "Speed", *columns)
+    for n, axis in enumerate(chain.axes):
+        speed = f"{number(axis.max_speed)} {axis.unit}/s" if axis.max_speed is not None else "–"
+        limits = (number(axis.lower), number(axis.upper), limits_source(machine, axis))
+        shown.add_row(axis.name, axis.unit, *limits, speed, *(cells[n] for cells in columns.values()))
+    return shown
+
+
+def limits_source(machine: Machine, axis: Axis) -> str:
+    """Return where the limits of an axis come from: "machine data", "overlay" or "assumed"."""
+    if axis.assumed:
+        return "assumed"
+    given = machine.overlay.limits.get(axis.name)
+    return "overlay" if given == (axis.lower, axis.upper) else "machine data"
+
+
+def axis_meanings(chain: Chain) -> list[str]:
+    """Return what each axis does, where the chain is one KIN_TYP whose table says so; else an empty list."""
+    from chainbuild.twincat.hdtable import type_data
+
+    number_text = chain.kinematic.removeprefix("KIN_TYP ")
+    data = type_data().get(int(number_text)) if number_text.isdigit() else None
+    if data is None or len(data.axes) != len(chain.axes):
+        return []
+    return [row.meaning for row in data.axes]
+
+
+def _remarks(axis: Axis) -> str:
+    remarks = {"endless": axis.endless, "held by ik": axis.held}
+    return ", ".join(text for text, on in remarks.items() if on)
+
+
+def parameters_table(rows: Sequence[ParameterRow], width: int) -> Table:
+    """Return parameters with meaning and line, arrays in one row each; their source only on a wide screen."""
+    wide = width >= _WIDE
+    columns = ("Symbol", "Name", "Value", "Unit", "Meaning", "Source", "Line")
+    shown = table("Parameters", *(columns if wide else ("Symbol, name", "Value", "Meaning", "Line")))
+    if not wide:
+        shown.columns[0].min_width, shown.columns[1].max_width = 24, 16
+    shown.columns[-1].no_wrap = True
+    for _, run in groupby(rows, key=_kept_together):
+        group = list(run)
+        first, last = group[0], group[-1]
+        name = first.name if first is last else f"{first.name.removesuffix(']')}…{last.name.rpartition('[')[2]}"
+        values = ", ".join(number(row.value) for row in group)
+        meaning = f"{first.meaning}{_in_si(group)}"
+        if wide:
+            shown.add_row(first.symbol, name, values, first.unit, meaning, first.source, _lines(group))
+        else:
+            called = f"{first.symbol}\n{name}" if first.symbol else name
+            shown.add_row(called, f"{values} {first.unit}".rstrip(), meaning, _lines(group))
+    return shown
+
+
+def _in_si(group: Sequence[ParameterRow]) -> str:
+    """Return the values of an array in SI units where the file counts otherwise."""
+    if not group[0].si_unit:
+        return ""
+    return f" In SI: {', '.join(f'{row.si:.6g}' for row in group)} {group[0].si_unit}."
+
+
+def _kept_together(row: ParameterRow) -> tuple[object, ...]:
+    """Return what the elements of one array have in common."""
+    array = row.name.rpartition("[")[0] if row.name.startswith("$") and row.name.endswith("]") else row.name
+    return (row.symbol, array, row.unit, row.meaning, row.source, row.given)
+
+
+def _lines(group: Sequence[ParameterRow]) -> str:
+    if not group[0].given:
+        return "default"
+    first, last = line_of(group[0].span), line_of(group[-1].span)
+    return "" if first is None else str(first) if first == last else f"{first}–{last}"
+
+
+def line_of(span: Span | None) -> int | None:
+    """Return the line of a place in a file, None where there is none."""
+    return span.line or None if span else None
+
+
+def conventions_shown(out: Console, used: Sequence[UsedConvention]) -> None:
+    """Print the conventions of a chain: a table on a wide screen, else a paragraph each."""
+    title = "Conventions: open in the manuals ([I] inferred, [?] open); --convention NAME=CHOICE switches one"
+    if out.width < _WIDE:
+        out.print(title, style="bold")
+        for one in used:
+            print_convention(out, one.convention, one.choice, "chosen" if one.by_user else "default")
+        out.print()
+        return
+    shown = table(title, "Name", "Choice", "Mark", "Meaning", "Alternatives", "How to verify")
+    for one in used:
+        convention = one.convention
+        others = [f"{name}: {meaning}" for name, meaning in convention.choices.items() if name != one.choice]
+        shown.add_row(
+            convention.name,
+            one.choice + (" (chosen)" if one.by_user else " (default)"),
+            f"[{convention.mark}]",
+            convention.choices[one.choice],
+            "\n".join(others),
+            convention.verify,
+        )
+    out.print(shown)

@@ -1,0 +1,23 @@
+"""Conventions as paragraphs: what is open, what is chosen, what else there is, how to verify it."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.padding import Padding
+
+from chainbuild.conventions import Convention
+
+
+def print_convention(out: Console, convention: Convention, choice: str, remark: str) -> None:
+    """Print one convention.
+
+    Args:
+        out: Where to.
+        convention: What is open.
+        choice: The choice in force.
+        remark: What is said of the choice: "default", "chosen".
+    """
+    out.print(f"{convention.name}={choice} [{convention.mark}] ({remark})", style="bold")
+    others = [f"or {name}: {meaning}" for name, meaning in convention.choices.items() if name != choice]
+    for text in (convention.choices[choice], *others, f"To verify: {convention.verify}"):
+        out.print(Padding(text, (0, 0, 0, 4)))

@@ -1,0 +1,54 @@
+"""Names that a user may have meant: the known ones, the most alike first."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+_ALIKE: Final = 0.6
+_SHOWN: Final = 12
+_LONGEST: Final = 80  # of a name that is compared: what is longer is no slip of the pen
+
+
+def closest(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name most like one, or None where none is like it.
+
+    Case does not count, and a name without its unit is the name.
+
+    >>> closest("RA1", ["A1", "A2"]), closest("x", ["qx", "x_mm"]), closest("a1", ["A1"]), closest("speed", ["A1"])
+    ('A1', 'x_mm', 'A1', None)
+    """
+    found = _by_likeness(name, list(known))
+    return found[0] if found else None
+
+
+def listed(name: str, known: Sequence[str], shown: int = _SHOWN, *, called: Sequence[str] | None = None) -> str:
+    """Return known names as a list for a message: those most like a name first, then the others, not too many.
+
+    >>> listed("C", ["A", "B", "c"])
+    'c, A, B'
+    >>> listed("irb26000", ["arm", "irb2600", "tx2"], shown=2)
+    'irb2600, arm, … (3 in all)'
+
+    Args:
+        name: What was given.
+        known: What there is, as the message shows it.
+        shown: How many at most.
+        called: What each of them is called; None: as it is shown.
+    """
+    words = known if called is None else called
+    alike = [known[n] for word in _by_likeness(name, words) for n, one in enumerate(words) if one == word]
+    names = list(dict.fromkeys([*alike, *known]))
+    more = [f"… ({len(names)} in all)"] if len(names) > shown else []
+    return ", ".join([*names[:shown], *more])
+
+
+def _by_likeness(name: str, known: Sequence[str]) -> list[str]:
+    sought = name.strip().lower()[:_LONGEST]
+    same = [one for one in known if sought in (one.lower(), one.lower().rpartition("_")[0])]
+    folded: dict[str, list[str]] = {}
+    for one in known:
+        folded.setdefault(one.lower(), []).append(one)
+    alike = difflib.get_close_matches(sought, folded, n=_SHOWN, cutoff=_ALIKE)
+    return list(dict.fromkeys([*same, *(one for match in alike for one in folded[match])]))
