@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import replace
 from itertools import chain, islice
 from pathlib import Path
+from threading import Timer
 from typing import TYPE_CHECKING, Literal
 
 from chainbuild import tolerances
@@ -30,6 +31,7 @@ Solver = Literal["auto", "damped", "analytic", "controller"]
 
 _ROWS_FAILED = 3
 _REASONS_SHOWN = 10
+_PATIENCE_S = 2.0
 
 
 def ik(
@@ -150,10 +152,11 @@ def _solutions(
     """Solve pose by pose; without start values each begins where the last solution ended."""
     given = _Starts(starts, table.file) if starts else None
     last: NDArray[np.float64] | None = None
-    for row in table.rows():
+    for number, row in enumerate(table.rows()):
         begin = given.next() if given else last
         try:
-            result = robot.ik(row.T, start=begin, held=row.held, solver=solver, absolute_c_deg=row.c_deg)
+            with _telling_of_compilation() if number == 0 else nullcontext():
+                result = robot.ik(row.T, start=begin, held=row.held, solver=solver, absolute_c_deg=row.c_deg)
         except ChainbuildError as error:
             error.span = error.span or Span(table.file, row.line)
             raise
@@ -164,6 +167,21 @@ def _solutions(
         yield row, result
     if given:
         given.finish()
+
+
+@contextmanager
+def _telling_of_compilation() -> Iterator[None]:
+    """Say what takes so long: with numba the solver is compiled at its first use and cached from then on."""
+    from chainbuild.solve import compiled
+
+    timer = Timer(_PATIENCE_S, note, ["compiling the solver; this happens once"])
+    timer.daemon = True
+    if compiled.available():
+        timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def _agreeing(robot: Robot, T: Matrix, result: IkResult) -> IkResult:
