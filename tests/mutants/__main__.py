@@ -34,7 +34,7 @@ class Job:
     tests: tuple[str, ...]
 
 
-TWINCAT_SHARED = ("tests/twincat", "-k", "hand or reference or arm45 or families")
+TWINCAT_SHARED = ("tests/twincat", "-k", "hand or reference or arm45 or families or bounds or kin98 or domain")
 SINUMERIK = ("tests/sinumerik", "tests/solve/test_controller.py")
 
 
