@@ -83,15 +83,12 @@ def follow(chain: Chain, *, workpiece_of: Chain, name: str | None = None, other_
     host = replace(chain, frames=_hidden(chain, own, "workpiece"))
     T_workpiece = other.frame("workpiece")
     joined = _graft(host, place.link, place.T_link_frame, rider, prefix, root=T_workpiece)
-    partials = _partials(chain, own)
-    group = 1 + max(partial.group for partial in partials)
-    others = _carried(other, prefix, np.eye(4), len(chain.axes))
     return replace(
         joined,
         name=f"{chain.name}_{other.name}",
         title=f"{chain.title} at {other.title}",
         absolute_c=None,
-        partials=_numbered((*partials, *(replace(p, group=group + p.group) for p in others))),
+        partials=_with_new_group(chain, own, other, prefix),
     )
 
 
@@ -106,16 +103,21 @@ def beside(chain: Chain, other: Chain, *, name: str | None = None, other_name: s
         other, frames=_renamed(other.frames, {"tool": f"{prefix}_tool", "workpiece": "", "flange": f"{prefix}_flange"})
     )
     joined = _graft(chain, place.link, place.T_link_frame, guest, prefix, root=other.frame("workpiece"))
-    partials = _partials(chain, own)
-    group = 1 + max(partial.group for partial in partials)
-    others = _carried(other, prefix, np.eye(4), len(chain.axes))
     return replace(
         joined,
         name=f"{chain.name}_{other.name}",
         title=f"{chain.title} beside {other.title}",
         absolute_c=None if chain.absolute_c is None else padded(chain.absolute_c, 0, len(other.axes)),
-        partials=_numbered((*partials, *(replace(p, group=group + p.group) for p in others))),
+        partials=_with_new_group(chain, own, other, prefix),
     )
+
+
+def _with_new_group(chain: Chain, own: str, other: Chain, prefix: str) -> tuple[Partial, ...]:
+    """Return the partials of a chain, then the other's in groups of their own."""
+    partials = _partials(chain, own)
+    group = 1 + max(partial.group for partial in partials)
+    others = _carried(other, prefix, np.eye(4), len(chain.axes))
+    return _numbered((*partials, *(replace(partial, group=group + partial.group) for partial in others)))
 
 
 def displaced(chain: Chain, T: Matrix, *, name: str | None = None) -> Chain:
