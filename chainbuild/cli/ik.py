@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, nullcontext
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import chain, islice
 from pathlib import Path
 from threading import Timer
@@ -48,7 +48,8 @@ def ik(
 
     The table has x_mm, y_mm, z_mm and an orientation: qx, qy, qz, qw, or a_deg, b_deg, c_deg in the angles of the
     controller; for machines of fewer than six axes also tool_x, tool_y, tool_z. Every answer is verified by forward
-    kinematics. A row without solution keeps its status and no axis values; the command then ends with 3.
+    kinematics. A row without solution keeps its status and no axis values; the command then ends with 3, and stderr
+    says why: each reason once, with the first row it holds for.
 
     ROBX robots of four axes are programmed by position and c_deg: where a row's A and B cannot be reached they follow,
     and c_deg may stand alone. Where C runs on over whole turns, c_deg says which turn is meant, also beside a
@@ -85,8 +86,17 @@ def ik(
     return _ROWS_FAILED if report.finish() else 0
 
 
+@dataclass(slots=True)
+class _Group:
+    """Rows that failed for the same reason: how many, and the first one's line number and own words."""
+
+    line: int
+    words: str
+    count: int = 0
+
+
 class _Report:
-    """Says on stderr which rows failed and why, and what was not taken as the table says it.
+    """Says on stderr how many rows failed and why, and what was not taken as the table says it.
 
     Args:
         file: Name of the table of poses.
@@ -95,7 +105,7 @@ class _Report:
     def __init__(self, file: str) -> None:
         self._file = file
         self._statuses: Counter[str] = Counter()
-        self._reasons: list[str] = []
+        self._groups: dict[str, _Group] = {}
         self._contradictory = 0
         self._first_contradictory = 0
 
@@ -110,9 +120,11 @@ class _Report:
         if row.contradictory:
             self._contradictory += 1
             self._first_contradictory = self._first_contradictory or row.line
-        if not result.success and len(self._reasons) < _REASONS_SHOWN:
-            reason = f": {result.reason}" if result.reason else ""
-            self._reasons.append(f"{self._file}:{row.line}: {result.status}{reason}")
+        if not result.success:
+            from chainbuild.solve.words import kind_of
+
+            words = f"{result.status}: {result.reason}" if result.reason else result.status
+            self._groups.setdefault(kind_of(words), _Group(row.line, words)).count += 1
 
     def finish(self) -> int:
         """Print what there is to say and return how many rows failed."""
@@ -120,15 +132,23 @@ class _Report:
             more = f" ({self._contradictory} rows in all)" if self._contradictory > 1 else ""
             first = f"{self._file}:{self._first_contradictory}"
             note(f"{first}: a_deg, b_deg, c_deg contradict the quaternion, which counts{more}")
+        self._tell_reasons()
         failed = self._statuses.total() - self._statuses["ok"]
-        for reason in self._reasons:
-            note(reason)
-        if failed > len(self._reasons):
-            note(f"… and {failed - len(self._reasons)} more")
         if failed:
             counts = ", ".join(f"{n} {status}" for status, n in sorted(self._statuses.items()) if status != "ok")
             note(f"{self._file}: {failed} of {self._statuses.total()} poses failed: {counts}")
         return failed
+
+    def _tell_reasons(self) -> None:
+        """Print each reason once, at the first row it holds for; the most frequent before the others."""
+        groups = sorted(self._groups.values(), key=lambda group: (-group.count, group.line))
+        for group in groups[:_REASONS_SHOWN]:
+            more = f" ({group.count} rows like this)" if group.count > 1 else ""
+            note(f"{self._file}:{group.line}: {group.words}{more}")
+        rest = groups[_REASONS_SHOWN:]
+        if rest:
+            others = "1 other reason" if len(rest) == 1 else f"{len(rest)} other reasons"
+            note(f"… and {sum(group.count for group in rest)} more, for {others}")
 
 
 def _pose_table(robot: Robot, poses: Path) -> PoseTable:

@@ -17,7 +17,8 @@ from chainbuild.solve.damped import find, matrix_of, refusal, solve
 from chainbuild.solve.options import DEFAULT, IkOptions
 from chainbuild.solve.problem import Problem, problem_of
 from chainbuild.solve.start import Held
-from chainbuild.solve.table import STATUSES, IkTable
+from chainbuild.solve.table import STATUSES, IkTable, Words
+from chainbuild.solve.words import Failures, Said
 
 if TYPE_CHECKING:
     import pinocchio as pin
@@ -43,11 +44,23 @@ class Columns:
         """Return room for so many poses and free axes."""
         return cls(np.zeros((rows, axes)), np.zeros((rows, 3), np.int64), np.zeros((rows, 2)))
 
-    def table(self, problem: Problem) -> IkTable:
-        """Return the columns as a result."""
+    def table(self, problem: Problem, targets: Matrix, starts: Matrix | None, options: IkOptions) -> IkTable:
+        """Return the columns as a result that can say why rows failed.
+
+        Args:
+            problem: What was asked.
+            targets: (N, 4, 4) of which poses.
+            starts: (N or 1, n_free) SI values that rows started from, NaN for none; None: none had any.
+            options: Tolerances and budget.
+        """
         axes = np.repeat(problem.axes[None], len(self.y), axis=0)
         axes[:, problem.free] = self.y / problem.factors
-        return IkTable(axes, self.counts, self.misses, problem.task)
+        failed = np.flatnonzero(self.counts[:, 0] != rules.OK)
+        explain = None
+        if len(failed):
+            begun = starts[failed] if starts is not None and len(starts) > 1 else starts
+            explain = Failures(failed, targets[failed], begun, problem, options).explain
+        return IkTable(axes, self.counts, self.misses, problem.task, explain)
 
 
 def solve_many(
@@ -78,7 +91,7 @@ def solve_many(
             _plain(problem, targets, first, columns, options, advance)
         else:
             _compiled(problem, packed, targets, first, columns, options, advance)
-    return columns.table(problem)
+    return columns.table(problem, targets, first, options)
 
 
 def _compiled(
@@ -126,13 +139,16 @@ def _row_by_row(
     """Solve where input axes stand elsewhere in each row: each row is a problem of its own."""
     axes, errors = np.empty(begin.shape), np.empty((len(targets), 2))
     counts = np.empty((len(targets), 3), np.int64)
+    words: dict[int, Words] = {}
     for row, (target, start) in enumerate(zip(targets, begin, strict=True)):
         found = solve(robot, target, start, held, options)
         axes[row] = found.axes
         counts[row] = STATUSES.index(found.status), found.iterations, found.restarts
         errors[row] = found.position_error, found.rotation_error
+        if not found.success:
+            words[row] = Words(found.reason, found.violated)
         advance(1)
-    return IkTable(axes, counts, errors, robot.task)
+    return IkTable(axes, counts, errors, robot.task, Said(words).explain)
 
 
 def pose_array(poses: Sequence[pin.SE3] | ArrayLike) -> Matrix:

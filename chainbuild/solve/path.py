@@ -69,7 +69,17 @@ def follow(
             # A pose that cannot be met does not move the machine: the next one starts where the last good one was.
             last = columns.y[good[-1]] if len(good) else last
             advance(done)
-    return columns.table(problem)
+    return columns.table(problem, targets, _begun_at(columns, begin_part), options)
+
+
+def _begun_at(columns: Columns, start: Vector | None) -> Matrix | None:
+    """Return where the axes stood before each pose: at the last one met, else at the start, else NaN."""
+    met = columns.counts[:, 0] == rules.OK
+    if met.all():
+        return None
+    before = np.maximum.accumulate(np.concatenate(([-1], np.where(met, np.arange(len(met)), -1)[:-1])))
+    first = np.full(columns.y.shape[1], np.nan) if start is None else start
+    return np.where(before[:, None] < 0, first, columns.y[before])
 
 
 def _tight_spot(

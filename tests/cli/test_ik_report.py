@@ -67,15 +67,36 @@ def test_help_explains_held_axes(run: Run) -> None:
         assert "such as a track" in " ".join(run(command, "--help").out.split())
 
 
-def test_the_first_ten_failed_rows_say_why(run: Run) -> None:
-    write("poses.csv", f"{POSE}\n" + "9000,0,0,0,0,0,1\n" * 12)
-    outcome = run("ik", "kr6r900_2", "--poses", "poses.csv")
+def test_failed_rows_are_told_by_reason(run: Run) -> None:
+    far = [f"{x},0,0,0,0,0,1" for x in range(9000, 9011)]
+    low = [f"700,0,{z},0,0,0,1" for z in (100, 101)]
+    write("poses.csv", "\n".join([POSE, low[0], *far, "800,0,600,0,1,0,0", low[1]]) + "\n")
+    outcome = run("ik", "kr6r900", "--poses", "poses.csv")
     assert outcome.code == 3
-    lines = outcome.err.splitlines()
-    assert [line.split(": ")[:3] for line in lines[:10]] == [
-        [f"poses.csv:{n}", "unreachable", "too far"] for n in range(2, 12)
-    ]
-    assert lines[10:] == ["… and 2 more", "poses.csv: 12 of 12 poses failed: 12 unreachable"]
+    assert [row["status"] for row in rows_of(outcome.out)] == ["limits", *["unreachable"] * 11, "ok", "limits"]
+    _, first, second, last = outcome.err.splitlines()  # the machine file itself has a finding
+    assert first.startswith("poses.csv:3: unreachable: too far: 9000.0 mm from the workpiece frame, ")
+    assert first.endswith(" mm (11 rows like this)")
+    assert second.startswith("poses.csv:2: limits: reached only outside the limits: A2 at ")
+    assert second.endswith(" deg (limit 45.000) (2 rows like this)")
+    assert last == "poses.csv: 13 of 14 poses failed: 2 limits, 11 unreachable"
+
+
+def test_the_most_frequent_reasons_are_told(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("chainbuild.cli.ik._REASONS_SHOWN", 3)
+    # Tool upright: the mill's X and Y are those of the pose; 700 is beyond 400 and 300, and z = 0 beyond Z's limit.
+    places = [(700, 0, 0)] * 2 + [(0, 700, 0)] + [(700, 700, 0)] * 3 + [(0, 0, 0)] + [(0, 0, 200)]
+    lines = [f"{x},{y},{z},0,0,1" for x, y, z in places]
+    write("poses.csv", "\n".join(["x_mm,y_mm,z_mm,tool_x,tool_y,tool_z", *lines]) + "\n")
+    outcome = run("ik", "ac_table_kin58", "--poses", "poses.csv")
+    assert outcome.code == 3
+    *told, rest, total = outcome.err.splitlines()
+    assert [line.split(": ")[0] for line in told] == ["poses.csv:5", "poses.csv:2", "poses.csv:4"]
+    assert [line.rpartition("(")[2] for line in told[:2]] == ["3 rows like this)", "2 rows like this)"]
+    named = ["".join(axis for axis in "XYZAC" if f"{axis} at" in line) for line in told]
+    assert named == ["XYZ", "XZ", "YZ"]
+    assert rest == "… and 1 more, for 1 other reason"
+    assert total == "poses.csv: 7 of 8 poses failed: 7 limits"
 
 
 def test_angles_that_contradict_the_quaternion_are_told_once(run: Run) -> None:
