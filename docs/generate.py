@@ -97,12 +97,14 @@ def solvers() -> str:
     """Return the table of inverse kinematics against its peers, as `make bench` measured it."""
     rows = json.loads((ROOT / "tests/bench/results.json").read_text("utf-8"))
     names = list(dict.fromkeys(row["machine"] for row in rows))
-    cells: dict[str, list[str]] = {}
+    base = {row["machine"]: row["median"] for row in rows if row["solver"] == "roboticstoolbox ik_LM"}
+    cells: dict[str, dict[str, str]] = {}
     for row in rows:
-        base = next(r for r in rows if r["machine"] == row["machine"] and r["solver"] == "roboticstoolbox ik_LM")
         found = "" if row["found"] == 1.0 else f", {100 * row['found']:.1f} %"
-        cells.setdefault(row["solver"], []).append(f"{row['median'] / base['median']:.2f}{found}")
-    return table(("cold, median", *names), [(name, *row) for name, row in cells.items()])
+        ratio = row["median"] / base[row["machine"]]
+        cells.setdefault(row["solver"], {})[row["machine"]] = f"{ratio:.2f}{found}"
+    # A solver that does not take a machine leaves its cell empty.
+    return table(("cold, median", *names), [(name, *(row.get(m, "") for m in names)) for name, row in cells.items()])
 
 
 TABLES: dict[str, Callable[[], str]] = {

@@ -140,6 +140,43 @@ def pink(machine: Machine) -> Solver:
     return solve
 
 
+def mink(machine: Machine) -> Solver:
+    """mink: a quadratic programme a step on MuJoCo (daqp), with restarts."""
+    import mink as library
+    import mujoco
+
+    spec = mujoco.MjSpec.from_file(str(machine.urdf))
+    spec.compiler.fusestatic = False  # else the tool is no body
+    spec.compiler.boundmass, spec.compiler.boundinertia = 1e-3, 1e-6  # MuJoCo takes no massless bodies
+    model = spec.compile()
+    configuration, rng = library.Configuration(model), np.random.default_rng(0)
+    task = library.FrameTask("tool", "body", position_cost=1.0, orientation_cost=1.0, lm_damping=1e-3)
+    limits = [library.ConfigurationLimit(model)]
+
+    def attempt(q: np.ndarray) -> np.ndarray | None:
+        configuration.update(q)
+        for _ in range(60):
+            if np.linalg.norm(task.compute_error(configuration)) < 1e-7:
+                return configuration.q.copy()
+            velocity = library.solve_ik(configuration, [task], 1.0, solver="daqp", limits=limits)
+            configuration.integrate_inplace(velocity, 1.0)
+        return None
+
+    def solve(T: np.ndarray, start: np.ndarray | None) -> np.ndarray | None:
+        task.set_target(library.SE3.from_matrix(T))
+        for n in range(20):
+            q = start if n == 0 and start is not None else rng.uniform(machine.lower, machine.upper)
+            try:
+                found = attempt(q)
+            except library.MinkError:  # a failed programme counts as a failed attempt
+                continue
+            if found is not None:
+                return found
+        return None
+
+    return solve
+
+
 def into_limits(machine: Machine, q: np.ndarray) -> np.ndarray | None:
     """Move joints by whole turns into their limits; None where that is not possible."""
     q = q - 2.0 * np.pi * np.ceil((q - machine.upper - 1e-9) / (2.0 * np.pi))
@@ -155,8 +192,9 @@ PEERS: dict[str, Callable[[Machine], Solver]] = {
     "optik": optik,
     "TRAC-IK (pytracik)": trac_ik,
     "pink (daqp)": pink,
+    "mink (daqp)": mink,
 }
-SLOW = {"pink (daqp)"}
+SLOW = {"pink (daqp)", "mink (daqp)"}
 IN_AXES = {"chainbuild, compiled", "chainbuild, plain"}  # start and answer in mm and degrees; the others: joint values
 
 

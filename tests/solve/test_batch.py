@@ -7,15 +7,19 @@ import tracemalloc
 from dataclasses import replace
 
 import numpy as np
+import py_opw_kinematics
 import pytest
+from scipy.spatial.transform import RigidTransform
 
 import chainbuild
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.errors import ChainbuildError
-from chainbuild.robot.robot import Robot
+from chainbuild.robot.robot import Robot, as_pose
 from chainbuild.solve import batch, compiled_opw, opw_branches, opw_constants
 from chainbuild.solve.batch import ik_all_batch
+from chainbuild.solve.opw_arm import opw_arm
 from chainbuild.solve.opw_branches import CONSTANTS
+from chainbuild.solve.query import Query
 from tests.solve.machines import poses
 from tests.test_robot import arm, table_machine
 
@@ -103,6 +107,27 @@ def test_a_slot_is_a_branch(compiled: bool) -> None:
     assert whole.sum() >= 4
     steps = np.diff(found[:, whole], axis=0)
     assert np.abs((steps + 180.0) % 360.0 - 180.0).max() < 1.0
+
+
+@both_paths
+@pytest.mark.parametrize("name", ["arm", "irb2600", "tx2_60"])
+def test_slots_are_those_of_another_closed_form(name: str, compiled: bool) -> None:
+    """py-opw-kinematics numbers its branches alike; it is handed the arm's lengths and answers in the arm's angles."""
+    robot = machine(name)
+    serial = Query.of(robot, as_pose(np.eye(4)), None, None).serial()
+    known = opw_arm(serial)
+    assert known is not None
+    targets = robot.fk_batch(np.array(poses(robot, 200)))
+    inward = np.array([known.inward(T) for T in targets])
+    model = py_opw_kinematics.Robot(py_opw_kinematics.KinematicModel(**known.parameters), degrees=False)
+    theirs = np.asarray(model.reach(RigidTransform.from_matrix(inward)).joints)
+    found = ik_all_batch(robot, targets, limits=False, compiled=compiled)
+    joints = [screw.joint for screw in serial.screws]
+    ours = np.array([[known.theta(robot.q(row)[joints]) for row in pose] for pose in np.nan_to_num(found)])
+    np.testing.assert_array_equal(np.isnan(found).any(axis=2), np.isnan(theirs).any(axis=2))
+    exists = np.isfinite(found).all(axis=2)
+    off = (ours - theirs)[exists]
+    assert np.abs((off + np.pi) % (2.0 * np.pi) - np.pi).max() < 1e-7
 
 
 @both_paths
