@@ -19,6 +19,8 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 ToolError = Callable[[Vector], tuple[Vector, Matrix]]
 
+_UNDAMPED = 0.01  # share of a step that damping may take away without being asked
+
 _LOCAL = pin.ReferenceFrame.LOCAL
 
 
@@ -45,6 +47,7 @@ class Task:
         self._even = bool((self._weights == 1.0).all())
         self._shifts = weights[:3] > 0.0
         self._axis, self._shown_axis = axis, shown_axis
+        self._plain = self._whole and self._even and axis < 0 and axis == shown_axis
         self.damping = Damping(len(self._rows), len(free))
 
     def error_of(self, target: Matrix) -> ToolError:
@@ -53,14 +56,44 @@ class Task:
         Args:
             target: (4, 4) tool in the workpiece frame [m].
         """
+        if self._plain and self._kinematics.workpiece_fixed:
+            return self._pose_error(self._kinematics.T_base_workpiece * pin.SE3(target))
+        return self._weighted_error(target)
+
+    def _pose_error(self, T_base_target: pin.SE3) -> ToolError:
+        """Return `error_of` where all six parts count the same and the workpiece stands: the usual case, kept short."""
+        model, data, tool, joints = (
+            self._kinematics.model,
+            self._kinematics.data,
+            self._kinematics.tool_id,
+            self._joints,
+        )
+        jacobians, frame, jacobian, log6 = (
+            pin.computeJointJacobians,
+            pin.updateFramePlacement,
+            pin.getFrameJacobian,
+            pin.log6,
+        )
+
+        def error_and_jacobian(y: Vector) -> tuple[Vector, Matrix]:
+            q, slopes = (y, None) if joints is None else joints(y)
+            jacobians(model, data, q)
+            T_tool_target = frame(model, data, tool).actInv(T_base_target)
+            error = log6(T_tool_target)
+            error.linear = T_tool_target.translation
+            J = jacobian(model, data, tool, _LOCAL)
+            return error.np, J if slopes is None else J.dot(slopes)
+
+        return error_and_jacobian
+
+    def _weighted_error(self, target: Matrix) -> ToolError:
         placed, joints, axis = _placed(self._kinematics, pin.SE3(target)), self._joints, self._axis
         rows, weights, whole, even = self._rows, self._weights, self._whole, self._even
 
         def error_and_jacobian(y: Vector) -> tuple[Vector, Matrix]:
-            q, slopes = joints(y)
+            q, slopes = (y, None) if joints is None else joints(y)
             T_tool_target, J = placed(q)
-            if slopes is not None:
-                J = J.dot(slopes)
+            J = J if slopes is None else J.dot(slopes)
             error = pin.log6(T_tool_target).np
             error[:3] = T_tool_target.translation
             if axis >= 0:
@@ -84,9 +117,10 @@ class Task:
             error: The error at y where it is known already.
         """
         if error is not None and self._whole and self._even and self._shown_axis == self._axis:
-            shift, turn = error[:3], error[3:]
-            return math.sqrt(shift.dot(shift)), math.sqrt(turn.dot(turn))
-        T_tool_target = self._kinematics.pose(self._joints(y)[0]).actInv(pin.SE3(target))
+            a, b, c, d, e, f = error.tolist()
+            return math.sqrt(a * a + b * b + c * c), math.sqrt(d * d + e * e + f * f)
+        q = y if self._joints is None else self._joints(y)[0]
+        T_tool_target = self._kinematics.pose(q).actInv(pin.SE3(target))
         shift, axis = T_tool_target.translation * self._shifts, self._shown_axis
         turn = pin.log3(T_tool_target.rotation) if axis < 0 else tilt(T_tool_target.rotation[:, axis], axis)
         return math.sqrt(shift.dot(shift)), math.sqrt(turn.dot(turn))
@@ -102,16 +136,29 @@ class Damping:
 
     def __init__(self, rows: int, columns: int) -> None:
         self._short = rows < columns
-        self._size = min(rows, columns)
-        self._identity = np.eye(self._size)
-        self._factor = eigenpy.LLT(self._size)
+        size = min(rows, columns)
+        self._square = np.empty((size, size))
+        self._diagonal = self._square.reshape(-1)[:: size + 1]
+        self._factor = eigenpy.LLT(size)
+        self._whole_factor = eigenpy.PartialPivLU(size)
+        self._is_square = rows == columns
 
     def step(self, J: Matrix, error: Vector, damping: float) -> Vector:
         """Return (JᵀJ + damping·1)⁻¹·Jᵀ·error, by way of the smaller of JᵀJ and JJᵀ."""
-        Jt = J.T
+        if self._is_square:
+            # Where J⁻¹·error is short, damping changes next to nothing: λ/(σ² + λ) of its part along each singular
+            # vector, and σ² is at least error²/step².
+            step = self._whole_factor.compute(J).solve(error)
+            if damping * step.dot(step) < _UNDAMPED * error.dot(error):
+                return step
+        Jt, square, diagonal = J.T, self._square, self._diagonal
         if self._short:
-            return Jt.dot(self._factor.compute(J.dot(Jt) + damping * self._identity).solve(error))
-        return self._factor.compute(Jt.dot(J) + damping * self._identity).solve(Jt.dot(error))
+            J.dot(Jt, out=square)
+            diagonal += damping
+            return Jt.dot(self._factor.compute(square).solve(error))
+        Jt.dot(J, out=square)
+        diagonal += damping
+        return self._factor.compute(square).solve(Jt.dot(error))
 
 
 def _placed(kinematics: Kinematics, target: pin.SE3) -> Callable[[Vector], tuple[pin.SE3, Matrix]]:
@@ -140,18 +187,18 @@ def _placed(kinematics: Kinematics, target: pin.SE3) -> Callable[[Vector], tuple
 
 def _joints(
     kinematics: Kinematics, free: NDArray[np.intp], x: Vector
-) -> Callable[[Vector], tuple[Vector, Matrix | None]]:
-    """Return the function y → joint values, their derivative by y (None: the identity)."""
+) -> Callable[[Vector], tuple[Vector, Matrix]] | None:
+    """Return the function y → joint values, their derivative by y; None where y are the joint values."""
     affine = kinematics.affine
     if affine is None:
         full = x.copy()
 
-        def mapped(y: Vector) -> tuple[Vector, Matrix | None]:
+        def mapped(y: Vector) -> tuple[Vector, Matrix]:
             full[free] = y
             return kinematics.q(full), kinematics.dq_dx(full)[:, free]
 
         return mapped
     A, b = np.ascontiguousarray(affine.A[:, free]), affine.b + affine.A.dot(x)
     if A.shape[0] == A.shape[1] and (np.eye(len(A)) == A).all() and not b.any():
-        return lambda y: (y, None)
+        return None
     return lambda y: (A.dot(y) + b, A)

@@ -15,58 +15,68 @@ import numba
 import numpy as np
 
 from chainbuild import tolerances
-from chainbuild.solve import compiled_kernels, compiled_limits, compiled_search, rules
+from chainbuild.solve import (
+    compiled_kernels,
+    compiled_limits,
+    compiled_search,
+    compiled_starts,
+    rules,
+    turned_starts,
+    turned_table,
+)
 from chainbuild.solve.compiled_kernels import FAST, unpack, work_of
 from chainbuild.solve.compiled_search import is_rigid, search, track
 
 kept: Final[Any] = numba.njit(cache=True, **FAST)
 kept_parallel: Final[Any] = numba.njit(cache=True, parallel=True, **FAST)
 
-_MODULES: Final = (compiled_kernels, compiled_limits, compiled_search, rules, tolerances)
+_MODULES: Final = (
+    compiled_kernels,
+    compiled_limits,
+    compiled_search,
+    compiled_starts,
+    rules,
+    tolerances,
+    turned_starts,
+    turned_table,
+)
 _FINGERPRINT: Final = crc32(b"".join(Path(str(module.__file__)).read_bytes() for module in _MODULES))
 
 
 def _search_one(fingerprint: int) -> Any:
     @kept
-    def search_one(data, sizes, target, points, has_start, accuracy, restarts, answer):
+    def search_one(data, rows, sizes, target, start, has_start, wanted, accuracy, restarts, answer):
         """Check the target, then search; see `compiled_search.search`.
 
         Args:
-            data: The problem in one array.
+            data: The problem in one array,
+            rows: but for what is in single precision.
             sizes: Its sizes, see `unpack`.
             target: (4, 4) tool in the workpiece frame.
-            points: (2, n) start, and where whole turns shall end near to.
-            has_start: Whether the start counts.
+            start: (n,) first point.
+            has_start: Whether it counts.
+            wanted: (n,) where whole turns shall end near to.
             accuracy: (4,) squared error, distance, angle, and how far the rotation may be from one.
             restarts: Starts after the first.
             answer: (2, n) out: the answer or the nearest, and a point outside the limits.
         """
         if fingerprint < 0 or not is_rigid(target, accuracy[3]):
             return rules.NOT_RIGID, 0, 0, np.inf, np.inf
-        problem = unpack(data, sizes)
-        return search(
-            problem,
-            work_of(sizes[1]),
-            target,
-            points[0],
-            has_start,
-            points[1],
-            accuracy,
-            restarts,
-            answer[0],
-            answer[1],
-        )
+        problem = unpack(data, rows, sizes)
+        work, outside = work_of(sizes[1]), answer[1]
+        return search(problem, work, target, start, has_start, wanted, accuracy, restarts, answer[0], outside)
 
     return search_one
 
 
 def _search_many(fingerprint: int) -> Any:
     @kept_parallel
-    def search_many(data, sizes, targets, starts, has_start, wanted, accuracy, restarts, y, counts, misses):
+    def search_many(data, rows, sizes, targets, starts, has_start, wanted, accuracy, restarts, y, counts, misses):
         """Search for many targets on all cores.
 
         Args:
-            data: The problem in one array.
+            data: The problem in one array,
+            rows: but for what is in single precision.
             sizes: Its sizes, see `unpack`.
             targets: (N, 4, 4).
             starts: (N, n) or (1, n) for all.
@@ -81,7 +91,7 @@ def _search_many(fingerprint: int) -> Any:
         for i in numba.prange(len(targets)):
             counts[i, 0] = rules.NOT_RIGID + 0 * fingerprint
             if is_rigid(targets[i], accuracy[3]):
-                problem, work, outside = unpack(data, sizes), work_of(sizes[1]), np.empty(sizes[1])
+                problem, work, outside = unpack(data, rows, sizes), work_of(sizes[1]), np.empty(sizes[1])
                 start = starts[np.int64(i) % len(starts)]  # one for all, or one a pose
                 near_to = start if has_start else wanted
                 ended = search(problem, work, targets[i], start, has_start, near_to, accuracy, restarts, y[i], outside)
@@ -92,11 +102,11 @@ def _search_many(fingerprint: int) -> Any:
 
 def _track_many(fingerprint: int) -> Any:
     @kept
-    def track_many(data, sizes, targets, last, accuracy, most, y, counts, misses):
+    def track_many(data, rows, sizes, targets, last, accuracy, most, y, counts, misses):
         """Follow a path; see `compiled_search.track`."""
         if fingerprint < 0:
             return 0
-        return track(unpack(data, sizes), work_of(sizes[1]), targets, last, accuracy, most, y, counts, misses)
+        return track(unpack(data, rows, sizes), work_of(sizes[1]), targets, last, accuracy, most, y, counts, misses)
 
     return track_many
 

@@ -33,6 +33,15 @@ class Arrays(NamedTuple):
     points: Any  # (count, n)
     features: Any  # (12, count)
     scale: Any  # (12,)
+    turned_values: Any  # (points, n), none where there are no turned starts
+    turned_maps: Any  # (points, n + 2, 12)
+    turned_before: Any  # (4, 4)
+    turned_after: Any  # (4, 4)
+    turned_signs: Any  # (2,)
+    turned_rows: Any  # (7, points), single precision; the last are the offsets
+    turned_scale: Any  # float
+    turned_first: Any  # int
+    turned_last: Any  # int
     axis: Any  # int
     shown_axis: Any  # int
     rows: Any  # how many weights are not 0
@@ -50,21 +59,28 @@ class Work(NamedTuple):
     step: Any  # (n,)
     small: Any  # (9,)
     features: Any  # (12,)
+    W: Any  # (3, 4)
+    seen: Any  # (13,) what is looked up of turned starts, and the azimuth
+    key: Any  # (6,) the same in single precision
 
 
 @jit
-def unpack(data, sizes):
-    """Return views of a problem that lies in one array: handing over one array costs less than fourteen.
+def unpack(data, rows, sizes):
+    """Return views of a problem that lies in two arrays: handing over two costs less than twenty.
 
-    sizes: k, n, coupled limits, starts, axis, shown axis, rows, weighted, then where each part ends.
+    sizes: k, n, coupled limits, starts, axis, shown axis, rows, weighted, turned starts, their first and last axis,
+    then where each part ends.
     """
-    k, n, c, count, e = sizes[0], sizes[1], sizes[2], sizes[3], sizes[8:]
+    k, n, c, count, turned, e = sizes[0], sizes[1], sizes[2], sizes[3], sizes[8], sizes[11:]
     return Arrays(
         data[: e[0]].reshape((k + 1, 3, 4)), data[e[0] : e[1]], data[e[1] : e[2]].reshape((k, n)), data[e[2] : e[3]],
         data[e[3] : e[4]], data[e[4] : e[5]], data[e[5] : e[6]],
         data[e[6] : e[7]].reshape((c, n)), data[e[7] : e[8]], data[e[8] : e[9]],
         data[e[9] : e[10]], data[e[10] : e[11]].reshape((count, n)), data[e[11] : e[12]].reshape((12, count)),
-        data[e[12] : e[13]], sizes[4], sizes[5], sizes[6], sizes[7],
+        data[e[12] : e[13]],
+        data[e[13] : e[14]].reshape((turned, n)), data[e[14] : e[15]].reshape((turned, n + 2, 12)),
+        data[e[15] : e[16]].reshape((4, 4)), data[e[16] : e[17]].reshape((4, 4)), data[e[17] : e[18]],
+        rows, data[e[18]], sizes[9], sizes[10], sizes[4], sizes[5], sizes[6], sizes[7],
     )  # fmt: skip
 
 
@@ -75,6 +91,7 @@ def work_of(n):
     return Work(
         np.empty((3, 4)), np.empty((6, n)), np.empty(6), np.empty((size, size)),
         np.empty(size), np.empty(n), np.empty(9), np.empty(12),
+        np.empty((3, 4)), np.empty(13), np.empty(6, np.float32),
     )  # fmt: skip
 
 

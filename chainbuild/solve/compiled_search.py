@@ -14,6 +14,7 @@ from chainbuild import tolerances
 from chainbuild.solve import rules
 from chainbuild.solve.compiled_kernels import damped_step, jit, pose_and_jacobian, tool_error, weigh
 from chainbuild.solve.compiled_limits import excess, near, onto_sums, turn_inside, turned_inside
+from chainbuild.solve.compiled_starts import next_start, rank_starts
 
 _OK: Final = rules.OK
 _LIMITS: Final = rules.LIMITS
@@ -128,33 +129,6 @@ def approach(problem, target, y, work):
 
 
 @jit
-def rank_starts(features, scale, target, wanted, distances):
-    """Write the squared distance of each start's pose to the target; `wanted` (12,) is scratch."""
-    for r in range(3):
-        for c in range(4):
-            wanted[4 * r + c] = target[r, c] * scale[4 * r + c]
-    for s in range(len(distances)):
-        squared = 0.0
-        for f in range(12):
-            difference = features[f, s] - wanted[f]
-            squared += difference * difference
-        distances[s] = squared
-
-
-@jit
-def next_start(points, distances, attempt, y):
-    """Write a start not yet taken to y: the one whose pose is nearest, later on any in turns with it."""
-    taken, nearest = attempt % len(distances), np.inf
-    if attempt < rules.NEAREST_FIRST or attempt % 2 == 0 or distances[taken] == np.inf:
-        for s in range(len(distances)):
-            if distances[s] < nearest:
-                nearest, taken = distances[s], s
-    distances[taken] = np.inf
-    for n in range(len(y)):
-        y[n] = points[taken, n]
-
-
-@jit
 def errors(problem, target, y, work):
     """Return the distance [m] and the angle [rad] by which forward kinematics at y misses the target."""
     pose_and_jacobian(problem.fixed, problem.prismatic, problem.A, problem.b, y, work.T, work.J, work.small)
@@ -208,7 +182,8 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
     Returns:
         Outcome, steps over all starts, starts after the first, distance and angle left at y.
     """
-    distances = np.empty(len(problem.points))
+    turned = len(problem.turned_values)
+    distances = np.empty(turned if turned > 0 else len(problem.points), np.float32)
     close_enough = min(accuracy[1], accuracy[2]) ** 2
     nearest, least, iterations = np.inf, np.inf, 0
     best = wanted.copy()
@@ -217,8 +192,8 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
             y[:] = start
         else:
             if attempt == (1 if has_start else 0):
-                rank_starts(problem.features, problem.scale, target, work.features, distances)
-            next_start(problem.points, distances, attempt, y)
+                rank_starts(problem, work, target, distances)
+            next_start(problem, work, distances, attempt, wanted, y)
         inside = attempt % rules.FREE_EVERY != rules.FREE_EVERY - 1
         met, squared, taken = descend(
             problem, target, y, work, inside, accuracy[0], close_enough, rules.MAX_STEPS, rules.STALL_SHARE

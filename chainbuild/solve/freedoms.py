@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 from weakref import WeakKeyDictionary
@@ -60,13 +60,19 @@ class Box:
         values = enumerate(zip(y.tolist(), self._limits, strict=True))
         return [n for n, (value, (lower, upper)) in values if not lower <= value <= upper]
 
+    def leaves(self, y: Vector) -> bool:
+        """Return whether any axis is beyond its limits."""
+        for value, (lower, upper) in zip(y.tolist(), self._limits, strict=True):  # noqa: SIM110 (any() is slower)
+            if not lower <= value <= upper:
+                return True
+        return False
+
     def into(self, y: Vector) -> Vector:
         """Return y with periodic axes outside their limits moved by whole turns to the nearest place inside."""
-        beyond = self.outside(y)
-        if not beyond:
+        if not self.leaves(y):
             return y
         y = y.copy()
-        for n in beyond:
+        for n in self.outside(y):
             if self.periodic[n]:
                 y[n] = self._turned_inside(n, float(y[n]))
         return y
@@ -124,16 +130,38 @@ class Box:
 
     def nearest(self, y: Vector, wanted: Vector) -> Vector:
         """Return y with periodic axes moved by whole turns as near as all limits allow to `wanted`."""
-        if max(map(abs, (wanted - y).tolist())) <= math.pi:
-            return y
-        turns = np.where(self.periodic, np.round((wanted - y) / math.tau), 0.0)
-        moved = y.copy()
-        for n in np.flatnonzero(turns):
-            count, towards = float(turns[n]), -math.copysign(1.0, turns[n])
-            while count and not self.lower[n] <= y[n] + count * math.tau <= self.upper[n]:
-                count += towards
-            moved[n] += count * math.tau
-        return moved if not len(self.sums) or self.inside(moved) else y
+        moved = y
+        for n, far in enumerate((wanted - y).tolist()):
+            if not -math.pi <= far <= math.pi and self.periodic[n]:
+                (lower, upper), value, count = self._limits[n], float(y[n]), round(far / math.tau)
+                while count and not lower <= value + count * math.tau <= upper:
+                    count -= 1 if count > 0 else -1
+                if count:
+                    moved = y.copy() if moved is y else moved
+                    moved[n] = value + count * math.tau
+        return moved if moved is y or not len(self.sums) or self.inside(moved) else y
+
+    def turned_to(self, y: list[float], turning: Iterable[int], wanted: Vector) -> Vector | None:
+        """Return y (n,) with some axes moved by whole turns towards `wanted` and the others cut to their limits.
+
+        None where one of the turning axes has no place inside its limits.
+        """
+        for n in turning:
+            (lower, upper), value = self._limits[n], y[n]
+            far = float(wanted[n]) - value
+            if not -math.pi <= far <= math.pi:
+                value += math.tau * round(far / math.tau)
+            if value > upper:
+                value -= math.tau * math.ceil((value - upper) / math.tau)
+            elif value < lower:
+                value += math.tau * math.ceil((lower - value) / math.tau)
+            if not lower <= value <= upper:
+                return None
+            y[n] = value
+        for n, (value, (lower, upper)) in enumerate(zip(y, self._limits, strict=True)):
+            if not lower <= value <= upper:
+                y[n] = lower if value < lower else upper
+        return np.array(y)
 
     def restricted(self, free: NDArray[np.intp], x: Vector) -> Box:
         """Return the region of some axes while the others stay at x."""

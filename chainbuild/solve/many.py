@@ -103,13 +103,13 @@ def _compiled(
     options: IkOptions,
     advance: Any,
 ) -> None:
-    task = (problem.middle, compiled.accuracy_of(options), options.max_restarts)
+    task = (problem.middle, options.accuracy, options.max_restarts)
     starts = problem.middle[None] if first is None else first
     for begin in range(0, len(targets), _CHUNK):
         part = slice(begin, begin + _CHUNK)
         own = starts if len(starts) == 1 else starts[part]
         rows = (columns.y[part], columns.counts[part], columns.misses[part])
-        compiled.entries().search_many(packed.data, packed.sizes, targets[part], own, first is not None, *task, *rows)
+        compiled.entries().search_many(*packed.arrays, targets[part], own, first is not None, *task, *rows)
         bad = np.flatnonzero(rows[1][:, 0] == rules.NOT_RIGID)
         if len(bad):
             raise _at_row(refusal(targets[begin + bad[0]]), begin + int(bad[0]))

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
 
 from chainbuild import tolerances
 from chainbuild.errors import ChainbuildError
@@ -22,6 +25,8 @@ class IkOptions:
         max_restarts: Starts after the first before the search gives up.
         seed: Seed of the starts.
         compiled: False: use the plain path even where the compiled one is installed.
+        accuracy: (4,) follows: squared error [m², rad²] at which an iteration ends, three digits better than what is
+            verified; the tolerances; how far a rotation may be from one.
     """
 
     position_tolerance: float = tolerances.IK_POSITION_M
@@ -30,6 +35,7 @@ class IkOptions:
     max_restarts: int = 100
     seed: int = 0
     compiled: bool = True
+    accuracy: NDArray[np.float64] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         for name in ("position_tolerance", "rotation_tolerance"):
@@ -45,11 +51,9 @@ class IkOptions:
             )
         if self.max_restarts < 0:
             raise ChainbuildError("max_restarts is negative", parameter="max_restarts", permitted="0, 1, …")
-
-    @property
-    def residual_squared(self) -> float:
-        """Squared error [m², rad²] at which an iteration ends: three digits better than what is verified."""
-        return (1e-3 * min(self.position_tolerance, self.rotation_tolerance)) ** 2
+        least = min(self.position_tolerance, self.rotation_tolerance)
+        accuracy = ((1e-3 * least) ** 2, self.position_tolerance, self.rotation_tolerance, tolerances.ROTATION_MATRIX)
+        object.__setattr__(self, "accuracy", np.array(accuracy))
 
 
 DEFAULT = IkOptions()

@@ -23,6 +23,7 @@ from chainbuild.solve.found import Found
 if TYPE_CHECKING:
     from chainbuild.solve.options import IkOptions
     from chainbuild.solve.problem import Problem
+    from chainbuild.solve.turned_starts import Query
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -64,12 +65,11 @@ class _Search:
 
     def __init__(self, problem: Problem, target: Matrix, wanted: Vector, options: IkOptions) -> None:
         self.problem, self.box, self.target, self.wanted = problem, problem.box, target, wanted
-        self.task = task_of(problem)
-        self.error, self.damping = self.task.error_of(target), self.task.damping
+        self.task = task = problem.plain[0] if problem.plain else task_of(problem)
+        self.error, self.damping = task.error_of(target), task.damping
         self.coupled = len(self.box.sums) > 0
-        self.goal = options.residual_squared
-        self.position_tolerance, self.rotation_tolerance = options.position_tolerance, options.rotation_tolerance
-        self.close_enough = min(options.position_tolerance, options.rotation_tolerance) ** 2
+        self.goal, self.position_tolerance, self.rotation_tolerance, _ = options.accuracy.tolist()
+        self.close_enough = min(self.position_tolerance, self.rotation_tolerance) ** 2
         self.iterations = 0
         self.last: Vector | None = None
 
@@ -77,9 +77,13 @@ class _Search:
         """Search until a descent ends inside the limits, the starts are used up or hope is lost."""
         nearest, least = math.inf, math.inf
         best = outside = self.wanted
-        starts = _Starts(self)
+        starts = None
         for attempt in range(restarts + 1):
-            y = start if attempt == 0 and start is not None else starts.next(attempt)
+            if attempt == 0 and start is not None:
+                y = start
+            else:
+                starts = starts or _Starts(self.problem, self.target, self.wanted)
+                y = starts.next(attempt)
             inside = attempt % rules.FREE_EVERY != rules.FREE_EVERY - 1
             met, y, squared = self.descend(y, inside, rules.MAX_STEPS, rules.STALL_SHARE)
             if met:
@@ -130,7 +134,7 @@ class _Search:
             before, damping = squared, rules.DAMPING * squared + rules.DAMPING_FLOOR
             step = self.damping.step(J, error, damping)
             moved = y + step
-            if inside and self.box.outside(moved):
+            if inside and self.box.leaves(moved):
                 moved = self._stop_at_limits(y, step, J, error, damping)
             y = self.box.onto_sums(moved) if inside and self.coupled else moved
         return squared < self.close_enough, y, squared
@@ -181,10 +185,9 @@ class _Search:
 
 
 def task_of(problem: Problem) -> Task:
-    """Return a problem's task, prepared at first use."""
-    if not problem.plain:
-        weights = (problem.weights, problem.axis, problem.shown_axis)
-        problem.plain.append(Task(problem.robot.kinematics, problem.free, problem.x, *weights))
+    """Return a problem's task, prepared once."""
+    weights = (problem.weights, problem.axis, problem.shown_axis)
+    problem.plain.append(Task(problem.robot.kinematics, problem.free, problem.x, *weights))
     return problem.plain[0]
 
 
@@ -196,28 +199,30 @@ def _is_sharp(step: Vector, share: float) -> bool:
 class _Starts:
     """Hands out the starts of the table: the nearest in turn, later on any in turns with them."""
 
-    def __init__(self, search: _Search) -> None:
-        self.search = search
-        self.order: list[int] = []
-        self.taken: set[int] = set()
+    def __init__(self, problem: Problem, target: Matrix, wanted: Vector) -> None:
+        self.problem, self.wanted, self.turned = problem, wanted, problem.turned_starts()
+        self.query: Query | None = None
+        self.left: NDArray[np.floating]
+        if self.turned is None:
+            self.left = problem.starts.distances(target)
+        else:
+            self.query = self.turned.query(target)
+            self.left = self.turned.distances(self.query)
 
     def next(self, attempt: int) -> Vector:
         """Return a start not yet taken."""
-        points: Matrix = self.search.problem.starts.points
-        if not len(points):
-            return self.search.wanted
-        if attempt == 0:
-            n = self.search.problem.starts.nearest(self.search.target)
-        else:
-            n = self._choose(attempt, len(points))
-        self.taken.add(n)
-        point: Vector = points[n]
+        left, points = self.left, self.problem.starts.points
+        if not len(left):
+            return self.wanted
+        for _ in range(rules.TURN_TRIES):
+            n = attempt % len(left)
+            if attempt < rules.NEAREST_FIRST or attempt % 2 == 0 or left[n] == math.inf:
+                n = int(left.argmin())
+            left[n] = math.inf
+            if self.turned is None or self.query is None:
+                break
+            start = self.turned.start(n, self.query, self.problem.box, self.wanted)
+            if start is not None:
+                return start
+        point: Vector = points[n % len(points)]
         return point
-
-    def _choose(self, attempt: int, count: int) -> int:
-        if not self.order:
-            self.order = self.search.problem.starts.distances(self.search.target).argsort(kind="stable").tolist()
-        any_of_it = attempt % count
-        if attempt >= rules.NEAREST_FIRST and attempt % 2 == 1 and any_of_it not in self.taken:
-            return any_of_it
-        return next((n for n in self.order if n not in self.taken), 0)

@@ -19,6 +19,7 @@ from chainbuild.solve.freedoms import Box, freedoms_of
 from chainbuild.solve.options import IkOptions
 from chainbuild.solve.start import Held, start_point
 from chainbuild.solve.starts import Starts, starts_of
+from chainbuild.solve.turned_starts import TurnedStarts, turned_starts
 
 if TYPE_CHECKING:
     from chainbuild.robot.robot import Robot
@@ -53,6 +54,8 @@ class Problem:
         turns: Whether any turn counts.
         held_beyond: Words for each held axis that stands outside its limits: no answer is one then.
         plain: The task for the plain path, filled in at its first use.
+        seed: Seed of the tables.
+        turned: The table of turned starts or None, filled in at its first use.
         compiled: The problem as one array for the compiled path, filled in at its first use.
     """
 
@@ -73,8 +76,18 @@ class Problem:
     starts: Starts
     turns: bool
     held_beyond: tuple[str, ...]
+    seed: int = 0
+    turned: list[TurnedStarts | None] = field(default_factory=list)
     plain: list[Task] = field(default_factory=list)
     compiled: list[Any] = field(default_factory=list)
+
+    def turned_starts(self) -> TurnedStarts | None:
+        """Return the table of turned starts where all six parts of the pose are asked for and the arm has one."""
+        if not self.turned:
+            whole = self.axis < 0 and bool((self.weights > 0.0).all())
+            made = turned_starts(self.robot, self.box, self.middle, self.free, self.x, self.seed) if whole else None
+            self.turned.append(made)
+        return self.turned[0]
 
     def full(self, y: Vector) -> Vector:
         """Return the SI values of all axes (n_axes,)."""
@@ -135,7 +148,7 @@ def _prepare(robot: Robot, x: Vector, fixed: NDArray[np.bool_], options: IkOptio
     free = np.flatnonzero(~fixed)
     weights, axis = _weights(robot, options)
     box = freedoms.box.restricted(free, x)
-    starts = starts_of(robot, box, free, x, weights, axis, options.seed)
+    starts = starts_of(robot, box, freedoms.middle[free], free, x, weights, axis, options.seed)
     return Problem(
         robot=robot,
         task=robot.task,
@@ -154,6 +167,7 @@ def _prepare(robot: Robot, x: Vector, fixed: NDArray[np.bool_], options: IkOptio
         starts=starts,
         turns=bool(weights[3:].any()),
         held_beyond=tuple(_held_beyond(robot, x / freedoms.si_factors, fixed)),
+        seed=options.seed,
     )
 
 

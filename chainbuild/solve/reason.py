@@ -84,7 +84,7 @@ def _position_only(problem: Problem) -> Problem:
     weights[3:] = 0.0
     scale.reshape(3, 4)[:, :3] = 0.0
     starts = problem.starts.scaled(scale)
-    return replace(problem, weights=weights, axis=-1, starts=starts, turns=False, plain=[], compiled=[])
+    return replace(problem, weights=weights, axis=-1, starts=starts, turns=False, turned=[], plain=[], compiled=[])
 
 
 def _far_or_near(problem: Problem, target: Matrix, place: Found) -> str:

@@ -30,6 +30,8 @@ FREE_EVERY: Final = 4
 SHARP: Final = 1e-8
 # So many starts are the nearest of the table; then every other one is any of it, in case the nearest all lead astray.
 NEAREST_FIRST: Final = 4
+# So many turned starts that limits forbid are passed over at a time; then the plain table helps out.
+TURN_TRIES: Final = 8
 # A pose that so many descents, free ones among them, did not reach is given up as unreachable.
 HOPELESS: Final = 30
 # The nearest pose, once none meets the target: a descent whose damping follows success (Marquardt), for the error does

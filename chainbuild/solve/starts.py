@@ -6,6 +6,7 @@ end in the first descent, and looking through them costs less than one step of i
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -70,20 +71,28 @@ def _features(T: Matrix) -> Matrix:
 
 
 def starts_of(
-    robot: Robot, box: Box, free: NDArray[np.intp], x: Vector, weights: Vector, axis: int, seed: int
+    robot: Robot,
+    box: Box,
+    middle: Vector,
+    free: NDArray[np.intp],
+    x: Vector,
+    weights: Vector,
+    axis: int,
+    seed: int,
 ) -> Starts:
     """Draw the table of starts.
 
     Args:
         robot: The robot.
         box: Limits of the free axes.
+        middle: (n_free,) near the middle of the limits.
         free: Indices of the free axes.
         x: (n_axes,) SI values of the held axes.
         weights: (6,) weights of the task.
         axis: Tool axis whose direction alone counts, or -1.
         seed: Seed.
     """
-    points = _inside(box, np.random.default_rng(seed))
+    points = points_inside(box, middle, np.random.default_rng(seed), _COUNT)
     full = np.repeat(x[None], len(points), axis=0)
     full[:, free] = points
     T, known = _poses(robot, full)
@@ -104,15 +113,23 @@ def _starts(points: Matrix, features: Matrix, scale: Vector, centre: Vector) -> 
     return Starts(points, features, scale, centre, (rows**2).sum(axis=1), 2.0 * scale, rows)
 
 
-def _inside(box: Box, rng: np.random.Generator) -> Matrix:
-    lower, upper = finite_span(box.lower, box.upper)
-    count = _COUNT * (_KEPT_TRIES if len(box.sums) else 1)
-    points = lower + (upper - lower) * rng.random((count, len(lower)))
+def points_inside(box: Box, middle: Vector, rng: np.random.Generator, count: int) -> Matrix:
+    """Draw up to so many points (count, n) inside limits and coupled limits, none a whole turn from the middle."""
+    lower, upper = _one_turn(box, middle)
+    drawn = count * (_KEPT_TRIES if len(box.sums) else 1)
+    points = lower + (upper - lower) * rng.random((drawn, len(lower)))
     if len(box.sums):
         value = points @ box.sums.T
         kept = points[((value >= box.sum_lower) & (value <= box.sum_upper)).all(axis=1)]
         points = kept if len(kept) else points
-    return points[:_COUNT]
+    return points[:count]
+
+
+def _one_turn(box: Box, middle: Vector) -> tuple[Vector, Vector]:
+    """Return limits to draw from: of an axis that may turn more than once no more than one turn, about the middle."""
+    lower, upper = finite_span(box.lower, box.upper)
+    most = np.where(box.periodic, math.pi, math.inf)
+    return np.maximum(lower, middle - most), np.minimum(upper, middle + most)
 
 
 def _poses(robot: Robot, x: Matrix) -> tuple[Matrix, NDArray[np.bool_]]:

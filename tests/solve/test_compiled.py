@@ -59,7 +59,7 @@ def test_kinematics_are_those_of_pinocchio(name: str) -> None:
     robot, rng = load(name), np.random.default_rng(5)
     problem = problem_of(robot, None, None, DEFAULT)
     packed = compiled.packed(problem)
-    arrays = unpack.py_func(packed.data, packed.sizes)
+    arrays = unpack.py_func(*packed.arrays)
     T, J, column = np.empty((3, 4)), np.empty((6, len(problem.free))), np.empty(9)
     for _ in range(50):
         axes = random_axes(robot, rng)
