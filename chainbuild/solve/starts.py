@@ -125,6 +125,14 @@ def points_inside(box: Box, middle: Vector, rng: np.random.Generator, count: int
     return points[:count]
 
 
+def off_middle(box: Box, middle: Vector, points: Matrix) -> Matrix:
+    """Return how far points (count, n) are from the middle of what `points_inside` draws from: 1 at its edges."""
+    lower, upper = _one_turn(box, middle)
+    half = np.maximum((upper - lower) / 2.0, np.finfo(float).tiny)
+    off: Matrix = np.abs(points - (lower + upper) / 2.0) / half
+    return off
+
+
 def _one_turn(box: Box, middle: Vector) -> tuple[Vector, Vector]:
     """Return limits to draw from: of an axis that may turn more than once no more than one turn, about the middle."""
     lower, upper = finite_span(box.lower, box.upper)

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from chainbuild.robot.product import Product, poses_at
 from chainbuild.solve.freedoms import Box
-from chainbuild.solve.starts import points_inside
+from chainbuild.solve.starts import off_middle, points_inside
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -33,6 +33,7 @@ NO_RADIUS: Final = 1e-9  # m: on the first axis any plane will do
 _STEP: Final = 1e-6  # rad or m, of the derivatives
 _DAMPING: Final = 1e-5  # share of the squared spread
 _STIFF: Final = 0.05  # share of the spread: a point whose key follows its axes less than this counts as one that does
+_EDGE: Final = 0.2  # of the spread: by so much is a point taken to be farther for each axis at the edge of its range
 _FREEDOMS: Final = 4  # of a key: its direction is of length 1
 
 
@@ -45,6 +46,7 @@ class Points:
         scale: What makes directions comparable with lengths [m].
         rows: (6, count) and
         offsets: (count,) of the weighted squared distance to a key k: offsets + (k, k·k)·rows. In single precision.
+            Of points about as near those count as nearer whose axes stand in the middle of their ranges.
         maps: (count, n_free + 2, 12) applied to (key, X and Y of W in its plane, 1): how far each axis moves towards
             the key, then cosine and sine of the turn of the last axis, which comes on top.
     """
@@ -104,6 +106,8 @@ def points_of(
     weights = 1.0 / np.sqrt(np.maximum(least, _STIFF**2 * spread))
     rows = np.vstack([-2.0 * weights * keys.T, weights]).astype(np.float32)
     offsets = (weights * (keys**2).sum(axis=1)).astype(np.float32)
+    edge = (off_middle(box, middle, values)[:, between] ** 4).sum(axis=1)
+    offsets += (_EDGE * math.sqrt(spread) * edge).astype(np.float32)
 
     maps = np.zeros((len(values), values.shape[1] + 2, 12))
     maps[:, :-2, :5] = gains
