@@ -21,6 +21,7 @@ from chainbuild.solve.opw_branches import affine, all_branches, arctan2, root, r
 
 _BLOCK: Final = 1024  # poses that one core takes at a time
 _LANE: Final = 64  # poses between writing answers
+_ALONE: Final = 8192  # fewer poses are left to one core: waking another that is busy can take milliseconds
 _INLINE: Final[Any] = {"forceinline": True, **FAST}
 _FORMULAS: Final = (
     "rows_of", "six", "all_branches", "upper_branches", "product", "shoulders", "elbows", "in_range", "both_elbows",
@@ -169,6 +170,9 @@ def _all_branches(fingerprint: int) -> Any:
             axes: (N, 48) out: eight times six axis values, mm and degrees.
             doubtful: (N,) out: True where no branch vouches for a pose or its last row is not 0 0 0 1.
         """
+        if len(poses) < _ALONE:
+            _block(poses, constants, axes, doubtful)
+            return
         count = (len(poses) + _BLOCK - 1) // _BLOCK + 0 * fingerprint
         for n in numba.prange(count):
             first = np.int64(n) * _BLOCK

@@ -188,7 +188,11 @@ def opw(machine: Machine, *, arrays: bool) -> BranchSolver | None:
 def solvers(machine: Machine) -> Iterator[tuple[str, BranchSolver]]:
     """Yield the closed forms that are installed and take the machine."""
     yield f"chainbuild ik_all ({method_of(machine.robot)})", ours(machine)
-    makers = {"EAIK": lambda: eaik(machine), OPW: lambda: opw(machine, arrays=False)}
+    makers = {
+        "chainbuild ik_all_batch, compiled, of one pose": lambda: _batch_of_one(machine),
+        "EAIK": lambda: eaik(machine),
+        OPW: lambda: opw(machine, arrays=False),
+    }
     yield from _there(makers)
 
 
@@ -200,6 +204,13 @@ def batch_solvers(machine: Machine) -> Iterator[tuple[str, BranchSolver]]:
         f"{OPW} (reach, one thread)": lambda: opw(machine, arrays=True),
     }
     yield from _there(makers)
+
+
+def _batch_of_one(machine: Machine) -> BranchSolver | None:
+    if arm_of(machine) is None:
+        return None
+    whole = _compiled(machine)
+    return BranchSolver(lambda T: T[None], whole.solve, lambda axes: whole.joints(axes)[0])
 
 
 def _compiled(machine: Machine) -> BranchSolver:

@@ -176,6 +176,10 @@ def test_chunks_do_not_change_the_answer(monkeypatch: pytest.MonkeyPatch, compil
     np.testing.assert_allclose(one_by_one, whole[:70], rtol=0.0, atol=1e-9)
     monkeypatch.setattr(batch, "_CHUNK", 7)
     np.testing.assert_allclose(ik_all_batch(robot, targets, compiled=compiled), whole, rtol=0.0, atol=1e-9)
+    monkeypatch.undo()
+    # Enough for all cores, the last block short.
+    many = ik_all_batch(robot, np.tile(targets, (5, 1, 1)), compiled=compiled)
+    np.testing.assert_allclose(many, np.tile(whole, (5, 1, 1)), rtol=0.0, atol=1e-9)
 
 
 @both_paths
