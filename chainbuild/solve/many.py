@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-_CHUNK: Final = 2048  # poses between two looks at the progress bar and the keyboard
+_CHUNK: Final = 8192  # poses between two looks at the progress bar and the keyboard
 
 
 @dataclass(frozen=True, slots=True, eq=False)
