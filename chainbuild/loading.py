@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from chainbuild.chain.elements import Chain
-from chainbuild.closest import listed
+from chainbuild.closest import closest, listed
 from chainbuild.errors import (
     ChainbuildError,
     FileAccessError,
@@ -156,6 +156,22 @@ def find_machine(path: str | os.PathLike[str]) -> Path:
         return file
     found = shipped_path(str(path))
     if found is None:
-        known = listed(file.stem, shipped())
-        raise FileAccessError("no such file, nor a shipped machine of that name", span=Span(str(path)), permitted=known)
+        raise _no_machine(file, str(path))
     return found
+
+
+def _no_machine(file: Path, given: str) -> FileAccessError:
+    """Return the error for a name that means nothing: what looks like a path is not answered by shipped machines."""
+    if not (file.suffix or file.parent != Path()):
+        known = listed(file.stem, shipped())
+        return FileAccessError("no such file, nor a shipped machine of that name", span=Span(given), permitted=known)
+    if file.stem in shipped():
+        return FileAccessError("no such file", span=Span(given), hint=f"the shipped machine is called {file.stem}")
+    try:
+        entries = sorted(entry for entry in file.parent.iterdir() if entry.is_file())
+    except OSError:
+        text = "no such file" if file.parent.exists() else "no such file: there is no such folder"
+        return FileAccessError(text, span=Span(given))
+    near = closest(file.name, [one.name for one in entries if one.suffix == file.suffix or one.stem == file.stem])
+    hint = f"did you mean {file.parent / near}?" if near else None
+    return FileAccessError("no such file", span=Span(given), hint=hint)

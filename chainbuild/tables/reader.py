@@ -64,6 +64,10 @@ class Table:
         try:
             self._bytes = path.open("rb")
             self.size = path.stat().st_size
+        except FileNotFoundError as error:
+            # Who has no table yet learns what one looks like.
+            due = f"a table whose first line is {','.join(choose(())[0])}"
+            raise _unreadable(error, Span(self.file), due) from None
         except (OSError, ValueError) as error:
             raise _unreadable(error, Span(self.file)) from None
         self._stream = io.TextIOWrapper(self._bytes, encoding="utf-8-sig")
@@ -259,6 +263,6 @@ def _spot(span: Span, fields: Sequence[str], place: int) -> Span:
     return Span(span.file, span.line, 1 + sum(len(field) + 1 for field in fields[:place]), span.text)
 
 
-def _unreadable(error: OSError | ValueError, span: Span) -> FileAccessError:
+def _unreadable(error: OSError | ValueError, span: Span, permitted: str | None = None) -> FileAccessError:
     reason = error.strerror if isinstance(error, OSError) else None
-    return FileAccessError(f"the table cannot be read: {reason or error}", span=span)
+    return FileAccessError(f"the table cannot be read: {reason or error}", span=span, permitted=permitted)

@@ -88,7 +88,10 @@ def test_wrong_usage_ends_with_2(run: Run, words: list[str], message: str) -> No
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["info", "missing.lis"], "missing.lis: no such file, nor a shipped machine of that name"),
+        (["info", "missing"], "missing: no such file, nor a shipped machine of that name"),
+        (["info", "missing.lis"], "missing.lis: no such file\n"),
+        (["info", "no/kr6.lis"], "no/kr6.lis: no such file: there is no such folder\n"),
+        (["info", "kr6r900.tea"], "kr6r900.tea: no such file; the shipped machine is called kr6r900\n"),
         (["info", "."], ".: this is a folder"),
         (["info", ARM, "--kinematic", "7"], f"{ARM}: the file configures no kinematic '7'"),
         (["info", ARM, "--channel", "3"], f"{ARM}: the file has no channel 3"),
@@ -96,6 +99,7 @@ def test_wrong_usage_ends_with_2(run: Run, words: list[str], message: str) -> No
         (["info", ARM, "--convention", "no=x"], "chainbuild: unknown convention 'no'"),
         (["info", ARM, "--overlay", "missing.toml"], "missing.toml: no such file"),
         (["fk", ARM, "--axes", "missing.csv"], "missing.csv: the table cannot be read: No such file"),
+        (["fk", "kr6r900_2", "--at", "0,-90,90"], "chainbuild: 6 axis values are due"),
         (["check", "missing.lis"], "missing.lis: no such file"),
         (["inspect", ARM, "--export", "no/page.html"], "no/page.html: "),
         (["urdf", ARM, "-o", "/dev/null"], "/dev/null/kin45_kr6r900_2: the folder cannot be created"),
@@ -106,6 +110,19 @@ def test_refused_input_ends_with_1(run: Run, words: list[str], message: str) -> 
     assert (outcome.code, outcome.out) == (1, "")
     assert outcome.err.startswith(message)
     assert len(outcome.err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(("given", "meant"), [("cel.lis", "cell.lis"), ("cell.tea", "cell.lis"), ("bell.csv", None)])
+def test_a_mistyped_path_is_answered_by_the_files_beside_it(run: Run, given: str, meant: str | None) -> None:
+    for name in ("cell.lis", "other.lis"):
+        Path(name).write_text("", "utf-8")
+    more = f"; did you mean {meant}?" if meant else ""
+    assert run("info", given).err == f"{given}: no such file{more}\n"
+
+
+def test_a_missing_table_is_answered_by_its_columns(run: Run) -> None:
+    outcome = run("fk", "kr6r900_2", "--axes", "missing.csv")
+    assert outcome.err.endswith("permitted: a table whose first line is C1,B1,B2,A1,B3,A2\n")
 
 
 def test_the_message_marks_the_spot(run: Run) -> None:

@@ -61,6 +61,26 @@ def test_columns_of_fk_in_any_order_to_stdout(run: Run) -> None:
     assert (one.code, two.code) == (0, 0)
 
 
+def test_fk_takes_values_from_the_command_line(run: Run) -> None:
+    write("axes.csv", AXES + "0,-90,90,0,30,0\n-10,-80,70,0,30,0\n1,2,3,4,5,6\n")
+    write("last.csv", AXES + "1,2,3,4,5,6\n")
+    table = run("fk", ARM, "--axes", "axes.csv")
+    given = run("fk", ARM, "--at", "0,-90,90,0,30,0", "--at", "-10,-80,70,0,30,0", "--axes", "last.csv")
+    assert given.code == 0
+    assert given.out == table.out
+
+
+def test_values_from_the_command_line_outside_limits_are_told(run: Run) -> None:
+    outcome = run("fk", "kr6r900_2", "--at", "0,200,90,0,0,0")
+    assert (outcome.code, outcome.err) == (0, "--at: 1 row outside the limits of B1\n")
+
+
+def test_fk_without_axis_values_is_wrong_usage(run: Run) -> None:
+    outcome = run("fk", ARM)
+    assert outcome.code == 2
+    assert outcome.err.splitlines()[0] == "chainbuild: --axes or --at is due"
+
+
 def test_the_tool_length_reaches_the_pose(run: Run) -> None:
     write("axes.csv", "A1,A2,A3,A4,A5,A6\n0,10,20,30,40,50\n")
     machine = REFERENCE / "robx_irb2600_12_165.tea"
