@@ -37,20 +37,22 @@ def demo(
     shown = table("Written", "Name", "Kinematic", "Machine")
     shown.columns[0].no_wrap = shown.columns[1].no_wrap = True
     names = shipped() if file is None else (file,)
-    warnings = 0
+    warnings: dict[str, int] = {}
     for name in names:
         machine = options.machine(name)
         chain = options.chain(machine)
         robot = chain.build()
         write_urdf(robot, folder)
-        warnings += sum(finding.severity != "info" for finding in all_findings(machine, chain))
+        count = sum(finding.severity != "info" for finding in all_findings(machine, chain))
+        warnings.update({name: count} if count else {})
         shown.add_row(name, chain.kinematic, chain.title)
     out = console()
     out.print(shown)
     example, command = _EXAMPLE if _EXAMPLE in names else names[-1], command_name()
     out.print(f"{len(names)} robot{'s' * (len(names) != 1)} written: {folder}/NAME/NAME.urdf", soft_wrap=True)
     if warnings:
-        out.print(f"{counted_findings(warnings)}; {command} check NAME lists them", soft_wrap=True)
+        total, where = counted_findings(sum(warnings.values())), ", ".join(warnings)
+        out.print(f"{total} in {where}; {command} check NAME lists them", soft_wrap=True)
     out.print(f"What to look at, here for {example}:", highlight=False)
     for arguments, what in _LOOK:
         out.print(f"  {command} {arguments.format(example)}", f"    {what}", sep="\n", soft_wrap=True, highlight=False)

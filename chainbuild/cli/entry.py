@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import io
 import os
+import shlex
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, UnusedCliTokensError
 
 from chainbuild import __version__
 from chainbuild.cli.as_universal import as_universal
@@ -98,7 +99,9 @@ def _run(words: list[str]) -> int:
         code = build_app()(words)
         sys.stdout.flush()
     except (CycloptsError, UsageError) as error:
-        return _fail(f"chainbuild: {error}\nchainbuild {_command_of(words)}--help explains the usage", WRONG_USAGE)
+        return _fail(
+            f"chainbuild: {_usage_text(error)}\nchainbuild {_command_of(words)}--help explains the usage", WRONG_USAGE
+        )
     except ChainbuildError as error:
         return _fail(message_of(error), REFUSED)
     except BrokenPipeError:
@@ -108,6 +111,23 @@ def _run(words: list[str]) -> int:
         _silence_stdout()
         return _fail(f"chainbuild: the output cannot be written: {error.strerror or error}", REFUSED)
     return code if isinstance(code, int) else DONE
+
+
+def _usage_text(error: CycloptsError | UsageError) -> str:
+    """Return what is wrong with a command line; for words that nothing takes also how several values are given."""
+    if not isinstance(error, UnusedCliTokensError) or not error.unused_tokens:
+        return str(error)
+    numbers = all(_is_number(word) for word in error.unused_tokens)
+    hint = "; several values are one word with commas and no spaces: 0,-90,90" if numbers else ""
+    return f"nothing takes {shlex.join(error.unused_tokens)}{hint}"
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word.rstrip(","))
+    except ValueError:
+        return False
+    return True
 
 
 def message_of(error: ChainbuildError) -> str:

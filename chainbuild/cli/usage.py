@@ -84,9 +84,13 @@ class MachineOptions:
         return chain.build()
 
     def announce(self, file: str, machine: Machine, chain: Chain) -> None:
-        """Say on stderr what was chosen among several, and that there are warnings."""
-        from chainbuild.cli.show import announce
+        """Say on stderr what was chosen among several, what has no effect, and that there are warnings."""
+        from chainbuild.cli.show import announce, note
 
+        used = [one.convention.name for one in chain.conventions]
+        for name in self.choices():
+            if name not in used:
+                note(f"--convention {name} has no effect: {chain.kinematic} uses {', '.join(used) or 'none'}")
         announce(all_findings(machine, chain), f"chainbuild check {shlex.join([file, *self.words()])}")
 
     def words(self) -> list[str]:

@@ -177,7 +177,12 @@ def test_demo_builds_every_shipped_machine(run: Run, monkeypatch: pytest.MonkeyP
         assert f" {name} " in outcome.out, f"{name} is broken"
         assert Path(f"urdf_out/{name}/{name}.urdf").is_file()
     assert f"{len(chainbuild.shipped())} robots written: urdf_out/NAME/NAME.urdf\n" in outcome.out
-    assert "(warnings); chainbuild check NAME lists them\n" in outcome.out
+    (line,) = (line for line in outcome.out.splitlines() if "(warnings) in " in line)
+    named = line.partition("(warnings) in ")[2].partition("; chainbuild check NAME lists them")[0].split(", ")
+    warned = {
+        name: sum(finding.severity != "info" for finding in chainbuild.check(name)) for name in chainbuild.shipped()
+    }
+    assert set(named) == {name for name, count in warned.items() if count}
     assert "chainbuild inspect kr6r900 --export page.html" in outcome.out
 
 
@@ -185,6 +190,14 @@ def test_demo_of_one_machine(run: Run) -> None:
     outcome = run("demo", "tx2_60", "-o", "out")
     assert outcome.code == 0
     assert [path.name for path in Path("out").iterdir()] == ["tx2_60"]
+
+
+def test_a_convention_that_changes_nothing_is_told(run: Run) -> None:
+    outcome = run("fk", "ac_table_kin58", "--at", "0,0,0,0,0", "--convention", "cc_rotary_sign=minus")
+    assert outcome.code == 0
+    assert outcome.err == "--convention cc_rotary_sign has no effect: KIN_TYP 58 uses table_rotary_sense\n"
+    used = run("fk", "ac_table_kin58", "--at", "0,0,0,0,0", "--convention", "table_rotary_sense=left_handed")
+    assert used.err == ""
 
 
 def test_warnings_are_one_line_on_stderr_and_leave_stdout_to_the_result(run: Run) -> None:

@@ -20,7 +20,7 @@ from chainbuild.errors import ChainbuildError, Span
 from tests.cli.conftest import AXES, REFERENCE, Run
 
 ARM = REFERENCE / "kin45_kr6r900_2.lis"
-COMMANDS = ["info", "check", "fk", "ik", "urdf", "inspect", "demo", "types"]
+COMMANDS = ["info", "check", "fk", "ik", "urdf", "inspect", "demo", "types", "singularity"]
 PROGRAM = [sys.executable, "-m", "chainbuild.cli"]
 
 
@@ -64,7 +64,9 @@ def test_common_options_are_everywhere(run: Run, monkeypatch: pytest.MonkeyPatch
     [
         (["nope"], 'Unknown command "nope"'),
         (["info"], "FILE requires an argument"),
-        (["info", "x", "y"], "y"),
+        (["info", "x", "y"], "nothing takes y"),
+        (["singularity", "x", "--at", "0", "-90", "9"], "nothing takes -90 9; several values are one word with commas"),
+        (["fk", "x", "--at", "0,", "90,", "9"], "nothing takes 90, 9; several values are one word with commas"),
         (["info", "x", "--nope"], "--nope"),
         (["fk", "x"], "--axes"),
         (["ik", "x"], "--poses"),
