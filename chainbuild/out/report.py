@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Final
+
+import numpy as np
 
 from chainbuild.solve.comparison import Forward, Inverse
 from chainbuild.solve.convention_trials import Trial
 from chainbuild.solve.crosscheck import CrossCheck
 from chainbuild.solve.diagnosis import Explanation
 from chainbuild.units import deg_from_rad, mm_from_m
+
+_SHOWN_ROWS: Final = 12
 
 
 def crosscheck_text(check: CrossCheck) -> str:
@@ -38,12 +42,26 @@ def _forward_lines(forward: Forward, axes: Sequence[str]) -> list[str]:
         f" ({', '.join(f'{count} {kind}' for kind, count in kinds.items())}); compared: {forward.judged}",
         f"  worst: {distance_text(float(forward.position_error[worst]))},"
         f" {angle_text(float(forward.rotation_error[worst]))}"
-        f" at {axes_text(axes, forward.samples.axes[worst].tolist())}",
+        f" at {'row ' + str(worst + 1) + ': ' if _recorded(forward) else ''}"
+        f"{axes_text(axes, forward.samples.axes[worst].tolist())}",
     ]
-    if agree < total:
+    if 0 < agree < total and _recorded(forward):
+        lines.append(f"  differing: {_rows_text(np.flatnonzero(~forward.agrees).tolist())}")
+    elif agree < total:
         failed = Counter(kind for kind, ok in zip(forward.samples.kinds, forward.agrees, strict=True) if not ok)
         lines.append("  differing: " + ", ".join(f"{count} {kind}" for kind, count in failed.items()))
     return lines
+
+
+def _recorded(forward: Forward) -> bool:
+    """Return whether the samples are the rows of a recording, in its order."""
+    return set(forward.samples.kinds) == {"recorded"}
+
+
+def _rows_text(rows: Sequence[int]) -> str:
+    """Return rows, counted from 0, as people count them below the header, the first ones only where they are many."""
+    more = f", … ({len(rows)} in all)" if len(rows) > _SHOWN_ROWS else ""
+    return f"row{'s' * (len(rows) > 1)} {', '.join(str(row + 1) for row in rows[:_SHOWN_ROWS])}{more}"
 
 
 def _inverse_lines(inverse: Inverse, complete: bool) -> list[str]:
@@ -72,6 +90,8 @@ def _structure_lines(check: CrossCheck) -> list[str]:
         rest = f"{distance_text(left.remaining_position_error)}, {angle_text(left.remaining_rotation_error)}"
         lines.append(f"Structure: {left.kind}: {left.text} (leaves {rest})")
         lines += [f"  these poses cannot tell it from: {other}" for other in left.others]
+    elif check.forward is not None and 2 * int(check.forward.agrees.sum()) > len(check.forward.samples):
+        lines.append("Structure: none found: most poses agree, so look at those that differ")
     elif check.forward is not None or (check.inverse is not None and check.inverse.wrong):
         lines.append("Structure: none found: no single change, nor two, would make the poses agree")
     if check.trials:

@@ -97,13 +97,14 @@ def _add_worst_rows(body: ET.Element, check: CrossCheck) -> None:
     errors = _errors(check)
     rows = [
         [
+            str(n + 1),
             *(f"{value:.6g}" for value in forward.samples.axes[n]),
             forward.samples.kinds[n],
             *(f"{values[n]:.3g}" if np.isfinite(values[n]) else "no pose" for _, values, _ in errors),
         ]
         for n in order
     ]
-    _add_table(body, "Largest errors", (*check.axes, "drawn as", *(name for name, _, _ in errors)), rows)
+    _add_table(body, "Largest errors", ("row", *check.axes, "drawn as", *(name for name, _, _ in errors)), rows)
 
 
 def _add_table(body: ET.Element, title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

@@ -70,6 +70,35 @@ def test_a_recording_that_decides_a_convention(run: Run) -> None:
     assert chosen.code == 0
 
 
+def test_single_rows_that_differ_are_named(run: Run) -> None:
+    chain = chainbuild.load(ARM).chain()
+    record(Path("r.csv"), chain, chain, POSITION + ANGLES)
+    header, *rows = Path("r.csv").read_text("utf-8").splitlines()
+    for place in (6, 19):
+        values = rows[place].split(",")
+        rows[place] = ",".join([*values[:4], repr(float(values[4]) + place), *values[5:]])
+    Path("r.csv").write_text("\n".join([header, *rows]) + "\n", "utf-8")
+    outcome = run("crosscheck", ARM, "--recording", "r.csv", "--html", "r.html")
+    assert outcome.code == 3
+    lines = [line.strip() for line in outcome.out.splitlines()]
+    assert lines[1].startswith("Forward: 28 of 30 poses agree")
+    assert "at row 20: C1 " in lines[2]
+    assert lines[3] == "differing: rows 7, 20"
+    assert lines[4] == "Structure: none found: most poses agree, so look at those that differ"
+    largest = Path("r.html").read_text("utf-8").partition("Largest errors")[2]
+    assert largest.index("<td>20</td>") < largest.index("<td>7</td>")
+
+
+def test_many_rows_that_differ_are_counted(run: Run) -> None:
+    chain = chainbuild.load(ARM).chain()
+    record(Path("r.csv"), chain, chain, POSITION)
+    header, *rows = Path("r.csv").read_text("utf-8").splitlines()
+    rows[:14] = [",".join([f"{float(row.split(',')[0]) + 1}", *row.split(",")[1:]]) for row in rows[:14]]
+    Path("r.csv").write_text("\n".join([header, *rows]) + "\n", "utf-8")
+    out = run("crosscheck", ARM, "--recording", "r.csv").out
+    assert "  differing: rows 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, … (14 in all)\n" in out
+
+
 def test_a_tool_length_is_named(run: Run) -> None:
     machine = chainbuild.load(TABLE)
     record(Path("r.csv"), machine.chain(tool_length_mm=37.5), machine.chain(), POSITION + ANGLES)
