@@ -9,7 +9,9 @@ from dataclasses import dataclass, replace
 from itertools import chain, islice
 from pathlib import Path
 from threading import Timer
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Final, Literal
+
+from cyclopts import Parameter
 
 from chainbuild import tolerances
 from chainbuild.cli.show import note, output, with_progress
@@ -32,6 +34,8 @@ Solver = Literal["auto", "damped", "analytic", "controller"]
 _ROWS_FAILED = 3
 _REASONS_SHOWN = 10
 _PATIENCE_S = 2.0
+# An arm whose poses are all nearer than this to its base got them in metres; a mill may well cut a part this small.
+_SMALL_MM: Final = 10.0
 
 
 def ik(
@@ -40,6 +44,7 @@ def ik(
     *,
     poses: Path,
     start: Path | None = None,
+    follow: Annotated[bool, Parameter(negative="")] = False,
     solver: Solver = "auto",
     output_file: Output = None,
     options: MachineOptions = DEFAULT_OPTIONS,
@@ -61,7 +66,10 @@ def ik(
     Args:
         file: A machine file, or the name of a shipped machine.
         poses: CSV table of poses.
-        start: CSV table of axis values to start from: one row, or one a pose. Without it: the solution before.
+        start: CSV table of axis values to start from: one row that every pose starts from, or one a pose. Without it:
+            the solution before.
+        follow: The poses are a path: the first starts from the only row of --start, each other one from the solution
+            before, so that the branch of --start is kept.
         solver: damped; analytic: a closed form; controller: within the iterations that the machine data grant; auto:
             damped, and a closed form where that finds nothing.
         output_file: CSV table of axis values to write. Without it: stdout.
@@ -72,12 +80,12 @@ def ik(
     robot = options.robot(file)
     with ExitStack() as stack:
         table = stack.enter_context(_pose_table(robot, poses))
-        report = _Report(table.file)
+        report = _Report(table.file, all(axis.kind == "rotary" for axis in robot.axes))
         starts = stack.enter_context(AxisTable(start, robot.axes)) if start else None
         report.tell_held([name for name in held_axes(robot) if name not in table.held and not starts])
         coupled = bool(robot.chain.constraints)
         writer = IkWriter(stack.enter_context(output(output_file)), robot.axes, violations=coupled)
-        for row, result in with_progress(_solutions(robot, table, starts, solver), table, "axis values"):
+        for row, result in with_progress(_solutions(robot, table, starts, follow, solver), table, "axis values"):
             report.add(row, result)
             angle = deg_from_rad(result.rotation_error) if table.oriented else None
             axes, distance = result.axes if result.success else None, mm_from_m(result.position_error)
@@ -100,14 +108,16 @@ class _Report:
 
     Args:
         file: Name of the table of poses.
+        arm: Whether all axes are rotary.
     """
 
-    def __init__(self, file: str) -> None:
-        self._file = file
+    def __init__(self, file: str, arm: bool) -> None:
+        self._file, self._arm = file, arm
         self._statuses: Counter[str] = Counter()
         self._groups: dict[str, _Group] = {}
         self._contradictory = 0
         self._first_contradictory = 0
+        self._farthest_mm = 0.0
 
     def tell_held(self, names: Sequence[str]) -> None:
         """Say which input axes stand at 0 because nothing gives their values."""
@@ -117,6 +127,7 @@ class _Report:
     def add(self, row: PoseRow, result: IkResult) -> None:
         """Count a row."""
         self._statuses[result.status] += 1
+        self._farthest_mm = max(self._farthest_mm, *(abs(mm_from_m(float(value))) for value in row.T[:3, 3]))
         if row.contradictory:
             self._contradictory += 1
             self._first_contradictory = self._first_contradictory or row.line
@@ -137,6 +148,8 @@ class _Report:
         if failed:
             counts = ", ".join(f"{n} {status}" for status, n in sorted(self._statuses.items()) if status != "ok")
             note(f"{self._file}: {failed} of {self._statuses.total()} poses failed: {counts}")
+        if (failed or self._arm) and self._farthest_mm < _SMALL_MM:
+            note(f"{self._file}: no coordinate is above {self._farthest_mm:.3g} mm: are these metres?")
         return failed
 
     def _tell_reasons(self) -> None:
@@ -167,13 +180,13 @@ def _pose_table(robot: Robot, poses: Path) -> PoseTable:
 
 
 def _solutions(
-    robot: Robot, table: PoseTable, starts: AxisTable | None, solver: Solver
+    robot: Robot, table: PoseTable, starts: AxisTable | None, follow: bool, solver: Solver
 ) -> Iterator[tuple[PoseRow, IkResult]]:
-    """Solve pose by pose; without start values each begins where the last solution ended."""
-    given = _Starts(starts, table.file) if starts else None
+    """Solve pose by pose; without start values, or along a path, each begins where the last solution ended."""
+    given = _Starts(starts, table.file, only_one=follow) if starts else None
     last: NDArray[np.float64] | None = None
     for number, row in enumerate(table.rows()):
-        begin = given.next() if given else last
+        begin = given.next() if given and not (follow and last is not None) else last
         try:
             with _telling_of_compilation() if number == 0 else nullcontext():
                 result = robot.ik(row.T, start=begin, held=row.held, solver=solver, absolute_c_deg=row.c_deg)
@@ -223,17 +236,20 @@ class _Starts:
     Args:
         starts: The table.
         poses: Name of the table of poses, for messages.
+        only_one: Whether a second row is one too many.
 
     Raises:
-        TableError: the table has no row.
+        TableError: the table has no row, or one too many.
     """
 
-    def __init__(self, starts: AxisTable, poses: str) -> None:
+    def __init__(self, starts: AxisTable, poses: str, *, only_one: bool = False) -> None:
         self._file, self._poses = starts.file, poses
         rows = (values for _, values in starts.rows())
         ahead = list(islice(rows, 2))
         if not ahead:
             raise TableError("the table of start values has no row", span=Span(self._file))
+        if only_one and len(ahead) > 1:
+            raise TableError("--follow starts at one place", span=Span(self._file), permitted="one row")
         self._only = ahead[0] if len(ahead) == 1 else None
         self._rows = chain(ahead, rows)
 

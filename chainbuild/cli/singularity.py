@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from chainbuild.analysis.thresholds import Judgement, Stretch, Thresholds
     from chainbuild.robot.robot import Robot
 
+_DIGITS = 6  # of mm/s and deg/s: the last ones are noise
+
 
 @Parameter(name="*", group="Singularity")
 @dataclass(frozen=True, slots=True)
@@ -177,7 +179,7 @@ class _Shown:
         )
         for row in report.speed.axes:
             unit = "deg/s" if row.axis.unit == "deg" else "mm/s"
-            needed = "∞" if math.isinf(row.needed) else f"{row.needed:.4g} {unit}"
+            needed = "∞" if math.isinf(row.needed) else f"{round(row.needed, _DIGITS):.4g} {unit}"
             shown.add_row(row.axis.name, needed, f"{number(row.limit)} {unit}" if row.limit is not None else "–")
         console().print(shown)
         if report.speed.alarm:

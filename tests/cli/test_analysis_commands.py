@@ -50,6 +50,12 @@ def test_singularity_of_one_position(run: Run) -> None:
     assert "no singularity near" in far.out
 
 
+def test_axis_speeds_are_shown_without_their_noise(run: Run) -> None:
+    out = run("singularity", "ac_table_kin58", "--at", "0,0,-100,0,0").out
+    assert re.search(r"^ A +0 deg/s +150 deg/s", out, re.MULTILINE)
+    assert "e-" not in out.partition("Axis speeds")[2].partition("pole")[0]
+
+
 def test_singularity_for_programs(run: Run) -> None:
     data = json.loads(run("singularity", "kr6r900", "--at", NEAR_WRIST, "--nearest", "--json").out)
     (row,) = data["rows"]

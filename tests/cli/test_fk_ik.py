@@ -237,3 +237,51 @@ def test_a_pose_that_breaks_the_angles_of_a_shorter_machine_is_named(run: Run) -
     ):
         assert float(row["x_mm"]) == pytest.approx(x, abs=1e-3)
         assert [float(row[f"tool_{c}"]) for c in "xyz"] == pytest.approx(direction, abs=1e-6)
+
+
+def path_of(rows: int) -> np.ndarray:
+    """Return axis values of a path (rows, 6) that stays on one branch, with A1 turned away from where A4 points."""
+    s = np.linspace(0.0, 1.0, rows)[:, None]
+    return np.array([20.0, -60.0, 70.0, 150.0, -50.0, -160.0]) + s * [40.0, -25.0, 20.0, -60.0, 15.0, 50.0]
+
+
+def test_follow_keeps_the_branch_of_the_start(run: Run) -> None:
+    axes = path_of(40)
+    write("axes.csv", AXES + "".join(",".join(map(repr, row)) + "\n" for row in axes.tolist()))
+    write("start.csv", "".join(Path("axes.csv").read_text("utf-8").splitlines(keepends=True)[:2]))
+    assert run("fk", "kr6r900_2", "--axes", "axes.csv", "-o", "poses.csv").code == 0
+    followed = run("ik", "kr6r900_2", "--poses", "poses.csv", "--start", "start.csv", "--follow")
+    assert followed.code == 0
+    found = np.array([[float(row[name]) for name in AXES.strip().split(",")] for row in rows_of(followed.out)])
+    assert np.abs(found - axes).max() < 1e-4
+    begun = run("ik", "kr6r900_2", "--poses", "poses.csv", "--follow").out
+    assert begun == run("ik", "kr6r900_2", "--poses", "poses.csv").out
+
+
+def test_follow_starts_at_one_place(run: Run) -> None:
+    write("axes.csv", AXES + HOME + HOME)
+    assert run("fk", ARM, "--axes", "axes.csv", "-o", "poses.csv").code == 0
+    outcome = run("ik", ARM, "--poses", "poses.csv", "--start", "axes.csv", "--follow")
+    assert outcome.code == 1
+    assert outcome.err.splitlines()[-1] == "axes.csv: --follow starts at one place; permitted: one row"
+
+
+def test_positions_in_metres_are_suspected(run: Run) -> None:
+    write("axes.csv", AXES + HOME + "10,-80,70,20,40,30\n")
+    assert run("fk", "kr6r900_2", "--axes", "axes.csv", "-o", "poses.csv").code == 0
+    header, *rows = Path("poses.csv").read_text("utf-8").splitlines()
+    metres = [",".join([*(str(float(v) / 1000) for v in r.split(",")[:3]), *r.split(",")[3:]]) for r in rows]
+    write("metres.csv", "\n".join([header, *metres]) + "\n")
+    largest = max(abs(float(value)) / 1000 for row in rows for value in row.split(",")[:3])
+    told = f"metres.csv: no coordinate is above {largest:.3g} mm: are these metres?"
+    assert run("ik", "kr6r900_2", "--poses", "metres.csv").err.splitlines()[-1] == told
+    assert "metres" not in run("ik", "kr6r900_2", "--poses", "poses.csv").err
+
+
+def test_a_mill_may_cut_a_part_of_a_few_millimetres(run: Run) -> None:
+    write("small.csv", "x_mm,y_mm,z_mm,tool_x,tool_y,tool_z\n1,2,3,0,0,1\n")
+    reached = run("ik", "ac_table_kin58", "--poses", "small.csv", "--tool-length", "200")
+    assert (reached.code, reached.err) == (0, "")
+    missed = run("ik", "ac_table_kin58", "--poses", "small.csv", "--tool-length", "900")
+    assert missed.code == 3
+    assert missed.err.splitlines()[-1] == "small.csv: no coordinate is above 3 mm: are these metres?"
