@@ -3,37 +3,26 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager, nullcontext
-from dataclasses import dataclass, replace
-from itertools import chain, islice
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
-from threading import Timer
-from typing import TYPE_CHECKING, Annotated, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Final
 
 from cyclopts import Parameter
 
-from chainbuild import tolerances
 from chainbuild.cli.show import note, output, with_progress
+from chainbuild.cli.solutions import Solver, solutions
 from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, held_axes, pointed_axis
-from chainbuild.errors import ChainbuildError, Span, TableError
 from chainbuild.units import deg_from_rad, mm_from_m
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from chainbuild.robot.robot import Robot
     from chainbuild.solve.result import IkResult
-    from chainbuild.tables import AxisTable, PoseRow, PoseTable
-
-    Matrix = NDArray[np.float64]
-
-Solver = Literal["auto", "damped", "analytic", "controller"]
+    from chainbuild.tables import PoseRow, PoseTable
 
 _ROWS_FAILED = 3
 _REASONS_SHOWN = 10
-_PATIENCE_S = 2.0
 # An arm whose poses are all nearer than this to its base got them in metres; a mill may well cut a part this small.
 _SMALL_MM: Final = 10.0
 
@@ -68,8 +57,8 @@ def ik(
         poses: CSV table of poses.
         start: CSV table of axis values to start from: one row that every pose starts from, or one a pose. Without it:
             the solution before.
-        follow: The poses are a path: the first starts from the only row of --start, each other one from the solution
-            before, so that the branch of --start is kept.
+        follow: The poses are a path: it begins at the only row of --start, and each pose is reached from the one before
+            on the nearest branch, a few poses looked ahead.
         solver: damped; analytic: a closed form; controller: within the iterations that the machine data grant; auto:
             damped, and a closed form where that finds nothing.
         output_file: CSV table of axis values to write. Without it: stdout.
@@ -85,7 +74,7 @@ def ik(
         report.tell_held([name for name in held_axes(robot) if name not in table.held and not starts])
         coupled = bool(robot.chain.constraints)
         writer = IkWriter(stack.enter_context(output(output_file)), robot.axes, violations=coupled)
-        for row, result in with_progress(_solutions(robot, table, starts, follow, solver), table, "axis values"):
+        for row, result in with_progress(solutions(robot, table, starts, solver, follow=follow), table, "axis values"):
             report.add(row, result)
             angle = deg_from_rad(result.rotation_error) if table.oriented else None
             axes, distance = result.axes if result.success else None, mm_from_m(result.position_error)
@@ -177,99 +166,3 @@ def _pose_table(robot: Robot, poses: Path) -> PoseTable:
         tool_axis=pointed_axis(robot),
         held=list(held_axes(robot)),
     )
-
-
-def _solutions(
-    robot: Robot, table: PoseTable, starts: AxisTable | None, follow: bool, solver: Solver
-) -> Iterator[tuple[PoseRow, IkResult]]:
-    """Solve pose by pose; without start values, or along a path, each begins where the last solution ended."""
-    given = _Starts(starts, table.file, only_one=follow) if starts else None
-    last: NDArray[np.float64] | None = None
-    for number, row in enumerate(table.rows()):
-        begin = given.next() if given and not (follow and last is not None) else last
-        try:
-            with _telling_of_compilation() if number == 0 else nullcontext():
-                result = robot.ik(row.T, start=begin, held=row.held, solver=solver, absolute_c_deg=row.c_deg)
-        except ChainbuildError as error:
-            error.span = error.span or Span(table.file, row.line)
-            raise
-        if table.by_quaternion and row.c_deg is not None:
-            result = _agreeing(robot, row.T, result)
-        if result.success:
-            last = result.axes
-        yield row, result
-    if given:
-        given.finish()
-
-
-@contextmanager
-def _telling_of_compilation() -> Iterator[None]:
-    """Say what takes so long: with numba the solver is compiled at its first use and cached from then on."""
-    from chainbuild.solve import compiled
-
-    timer = Timer(_PATIENCE_S, note, ["compiling the solver; this happens once"])
-    timer.daemon = True
-    if compiled.available():
-        timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
-
-
-def _agreeing(robot: Robot, T: Matrix, result: IkResult) -> IkResult:
-    """Return a result, failed where c_deg has led to another orientation than the quaternion beside it."""
-    from chainbuild.robot.robot import as_pose
-
-    if not result.success:
-        return result
-    angle = robot.kinematics.errors(result.axes * robot.kinematics.si_factors, as_pose(T), "pose")[1]
-    if angle <= tolerances.IK_ROTATION_RAD:
-        return result
-    reason = "the angle C given does not go with the quaternion"
-    return replace(result, success=False, status="unreachable", rotation_error=angle, reason=reason)
-
-
-class _Starts:
-    """Start values: the only row of a table again and again, or row by row.
-
-    Args:
-        starts: The table.
-        poses: Name of the table of poses, for messages.
-        only_one: Whether a second row is one too many.
-
-    Raises:
-        TableError: the table has no row, or one too many.
-    """
-
-    def __init__(self, starts: AxisTable, poses: str, *, only_one: bool = False) -> None:
-        self._file, self._poses = starts.file, poses
-        rows = (values for _, values in starts.rows())
-        ahead = list(islice(rows, 2))
-        if not ahead:
-            raise TableError("the table of start values has no row", span=Span(self._file))
-        if only_one and len(ahead) > 1:
-            raise TableError("--follow starts at one place", span=Span(self._file), permitted="one row")
-        self._only = ahead[0] if len(ahead) == 1 else None
-        self._rows = chain(ahead, rows)
-
-    def next(self) -> NDArray[np.float64]:
-        """Return the start of the next pose."""
-        if self._only is not None:
-            return self._only
-        values = next(self._rows, None)
-        if values is None:
-            raise self._wrong_count("fewer")
-        return values
-
-    def finish(self) -> None:
-        """Refuse rows that are left when all poses are done."""
-        if self._only is None and next(self._rows, None) is not None:
-            raise self._wrong_count("more")
-
-    def _wrong_count(self, comparison: str) -> TableError:
-        return TableError(
-            f"the table of start values has {comparison} rows than {self._poses}",
-            span=Span(self._file),
-            permitted="one row, or one row a pose",
-        )
