@@ -40,6 +40,13 @@ class Product:
     A: Matrix
     b: Vector
 
+    def by_axes(self, free: NDArray[np.intp], x: Vector) -> Product:
+        """Return the same chain by some of its axes (n_free,), the others standing at SI values x (n_axes,).
+
+        Where x holds values for the free axes, too, they have to be 0.
+        """
+        return Product(self.fixed, self.prismatic, self.A[:, free], self.b + self.A @ x)
+
 
 def product_of(chain: Chain) -> Product | None:
     """Return the matrix product of a chain, or None where its axis map is not affine."""

@@ -70,11 +70,13 @@ def _pack(problem: Problem) -> Packed | None:
         return None
     box, starts, A = problem.box, problem.starts, product.A[:, problem.free]
     weights = problem.weights
+    reach = problem.arm
+    arm = (np.eye(4), np.eye(4), (np.inf,)) if reach is None else (reach.before, reach.after, (reach.length,))
     own, rows, turned = _turned(problem.turned_starts(), A.shape[1])
     parts = (
         product.fixed[:, :3], product.prismatic, A, product.b + product.A @ problem.x,
         box.lower, box.upper, box.periodic, box.sums, box.sum_lower, box.sum_upper,
-        weights, starts.points, starts.features, starts.scale, *turned,
+        weights, starts.points, starts.features, starts.scale, *arm, *turned,
     )  # fmt: skip
     flat = [np.asarray(part, dtype=float).ravel() for part in parts]
     task = (problem.axis, problem.shown_axis, np.count_nonzero(weights), (weights != 1.0).any())

@@ -33,6 +33,9 @@ class Arrays(NamedTuple):
     points: Any  # (count, n)
     features: Any  # (12, count)
     scale: Any  # (12,)
+    arm_before: Any  # (4, 4)
+    arm_after: Any  # (4, 4)
+    arm_length: Any  # float, infinite where nothing is known
     turned_values: Any  # (points, n), none where there are no turned starts
     turned_maps: Any  # (points, n + 2, 12)
     turned_before: Any  # (4, 4)
@@ -78,9 +81,10 @@ def unpack(data, rows, sizes):
         data[e[6] : e[7]].reshape((c, n)), data[e[7] : e[8]], data[e[8] : e[9]],
         data[e[9] : e[10]], data[e[10] : e[11]].reshape((count, n)), data[e[11] : e[12]].reshape((12, count)),
         data[e[12] : e[13]],
-        data[e[13] : e[14]].reshape((turned, n)), data[e[14] : e[15]].reshape((turned, n + 2, 12)),
-        data[e[15] : e[16]].reshape((4, 4)), data[e[16] : e[17]].reshape((4, 4)), data[e[17] : e[18]],
-        rows, data[e[18]], sizes[9], sizes[10], sizes[4], sizes[5], sizes[6], sizes[7],
+        data[e[13] : e[14]].reshape((4, 4)), data[e[14] : e[15]].reshape((4, 4)), data[e[15]],
+        data[e[16] : e[17]].reshape((turned, n)), data[e[17] : e[18]].reshape((turned, n + 2, 12)),
+        data[e[18] : e[19]].reshape((4, 4)), data[e[19] : e[20]].reshape((4, 4)), data[e[20] : e[21]],
+        rows, data[e[21]], sizes[9], sizes[10], sizes[4], sizes[5], sizes[6], sizes[7],
     )  # fmt: skip
 
 

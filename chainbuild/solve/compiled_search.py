@@ -218,7 +218,7 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
         elif inside and squared < nearest:
             nearest = squared
             best[:] = y
-        if least == np.inf and attempt + 1 >= rules.HOPELESS:
+        if least == np.inf and (attempt + 1 >= rules.HOPELESS or (attempt == 0 and too_far(problem, target))):
             break
     if has_start and least < np.inf:
         # The branch that the start is on tells best what is in the way.
@@ -235,6 +235,21 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
     distance, angle = errors(problem, target, y, work)
     outcome = _STALLED if nearest < rules.CLOSE**2 else _UNREACHABLE
     return (_LIMITS if least < np.inf else outcome), iterations + taken, attempt, distance, angle
+
+
+@jit
+def too_far(problem, target):
+    """Return whether the arm is certainly too short; see `arm_reach.py`."""
+    before, after, squared = problem.arm_before, problem.arm_after, 0.0
+    for r in range(3):
+        away = before[r, 3]
+        for k in range(3):
+            held = target[k, 3]
+            for m in range(3):
+                held += target[k, m] * after[m, 3]
+            away += before[r, k] * held
+        squared += away * away
+    return squared > problem.arm_length * problem.arm_length
 
 
 @jit

@@ -6,7 +6,6 @@ the chain's axis map is affine. Every answer is verified by forward kinematics.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -21,6 +20,7 @@ from chainbuild.solve.options import DEFAULT, IkOptions
 from chainbuild.solve.problem import Problem, problem_of
 from chainbuild.solve.reason import beyond_bound, reason_of
 from chainbuild.solve.result import IkResult
+from chainbuild.solve.start import Held
 from chainbuild.solve.table import STATUSES
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def solve(
     robot: Robot,
     target: pin.SE3 | Matrix,
     start: ArrayLike | None = None,
-    held: Mapping[str, float] | Sequence[float] | None = None,
+    held: Held | None = None,
     options: IkOptions | None = None,
 ) -> IkResult:
     """Find axis values for a pose.
@@ -108,6 +108,14 @@ def find(problem: Problem, target: Matrix, start: Vector | None, options: IkOpti
     if not plain.is_rigid(target):
         raise refusal(target)
     return _judged(problem, plain.search(problem, target, start, wanted, options))
+
+
+def certainly_unreachable(
+    robot: Robot, target: pin.SE3 | Matrix, start: ArrayLike | None, held: Held | None, options: IkOptions | None
+) -> bool:
+    """Return whether a pose is farther away than the kinematic is long: no solver can do better then."""
+    problem, T = problem_of(robot, start, held, options or DEFAULT), matrix_of(target)
+    return beyond_bound(problem, T) or (problem.arm is not None and problem.arm.is_short_of(T))
 
 
 def _judged(problem: Problem, found: Found) -> Found:

@@ -10,7 +10,7 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.robot.robot import as_pose
 from chainbuild.solve.analytic import method_of, solve_analytic
 from chainbuild.solve.controller import budget_of, solve_controller
-from chainbuild.solve.damped import solve
+from chainbuild.solve.damped import certainly_unreachable, solve
 from chainbuild.solve.options import IkOptions
 from chainbuild.solve.result import IkResult
 from chainbuild.solve.start import Held
@@ -112,6 +112,8 @@ def solve_by(
         return solve_controller(robot, target, start, held, budget_of(robot))
     found = solve(robot, target, start, held, options) if damped is None else damped
     if solver == "damped" or found.success:
+        return found
+    if certainly_unreachable(robot, target, start, held, options):
         return found
     return _second_opinion(robot, target, start, held, found)
 

@@ -100,7 +100,7 @@ class _Search:
                     least, outside = beyond, y
             elif inside and squared < nearest:
                 nearest, best = squared, y
-            if least == math.inf and attempt + 1 >= rules.HOPELESS:
+            if least == math.inf and (attempt + 1 >= rules.HOPELESS or (attempt == 0 and self.too_far())):
                 break
         if start is not None and least < math.inf:
             # The branch that the start is on tells best what is in the way.
@@ -178,6 +178,11 @@ class _Search:
                 y[n] = limit
             step = self.damping.step(J, error, damping)
         return box.clamp(box.into(y + step))
+
+    def too_far(self) -> bool:
+        """Return whether the arm is certainly too short."""
+        arm = self.problem.arm
+        return arm is not None and arm.is_short_of(self.target)
 
     def verified(self, distance: float, angle: float) -> bool:
         """Return whether an answer is within tolerance."""

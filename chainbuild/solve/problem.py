@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.chain.elements import Task as TaskKind
 from chainbuild.robot.error import Task
+from chainbuild.solve.arm_reach import ArmReach, arm_reach
 from chainbuild.solve.freedoms import Box, freedoms_of
 from chainbuild.solve.options import IkOptions
 from chainbuild.solve.start import Held, start_point
@@ -50,6 +51,7 @@ class Problem:
         factors: (n_free,) mm and degrees to SI.
         reach: Bound on the distance between workpiece and tool [m].
         bounded: Whether the whole distance counts, so that `reach` can refuse a target.
+        arm: How far the turning joints reach, where all six parts of the pose are asked for and there are no others.
         starts: Configurations to start from.
         turns: Whether any turn counts.
         held_beyond: Words for each held axis that stands outside its limits: no answer is one then.
@@ -73,6 +75,7 @@ class Problem:
     factors: Vector
     reach: float
     bounded: bool
+    arm: ArmReach | None
     starts: Starts
     turns: bool
     held_beyond: tuple[str, ...]
@@ -84,9 +87,8 @@ class Problem:
     def turned_starts(self) -> TurnedStarts | None:
         """Return the table of turned starts where all six parts of the pose are asked for and the arm has one."""
         if not self.turned:
-            whole = self.axis < 0 and bool((self.weights > 0.0).all())
-            made = turned_starts(self.robot, self.box, self.middle, self.free, self.x, self.seed) if whole else None
-            self.turned.append(made)
+            where = (self.box, self.middle, self.free, self.x, self.seed)
+            self.turned.append(turned_starts(self.robot, *where) if _whole(self.weights, self.axis) else None)
         return self.turned[0]
 
     def full(self, y: Vector) -> Vector:
@@ -148,6 +150,7 @@ def _prepare(robot: Robot, x: Vector, fixed: NDArray[np.bool_], options: IkOptio
     free = np.flatnonzero(~fixed)
     weights, axis = _weights(robot, options)
     box = freedoms.box.restricted(free, x)
+    product = robot.kinematics.product
     starts = starts_of(robot, box, freedoms.middle[free], free, x, weights, axis, options.seed)
     return Problem(
         robot=robot,
@@ -164,11 +167,17 @@ def _prepare(robot: Robot, x: Vector, fixed: NDArray[np.bool_], options: IkOptio
         factors=freedoms.si_factors[free],
         reach=freedoms.reach,
         bounded=bool((weights[:3] > 0.0).all()),
+        arm=arm_reach(product.by_axes(free, x)) if product is not None and _whole(weights, axis) else None,
         starts=starts,
         turns=bool(weights[3:].any()),
         held_beyond=tuple(_held_beyond(robot, x / freedoms.si_factors, fixed)),
         seed=options.seed,
     )
+
+
+def _whole(weights: Vector, axis: int) -> bool:
+    """Return whether all six parts of a pose are asked for."""
+    return axis < 0 and bool((weights > 0.0).all())
 
 
 def _held_beyond(robot: Robot, values: Vector, fixed: NDArray[np.bool_]) -> Iterator[str]:

@@ -57,11 +57,21 @@ def _unreachable(problem: Problem, target: Matrix, found: Found, options: IkOpti
         place = search(_position_only(problem), target, found.y, replace(options, max_restarts=_RESTARTS))
         if place.outcome == rules.OK:
             what = "orientation" if problem.axis < 0 else "tool direction"
-            return f"the position can be reached, but not with this {what}; the nearest is {_gap(found)} off"
+            words = f"the position can be reached, but not with this {what}; the nearest is {_gap(found)} off"
+            return words + _arm_too_short(problem, target)
         if place.outcome == rules.LIMITS:
             limits = ", ".join(_violations(problem, place.outside))
             return f"the position is reached only outside the limits ({limits}), the orientation not even there"
-    return f"{_far_or_near(problem, target, place)}: the tool ends {place.distance * 1000:.3f} mm off"
+    words = f"{_far_or_near(problem, target, place)}: the tool ends {place.distance * 1000:.3f} mm off"
+    return words + _arm_too_short(problem, target)
+
+
+def _arm_too_short(problem: Problem, target: Matrix) -> str:
+    """Return the proof where there is one: between its first and its last axis an arm is only so long."""
+    arm = problem.arm
+    if arm is None or not arm.is_short_of(target):
+        return ""
+    return f" (the arm would have to be {arm.distance(target) * 1000:.1f} mm long, it is {arm.length * 1000:.1f} mm)"
 
 
 def _violations(problem: Problem, y: Vector) -> list[str]:
@@ -84,7 +94,8 @@ def _position_only(problem: Problem) -> Problem:
     weights[3:] = 0.0
     scale.reshape(3, 4)[:, :3] = 0.0
     starts = problem.starts.scaled(scale)
-    return replace(problem, weights=weights, axis=-1, starts=starts, turns=False, turned=[], plain=[], compiled=[])
+    shifts = replace(problem, weights=weights, axis=-1, starts=starts, turns=False, arm=None)
+    return replace(shifts, turned=[], plain=[], compiled=[])
 
 
 def _far_or_near(problem: Problem, target: Matrix, place: Found) -> str:

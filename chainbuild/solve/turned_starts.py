@@ -15,8 +15,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild import frames
-from chainbuild.robot.product import Product, poses_at
+from chainbuild.robot.product import Product
+from chainbuild.solve.arm_reach import ends_of
 from chainbuild.solve.freedoms import Box
 from chainbuild.solve.turned_table import NO_RADIUS, Points, points_of
 
@@ -121,38 +121,27 @@ def turned_starts(
     product = robot.kinematics.product
     if product is None:
         return None
-    A, b = product.A[:, free], product.b + product.A @ x
-    moved = np.flatnonzero(A.any(axis=1))
-    if len(moved) < _FEWEST_JOINTS:
+    arm = product.by_axes(free, x)
+    ends = ends_of(arm)
+    if ends is None or np.count_nonzero(arm.A.any(axis=1)) < _FEWEST_JOINTS:
         return None
-    begin, end = int(moved[0]), int(moved[-1])
-    first, last = _turning(product, A, begin), _turning(product, A, end)
+    first, last = _turning(arm, ends.begin), _turning(arm, ends.end)
     if first is None or last is None:
         return None
-    arm, signs = Product(product.fixed, product.prismatic, A, b), (float(A[begin, first]), float(A[end, last]))
-    ends = frames.inverse(_held(arm, 0, begin)), frames.inverse(_held(arm, end + 1, len(b)))
+    signs = (float(arm.A[ends.begin, first]), float(arm.A[ends.end, last]))
     known = _tables.setdefault(robot, {})
-    key = (free.tobytes(), b[begin:end].tobytes(), seed)
+    key = (free.tobytes(), arm.b[ends.begin : ends.end].tobytes(), seed)
     if key not in known:
         if len(known) >= _KEPT:
             return None
-        known[key] = points_of(arm, ends, box, middle, (first, last), signs, seed)
-    return TurnedStarts(known[key], *ends, first, last, signs)
+        known[key] = points_of(arm, (ends.before, ends.after), box, middle, (first, last), signs, seed)
+    return TurnedStarts(known[key], ends.before, ends.after, first, last, signs)
 
 
-def _turning(product: Product, A: Matrix, row: int) -> int | None:
+def _turning(arm: Product, row: int) -> int | None:
     """Return the axis that turns a joint one to one and moves no other, or None."""
-    if product.prismatic[row]:
+    if arm.prismatic[row]:
         return None
-    alone = (np.abs(A[row]) == 1.0) & ((A != 0.0).sum(axis=0) == 1)
+    alone = (np.abs(arm.A[row]) == 1.0) & ((arm.A != 0.0).sum(axis=0) == 1)
     found = np.flatnonzero(alone)
     return int(found[0]) if len(found) else None
-
-
-def _held(arm: Product, begin: int, end: int) -> Matrix:
-    """Return the constant transform (4, 4) of the joints from `begin` up to `end`, which no free axis moves."""
-    rows = slice(begin, end)
-    part = Product(arm.fixed[begin : end + 1], arm.prismatic[rows], arm.A[rows], arm.b[rows])
-    count = arm.A.shape[1]
-    T: Matrix = poses_at(part, np.zeros((1, count)), np.ones(count))[0]
-    return T
