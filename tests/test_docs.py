@@ -39,15 +39,19 @@ def test_the_python_of_the_pages_runs(page: str, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
-def readme_commands() -> list[str]:
-    blocks = re.findall(r"```console\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+def commands_of(page: str) -> list[str]:
+    blocks = re.findall(r"```console\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL)
     lines = [line[2:] for block in blocks for line in block.splitlines() if line.startswith("$ ")]
     return [line for line in lines if line.startswith("chainbuild ")]
 
 
-def test_the_commands_of_the_readme_run(tmp_path: Path) -> None:
-    commands = readme_commands()
-    assert len(commands) >= 4
+@pytest.mark.parametrize(("page", "least"), [("README.md", 4), ("docs/tables.md", 3)])
+def test_the_commands_of_the_pages_run(page: str, least: int, tmp_path: Path) -> None:
+    commands = commands_of(page)
+    assert len(commands) >= least
+    # A table that a page shows stands behind its name.
+    for name, table in re.findall(r"`(\w+\.csv)`[^`]*```csv\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL):
+        (tmp_path / name).write_text(table, "utf-8")
     for command in commands:
         arguments = shlex.split(command, comments=True)[1:]
         done = subprocess.run(
