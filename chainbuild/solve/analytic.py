@@ -1,10 +1,10 @@
-"""Every branch of a pose: closed forms where one is known, damped descents from many starts where none is."""
+"""Every branch of a pose: closed forms, the elimination where six joints have none, damped descents for the rest."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Final, Literal
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -18,10 +18,12 @@ from chainbuild.solve.axis_values import axes_for
 from chainbuild.solve.branches import Branch, Found, collect
 from chainbuild.solve.direct import find_direct, query_is_direct
 from chainbuild.solve.eaik_arm import eaik_solver
+from chainbuild.solve.elimination import JOINTS, elimination
 from chainbuild.solve.gather import gather
 from chainbuild.solve.query import Query
 from chainbuild.solve.result import IkResult
 from chainbuild.solve.serial import Serial
+from chainbuild.solve.spin import ToolAxis, despun, first_joints, one_axis, with_idle, with_spin
 from chainbuild.solve.start import Held
 from chainbuild.solve.status_turn import has_status, status_turn
 
@@ -31,8 +33,9 @@ if TYPE_CHECKING:
     from chainbuild.robot.robot import Robot
 
 Vector = NDArray[np.float64]
-Method = ArmName | Literal["direct", "EAIK", "restarts"]
+Method = ArmName | Literal["direct", "EAIK", "elimination", "restarts"]
 
+_MOST_IDLE: Final = 2
 _ROWS = {"pose": 6, "direction": 5, "position": 3}
 _solvers: WeakKeyDictionary[Serial, tuple[Method, ArmSolver | None]] = WeakKeyDictionary()
 
@@ -70,17 +73,18 @@ def find_all(query: Query) -> Found:
         found = find_direct(query)
     elif solver is not None:
         found = collect(query, _arm_candidates(query, solver))
-        if query.robot.task == "direction" and found.beyond is None and not found.branches:
-            # The closed form met the turn about the tool vector, which the task leaves open and the robot cannot do.
-            method, solver = "restarts", None
-    if method == "restarts":
+    else:
         _refuse_redundant(query)
         found = collect(query, ((x, ()) for x in gather(query)))
     return replace(found, branches=tuple(_finished(query.robot, branch, method) for branch in found.branches))
 
 
 def method_of(robot: Robot, held: Held | None = None) -> Method:
-    """Return how `ik_all` answers for a robot: the closed form's name, "EAIK" or "restarts" (none known)."""
+    """Return how `ik_all` answers for a robot.
+
+    The name of a closed form; "EAIK"; "elimination": all six joints at once, as the eigenvalues of one matrix;
+    "restarts": damped descents, the only answer that may miss a branch.
+    """
     return _method(Query.of(robot, as_pose(np.eye(4)), None, held))[0]
 
 
@@ -119,16 +123,39 @@ def _method(query: Query) -> tuple[Method, ArmSolver | None]:
         return "direct", None
     serial = query.serial()
     if serial not in _solvers:
-        _solvers[serial] = _arm(serial, query.robot.task)
+        _solvers[serial] = _arm(serial, query.robot.task, query.robot.chain.tool_axis)
     return _solvers[serial]
 
 
-def _arm(serial: Serial, task: Task) -> tuple[Method, ArmSolver | None]:
-    known = arm_solver(serial, task)
+def _arm(serial: Serial, task: Task, tool_axis: ToolAxis) -> tuple[Method, ArmSolver | None]:
+    if task == "pose":
+        return _whole_pose(serial)
+    if task == "direction" and len(serial.screws) < JOINTS:
+        return _position_and_direction(serial, tool_axis)
+    return arm_solver(serial, task) or ("restarts", None)
+
+
+def _position_and_direction(serial: Serial, tool_axis: ToolAxis) -> tuple[Method, ArmSolver | None]:
+    axis = one_axis(serial)
+    if axis is not None:
+        known = arm_solver(serial, "direction")
+        if known is not None:
+            return known[0], despun(known[1], serial, tool_axis, axis)
+    method, solver = _whole_pose(with_spin(serial, tool_axis))
+    return method, None if solver is None else first_joints(solver, len(serial.screws), len(serial.screws) + 1)
+
+
+def _whole_pose(serial: Serial) -> tuple[Method, ArmSolver | None]:
+    known = arm_solver(serial, "pose")
     if known is not None:
         return known
-    through_eaik = eaik_solver(serial) if task == "pose" else None
-    return ("EAIK", through_eaik) if through_eaik is not None else ("restarts", None)
+    count = len(serial.screws)
+    solver = elimination(with_idle(serial, JOINTS - count)) if JOINTS - _MOST_IDLE <= count <= JOINTS else None
+    eliminating = None if solver is None else first_joints(solver.solve, count, JOINTS)
+    through_eaik = eaik_solver(serial, eliminating)
+    if through_eaik is not None:
+        return "EAIK", through_eaik
+    return ("restarts", None) if eliminating is None else ("elimination", eliminating)
 
 
 def _arm_candidates(query: Query, solver: ArmSolver) -> Iterator[tuple[Vector, tuple[str, ...]]]:

@@ -3,7 +3,7 @@
 - *Spherical wrist*: the last three axes meet in a point, whatever their angles.
 - *Single wrist axis*: a point on the fourth axis is placed, the fourth turns (SCARA, four-axis arms).
 - *Parallel arm*: a column, three parallel axes and a hand axis across them (palletisers).
-- *Position*: three axes and nothing else.
+- *Position*: two or three axes and nothing else.
 
 A robot that carries the workpiece stands on its wrist: the same arms are solved from the other end.
 """
@@ -22,6 +22,7 @@ from chainbuild.solve.orientation import across, for_rotation
 from chainbuild.solve.positioner import MEETING, meeting_point, parallel, positioner, two_parallel_turns
 from chainbuild.solve.serial import Screw, Serial
 from chainbuild.solve.subproblems import rotate, subproblem_1, subproblem_4
+from chainbuild.solve.two_joints import reach_by_two
 
 if TYPE_CHECKING:
     from chainbuild.solve.positioner import Reach
@@ -52,9 +53,10 @@ def arm_solver(serial: Serial, task: Task) -> tuple[ArmName, ArmSolver] | None:
 
 def _forward_solver(serial: Serial, task: Task) -> tuple[ArmName, ArmSolver] | None:
     screws = serial.screws
-    if task == "position" or len(screws) not in (4, 5, 6):
-        reach = positioner(screws) if task == "position" and len(screws) == 3 else None
-        return ("position", _Position(serial, reach).solve) if reach else None
+    if task == "position":
+        return _position_solver(serial)
+    if len(screws) not in (4, 5, 6):
+        return None
     if len(screws) == 5:
         return ("parallel arm", _ParallelArm(serial).solve) if _is_parallel_arm(screws) else None
     centre = wrist_centre(screws[3:]) if len(screws) == 6 else None
@@ -65,6 +67,13 @@ def _forward_solver(serial: Serial, task: Task) -> tuple[ArmName, ArmSolver] | N
     if centre is None:
         return "single wrist axis", _SingleWrist(serial, reach).solve
     return "spherical wrist", _SphericalWrist(serial, reach, centre).solve
+
+
+def _position_solver(serial: Serial) -> tuple[ArmName, ArmSolver] | None:
+    if len(serial.screws) == 2:
+        return "position", _TwoJoints(serial).solve
+    reach = positioner(serial.screws) if len(serial.screws) == 3 else None
+    return ("position", _Position(serial, reach).solve) if reach else None
 
 
 def _from_the_tool(solver: ArmSolver) -> ArmSolver:
@@ -107,6 +116,17 @@ class _Position:
 
     def solve(self, target: Matrix, keep: Sequence[float]) -> list[Solution]:
         return [(np.array(v), (False,) * 3) for v in self.reach(self.tip, target[:3, 3], keep)]
+
+
+class _TwoJoints:
+    """Two axes that place the tip on a surface."""
+
+    def __init__(self, serial: Serial) -> None:
+        self.screws, self.tip = serial.screws, serial.M[:3, 3]
+
+    def solve(self, target: Matrix, keep: Sequence[float]) -> list[Solution]:
+        pairs = reach_by_two(self.screws[0], self.screws[1], self.tip, target[:3, 3], keep)
+        return [(np.array(pair), (False,) * 2) for pair in pairs]
 
 
 class _SphericalWrist:

@@ -53,13 +53,23 @@ def eaik_answers(robot: Any, serial: Serial, target: Matrix, *, least_squares: b
     return [row for row, approximate in chosen if np.isfinite(row).all() and (least_squares or not approximate)]
 
 
-def eaik_solver(serial: Serial) -> ArmSolver | None:
-    """Return the solver of six rotary axes through EAIK, or None."""
+def eaik_solver(serial: Serial, otherwise: ArmSolver | None) -> ArmSolver | None:
+    """Return the solver of six rotary axes through EAIK, or None.
+
+    Args:
+        serial: Six screws.
+        otherwise: Who is asked, too, where EAIK has approximations among its answers or none at all: at some poses
+            whose branches coincide it misses them.
+    """
     robot = eaik_robot(serial)
     if robot is None:
         return None
 
-    def solve(target: Matrix, _keep: Sequence[float]) -> list[Solution]:
-        return [(row, (False,) * 6) for row in eaik_answers(robot, serial, target, least_squares=True)]
+    def solve(target: Matrix, keep: Sequence[float]) -> list[Solution]:
+        exact = eaik_answers(robot, serial, target, least_squares=False)
+        rows = eaik_answers(robot, serial, target, least_squares=True)
+        found: list[Solution] = [(row, (False,) * 6) for row in rows]
+        doubtful = not exact or len(exact) < len(rows)
+        return found + otherwise(target, keep) if doubtful and otherwise is not None else found
 
     return solve

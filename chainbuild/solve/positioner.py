@@ -1,7 +1,7 @@
 """Three joints that bring a point to a place: the position half of an arm, in closed form.
 
-Solved are three slides, two slides and a rotary axis, two parallel rotary axes and a slide (SCARA), and three rotary
-axes of which two neighbours are parallel (articulated arms) or intersect. The equation is
+Solved is every row of slides and rotary axes that reaches a volume: by subproblems where two axes are parallel or
+intersect, else by a quartic (`general_reach`). The equation is
 exp(s1·q1)·exp(s2·q2)·exp(s3·q3)·p = d; read backwards, exp(−s3·q3)·exp(−s2·q2)·exp(−s1·q1)·d = p has the same form,
 which halves the cases.
 """
@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.solve.general_reach import meeting_slide, skew_turns, slide_turn_slide, turn_slide_turn
 from chainbuild.solve.serial import Screw
 from chainbuild.solve.subproblems import (
     cross,
@@ -122,19 +123,32 @@ def _known(row: Sequence[Screw]) -> Solver | None:
     if kinds == "ppp":
         return _three_slides if abs(float(np.linalg.det(np.array(slides)))) > _ROTATED else None
     if kinds == "ppr":
-        return None if parallel(a.direction, b.direction) else _two_slides_and_turn
+        normal = cross(a.direction, b.direction)
+        flat = parallel(normal / (norm(normal) or 1.0), c.direction)
+        return None if parallel(a.direction, b.direction) or flat else _two_slides_and_turn
+    if kinds == "prp":
+        level = max(abs(float(a.direction @ b.direction)), abs(float(c.direction @ b.direction))) < PARALLEL
+        return None if level else slide_turn_slide
+    if kinds == "rpr":
+        return None if parallel(a.direction, c.direction) else turn_slide_turn
     if kinds == "prr":
         lifts = abs(float(a.direction @ b.direction)) > PARALLEL
         return _slide_and_parallel_turns if lifts and parallel(b.direction, c.direction) else None
-    if kinds == "rrr":
-        return _three_turns(a, b, c)
-    return None
+    return _after_two_turns(a, b, c) if kinds in ("rrr", "rrp") else None
 
 
-def _three_turns(a: Screw, b: Screw, c: Screw) -> Solver | None:
-    if parallel(b.direction, c.direction):
+def _after_two_turns(a: Screw, b: Screw, c: Screw) -> Solver | None:
+    """Return the solver of turns a, b before a joint c of either kind, or None."""
+    if c.kind == "revolute" and parallel(b.direction, c.direction):
         return None if parallel(a.direction, b.direction) else _turn_and_parallel_turns
-    return _meeting_turns if meeting_point(a, b) is not None else None
+    if parallel(a.direction, b.direction):
+        return None
+    centre = meeting_point(a, b)
+    if centre is None:
+        return skew_turns
+    off = centre - c.point
+    on_a_sphere = c.kind == "revolute" and norm(off - float(off @ c.direction) * c.direction) < MEETING
+    return None if on_a_sphere else _meeting_turns
 
 
 def _three_slides(row: Sequence[Screw], p: Vector, d: Vector, _keep: Sequence[float]) -> list[Values]:
@@ -176,16 +190,22 @@ def _turn_and_parallel_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: S
 
 
 def _meeting_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[Values]:
-    """Return the values for turns a, b that meet before turn c: c alone changes the distance from the meeting point."""
+    """Return the values for turns a, b that meet before a joint c: it alone changes the distance from their meeting."""
     a, b, c = row
     centre = meeting_point(a, b)
     if centre is None:
         return []
+    distance = norm(d - centre)
+    if c.kind == "prismatic":
+        values = meeting_slide(c.direction, p, centre, distance)
+    else:
+        turns = subproblem_3(c.direction, p - c.point, centre - c.point, distance, keep[2])
+        values = [turn.angle for turn in turns]
     found = []
-    for turn in subproblem_3(c.direction, p - c.point, centre - c.point, norm(d - centre), keep[2]):
-        moved = c.move(turn.angle, p) - centre
+    for last in values:
+        moved = c.move(last, p) - centre
         pairs = subproblem_2(a.direction, b.direction, moved, d - centre, (keep[0], keep[1]))
-        found += [(pair.first, pair.second, turn.angle) for pair in pairs]
+        found += [(pair.first, pair.second, last) for pair in pairs]
     return found
 
 

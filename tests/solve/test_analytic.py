@@ -14,11 +14,13 @@ from scipy.spatial.transform import RigidTransform
 
 import chainbuild
 from chainbuild.chain.assemble import Element, linear, rotary, shift, turn
+from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import rot_y
 from chainbuild.robot.robot import Robot
 from chainbuild.solve.analytic import ik_all, method_of, solve_analytic
+from chainbuild.solve.eaik_arm import eaik_answers, eaik_robot
 from chainbuild.solve.gather import gather
 from chainbuild.solve.query import Query
 from tests.solve.machines import ALL, poses, robot_of
@@ -26,9 +28,9 @@ from tests.solve.test_direct import NOT_DIRECT, same_turns
 from tests.test_robot import arm, arm_elements, make_chain, random_axes, table_machine
 
 METHODS = {
-    13: "position", 14: "position", 36: "single wrist axis", 45: "spherical wrist", 85: "restarts",
-    96: "parallel arm", 202: "single wrist axis", 203: "position", 205: "position", 206: "restarts", 208: "restarts",
-    213: "parallel arm",
+    13: "position", 14: "position", 36: "single wrist axis", 45: "spherical wrist", 85: "position",
+    96: "parallel arm", 202: "single wrist axis", 203: "position", 205: "position", 206: "elimination",
+    208: "elimination", 213: "EAIK",
 }  # fmt: skip
 
 
@@ -199,14 +201,72 @@ def test_restarts_find_what_eaik_finds() -> None:
             assert any(same_turns(robot, other, branch.axes) for other in gathered)
 
 
-def test_without_eaik_restarts_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_eaik_the_elimination_answers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "eaik.IK_HP", None)
     robot = ur5()
+    assert method_of(robot) == "elimination"
+    check(robot, 20)
+
+
+def test_eaik_is_helped_out_where_it_finds_nothing() -> None:
+    elements: list[Element] = [
+        rotary("A1", "z"), shift(x=200.0), rotary("A2", "y"), shift(x=500.0), rotary("A3", "y"), shift(x=400.0),
+        rotary("A4", "y"), shift(30.0), rotary("A5", "-z"), shift(70.0), rotary("A6", "y"), shift(y=80.0),
+    ]  # fmt: skip
+    chain = robot_from(elements).chain
+    robot = Robot(chain.with_axes(tuple(chainbuild.Axis.unlimited(a.name, a.kind) for a in chain.axes)))
+    assert method_of(robot) == "EAIK"
+    rng, missed = np.random.default_rng(1), 0
+    known = Query.of(robot, robot.fk(np.zeros(6)), None, None).serial()
+    for _ in range(60):
+        axes = np.round(rng.uniform(-2.0, 2.0, 6)) * 90.0
+        target = robot.fk(axes)
+        if np.linalg.svd(robot.jacobian(axes), compute_uv=False)[-1] < 1e-2:
+            continue
+        alone = eaik_answers(eaik_robot(known), known, target.homogeneous, least_squares=True)
+        missed += not any(same_turns(robot, np.degrees(q), axes) for q in alone)
+        assert any(same_turns(robot, branch.axes, axes) for branch in ik_all(robot, target, axes))
+    assert missed > 0
+
+
+def without_closed_form() -> Robot:
+    """Return an arm of seven joints for six axes: two of them turn together."""
+    elements: list[Element] = [*arm_elements()[:-1], rotary("A7", (0.6, 0.0, 0.8)), shift(x=50.0)]
+    robot = robot_from(elements)
+    A = np.eye(7)[:, :6]
+    A[6, 1] = 0.5
+    return Robot(replace(robot.chain, axes=robot.axes[:6], axis_map=AffineMap.of(A, np.zeros(7), ["rotary"] * 6)))
+
+
+def test_seven_joints_are_left_to_restarts() -> None:
+    robot = without_closed_form()
     assert method_of(robot) == "restarts"
     axes = poses(robot, 1)[0]
     assert any(same_turns(robot, branch.axes, axes) for branch in ik_all(robot, robot.fk(axes)))
     with pytest.raises(ChainbuildError, match="no closed form"):
         solve_analytic(robot, robot.fk(axes))
+
+
+def test_held_axes_leave_a_row_that_is_solved() -> None:
+    robot = arm()
+    axes = np.array([10.0, -80.0, 70.0, 20.0, 40.0, 30.0])
+    for held, method in (({"A4": 20.0}, "elimination"), ({"A2": -80.0, "A4": 20.0}, "single wrist axis")):
+        assert method_of(robot, held) == method
+        found = ik_all(robot, robot.fk(axes), axes, held=held)
+        assert any(same_turns(robot, branch.axes, axes) for branch in found)
+        assert ik_all(robot, robot.fk(axes + [0.0, 0.0, 0.0, 1.0, 0.0, 1.0]), axes, held=held) == ()
+
+
+def test_a_direction_is_met_with_every_turn_about_it() -> None:
+    robot = robot_from([*arm_elements()[:-4], shift(80.0, 30.0, 20.0), turn(rot_y(40.0))])
+    assert (len(robot.axes), robot.task, method_of(robot)) == (5, "direction", "elimination")
+    turned = 0
+    for axes in poses(robot, 10):
+        target = robot.fk(axes)
+        found = ik_all(robot, target)
+        turned += sum(np.abs(robot.fk(branch.axes).rotation - target.rotation).max() > 1e-3 for branch in found)
+        assert any(same_turns(robot, branch.axes, axes) for branch in found)
+    assert turned > 0
 
 
 def test_too_many_axes_are_refused() -> None:
