@@ -15,10 +15,11 @@ from pathlib import Path
 import chainbuild
 from chainbuild.conventions import conventions
 from chainbuild.findings import finding_kinds
+from chainbuild.solve.analytic import method_of
 from chainbuild.twincat.catalogue import title_of
 
 ROOT = Path(__file__).parent.parent
-PAGES = ("README.md", "docs/conventions.md", "docs/kinematics.md", "docs/findings.md", "docs/robx.md")
+PAGES = ("README.md", *(f"docs/{name}.md" for name in ("branches", "conventions", "kinematics", "findings", "robx")))
 _BLOCK = re.compile(r"(<!-- table: (?P<name>[\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -107,6 +108,23 @@ def solvers() -> str:
     return table(("cold, median", *names), [(name, *(row.get(m, "") for m in names)) for name, row in cells.items()])
 
 
+def methods() -> str:
+    """Return which shipped machines `ik_all` answers by which method."""
+    found: dict[str, list[str]] = {}
+    for name in chainbuild.shipped():
+        found.setdefault(method_of(chainbuild.load(name).chain().build()), []).append(f"`{name}`")
+    note = {"restarts": "restarts, unless axes are held"}
+    return table(
+        ("method", "machines"), ((note.get(method, method), ", ".join(names)) for method, names in found.items())
+    )
+
+
+def robx_methods() -> str:
+    """Return by which method `ik_all` answers for every arrangement of the ROBX transformation."""
+    rows = runpy.run_path(str(ROOT / "docs/robx_combinations.py"))["method_rows"]
+    return table(("MAIN_AXES", "axis 4 to the last rotary basic axis", "4 axes", "5 axes", "6 axes"), rows())
+
+
 TABLES: dict[str, Callable[[], str]] = {
     "machines": machines,
     "types": types,
@@ -115,6 +133,8 @@ TABLES: dict[str, Callable[[], str]] = {
     "findings": findings,
     "robx-combinations": robx_combinations,
     "solvers": solvers,
+    "methods": methods,
+    "robx-methods": robx_methods,
 }
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import chainbuild
 from chainbuild.sinumerik.robx import MAIN_AXES
+from chainbuild.solve.analytic import method_of
 
 WRISTS = (1, 2, 3, 4, 5, 6)
 KINDS = {"SS": (1, 1, 1), "CC": (1, 3, 3), "NR": (3, 3, 3), "SC": (1, 1, 3), "RR": (3, 3, 1), "CS": (3, 1, 1)}
@@ -26,9 +27,35 @@ def rows() -> Iterator[tuple[str, str, str, str, str]]:
             yield f"{number} {letters}", place, *cells
 
 
+def method_rows() -> Iterator[tuple[str, str, str, str, str]]:
+    """Yield arrangement, place of axis 4, and the solvers of 4, 5 and 6 axes with each wrist that is built."""
+    for number, letters in MAIN_AXES.items():
+        for parallel in (True, False) if letters in LAST_ROTARY else (False,):
+            place = "–" if letters not in LAST_ROTARY else "parallel (A4PAR 1)" if parallel else "across (A4PAR 0)"
+            cells = []
+            for count in (4, 5, 6):
+                found = {wrist: method(machine_data(number, letters, parallel, count, wrist)) for wrist in WRISTS}
+                cells.append(together({wrist: name for wrist, name in found.items() if name is not None}))
+            yield f"{number} {letters}", place, *cells
+
+
+def method(data: str) -> str | None:
+    """Return how all branches of machine data are found, or None where they are refused."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "machine.tea"
+        path.write_text(data, "utf-8")
+        if any(finding.severity == "error" for finding in chainbuild.check(path)):
+            return None
+        return method_of(chainbuild.load(path).chain().build())
+
+
 def cell(number: int, letters: str, parallel: bool, count: int) -> str:
     """Return the outcomes of all wrists, those that are alike together."""
-    outcomes = {wrist: outcome(machine_data(number, letters, parallel, count, wrist)) for wrist in WRISTS}
+    return together({wrist: outcome(machine_data(number, letters, parallel, count, wrist)) for wrist in WRISTS})
+
+
+def together(outcomes: dict[int, str]) -> str:
+    """Return outcomes by wrist as text, those that are alike together."""
     order = list(dict.fromkeys(outcomes.values()))
     ranked = sorted(outcomes.items(), key=lambda item: order.index(item[1]))
     parts = []

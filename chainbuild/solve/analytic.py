@@ -91,10 +91,10 @@ def method_of(robot: Robot, held: Held | None = None) -> Method:
 def solve_analytic(
     robot: Robot, T: pin.SE3 | ArrayLike, start: ArrayLike | None = None, held: Held | None = None
 ) -> IkResult:
-    """Return the branch nearest to the start, by a closed form.
+    """Return the branch nearest to the start, by a closed form or the elimination.
 
     Raises:
-        ChainbuildError: no closed form is known for the robot.
+        ChainbuildError: neither knows the robot.
     """
     query = Query.of(robot, as_pose(T), start, held)
     if _method(query)[0] == "restarts":
@@ -102,7 +102,7 @@ def solve_analytic(
             "no closed form is known for this kinematic",
             parameter="solver",
             permitted="auto, damped",
-            hint="the extra 'analytic' (EAIK) knows more six-axis arms",
+            hint="where more axes are free than the pose determines, hold some",
         )
     found = find_all(query)
     if found.branches:
