@@ -141,10 +141,13 @@ class Damping:
         self._diagonal = self._square.reshape(-1)[:: size + 1]
         self._factor = eigenpy.LLT(size)
         self._whole_factor = eigenpy.PartialPivLU(size)
-        self._is_square = rows == columns
+        self._is_square, self._is_single = rows == columns, size == 1
 
     def step(self, J: Matrix, error: Vector, damping: float) -> Vector:
         """Return (JᵀJ + damping·1)⁻¹·Jᵀ·error, by way of the smaller of JᵀJ and JJᵀ."""
+        if self._is_single:  # eigenpy gives solutions of one number a shape of their own
+            single: Vector = J.T.dot(error) / (float((J * J).sum()) + damping)
+            return single
         if self._is_square:
             # Where J⁻¹·error is short, damping changes next to nothing: λ/(σ² + λ) of its part along each singular
             # vector, and σ² is at least error²/step².

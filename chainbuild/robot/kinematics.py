@@ -155,6 +155,9 @@ def tilt(direction: Vector, axis: int) -> Vector:
 def damped_step(J: Matrix, error: Vector, damping: float) -> Vector:
     """Return the damped least-squares step (JᵀJ + damping·1)⁻¹·Jᵀ·error."""
     rows, columns = J.shape
+    if rows == 1 or columns == 1:  # eigenpy gives solutions of one number a shape of their own
+        single: Vector = J.T @ error / (float((J * J).sum()) + damping)
+        return single
     if rows < columns:
         H = J @ J.T
         H.flat[:: rows + 1] += damping

@@ -68,7 +68,6 @@ def _by_all_means(
     """Return what the solver asked for and those that help it out come up with; see `inverse`."""
     from chainbuild.solve.coupled import kept
     from chainbuild.solve.programmed import solve_programmed
-    from chainbuild.solve.saturation import within_limits
 
     def solve_whole(T: pin.SE3, begin: ArrayLike | None) -> IkResult:
         if solver == "controller":
@@ -76,8 +75,7 @@ def _by_all_means(
         known = damped if T is target and begin is start else None
         return kept(robot, solve_by(robot, T, begin, held, solver, options, known), T, begin, held, solver)
 
-    found = solve_programmed(robot, target, start, held, solve_whole, absolute_c_deg)
-    return within_limits(robot, found, target, start, held) if solver == "auto" else found
+    return solve_programmed(robot, target, start, held, solve_whole, absolute_c_deg)
 
 
 def solve_by(

@@ -14,7 +14,7 @@ from chainbuild.chain.elements import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot.robot import Robot
 from chainbuild.solve.freedoms import freedoms_of
-from chainbuild.solve.options import IkOptions
+from chainbuild.solve.options import DEFAULT, IkOptions
 from tests.test_robot import arm, make_chain, random_axes, table_machine
 
 BOTH = pytest.mark.parametrize("compiled", [True, False], ids=["compiled", "plain"])
@@ -215,3 +215,27 @@ def test_machines_with_tables_are_reached_from_anywhere() -> None:
     robot, rng = table_machine(), np.random.default_rng(9)
     targets = robot.fk_batch([random_axes(robot, rng) for _ in range(500)])
     assert robot.ik_batch(targets).success.all()
+
+
+@pytest.mark.parametrize("options", [DEFAULT, IkOptions(compiled=False)], ids=["compiled", "plain"])
+def test_one_free_axis_is_enough(options: IkOptions) -> None:
+    robot = chainbuild.load("kr6r900").chain().build()
+    axes = [10.0, -80.0, 70.0, 20.0, 40.0, 30.0]
+    for free in range(6):
+        held = {axis.name: value for n, (axis, value) in enumerate(zip(robot.axes, axes, strict=True)) if n != free}
+        found = robot.ik(robot.fk(axes), held=held, options=options)
+        assert found.success
+        np.testing.assert_allclose(found.axes, axes, atol=1e-6)
+        elsewhere = robot.fk([value + (n != free) for n, value in enumerate(axes)])
+        assert not robot.ik(elsewhere, held=held, options=options).success
+        assert [b.axes == pytest.approx(axes, abs=1e-6) for b in robot.ik_all(robot.fk(axes), held=held)] == [True]
+
+
+@pytest.mark.parametrize("options", [DEFAULT, IkOptions(compiled=False)], ids=["compiled", "plain"])
+def test_one_weight_is_enough(options: IkOptions) -> None:
+    robot = chainbuild.load("kr6r900").chain().build()
+    T = robot.fk([10.0, -80.0, 70.0, 20.0, 40.0, 30.0])
+    height = replace(options, weights=(0.0, 0.0, 1.0, 0.0, 0.0, 0.0))
+    found = robot.ik(T, [0.0, -90.0, 90.0, 0.0, 10.0, 0.0], options=height)
+    assert found.success
+    assert abs(robot.fk(found.axes).actInv(T).translation[2]) < 1e-6
