@@ -10,6 +10,7 @@ A robot that carries the workpiece stands on its wrist: the same arms are solved
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -34,6 +35,7 @@ Solution = tuple[Vector, tuple[bool, ...]]  # joint values in the order of the s
 ArmSolver = Callable[[Matrix, Sequence[float]], list[Solution]]  # (target (4, 4), values to keep) → solutions
 
 _ACROSS: Final = 1e-9
+_ALONG: Final = (0.0, 0.25, -0.25, 0.4)  # m
 
 
 def arm_solver(serial: Serial, task: Task) -> tuple[ArmName, ArmSolver] | None:
@@ -153,17 +155,30 @@ class _SingleWrist:
     def __init__(self, serial: Serial, reach: Reach) -> None:
         self.serial, self.reach = serial, reach
         self.back = inverse(serial.M)
+        self.point = _off_the_others(serial.screws)
 
     def solve(self, target: Matrix, keep: Sequence[float]) -> list[Solution]:
         motion = target @ self.back
         last = self.serial.screws[3]
         aside = across(last.direction)
         found: list[Solution] = []
-        for arm in self.reach(last.point, _image(motion, last.point), keep[:3]):
+        for arm in self.reach(self.point, _image(motion, self.point), keep[:3]):
             R = _apply(self.serial.screws[:3], arm)[:3, :3].T @ motion[:3, :3]
             turn = subproblem_1(last.direction, aside, R @ aside, keep[3])
             found.append((np.array((*arm, turn.angle)), (False,) * 4))
         return found
+
+
+def _off_the_others(screws: Sequence[Screw]) -> Vector:
+    """Return a point of the last axis that is not on another: there it would not tell how that one is turned."""
+    *others, last = screws
+    axes = [screw for screw in others if screw.kind == "revolute"]
+    points = [last.point + along * last.direction for along in _ALONG]
+
+    def room(point: Vector) -> float:
+        return min((float(np.linalg.norm(np.cross(point - a.point, a.direction))) for a in axes), default=math.inf)
+
+    return max(points, key=room)
 
 
 def _is_parallel_arm(screws: Sequence[Screw]) -> bool:

@@ -35,7 +35,7 @@ def gather(query: Query) -> Iterator[Vector]:
     lower = np.where(np.isfinite(query.lower), query.lower, -np.pi)[free]
     upper = np.where(np.isfinite(query.upper), query.upper, np.pi)[free]
     # One turn is enough: whole turns are added to what is found.
-    rotary = np.array([query.robot.axes[n].kind == "rotary" for n in free])
+    rotary = np.array([query.robot.axes[n].kind == "rotary" for n in free], dtype=bool)
     lower[rotary] = np.maximum(lower[rotary], -np.pi)
     upper[rotary] = np.minimum(upper[rotary], np.pi)
     known: list[Vector] = []

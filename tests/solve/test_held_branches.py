@@ -1,0 +1,29 @@
+"""Every branch while axes are held: what is left of an arm is an arm of its own, and its branches are all there."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+import chainbuild
+
+NAMES = ("kr6r900", "tx2_60", "arm_nr5", "scara_cc", "palletiser_kin96")
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 6])
+def test_the_pose_that_the_others_made_is_among_the_branches(name: str, count: int) -> None:
+    robot, rng = chainbuild.load(name).chain().build(), np.random.default_rng(count)
+    rotary = np.array([axis.kind == "rotary" for axis in robot.axes])
+    ends = np.array([(axis.lower, axis.upper) for axis in robot.axes])
+    lower, upper = np.where(rotary[:, None], np.clip(ends, -175.0, 175.0), ends).T
+    for held in itertools.combinations(range(len(robot.axes)), count):
+        axes = lower + (upper - lower) * rng.random(len(lower))
+        while robot.violated_limits(axes):
+            axes = lower + (upper - lower) * rng.random(len(lower))
+        found = robot.ik_all(robot.fk(axes), held={robot.axes[n].name: axes[n] for n in held})
+        off = np.array([branch.axes - axes for branch in found])
+        off[:, rotary] -= 360.0 * np.round(off[:, rotary] / 360.0)  # whole turns may lie nearer to the start
+        assert np.abs(off).max(axis=1).min() < 1e-4, f"held {held}"
