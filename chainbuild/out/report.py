@@ -16,6 +16,7 @@ from chainbuild.solve.diagnosis import Explanation
 from chainbuild.units import deg_from_rad, mm_from_m
 
 _SHOWN_ROWS: Final = 12
+_LEAST_ROWS: Final = 3  # the diagnosis wants as many
 
 
 def crosscheck_text(check: CrossCheck) -> str:
@@ -90,6 +91,8 @@ def _structure_lines(check: CrossCheck) -> list[str]:
         rest = f"{distance_text(left.remaining_position_error)}, {angle_text(left.remaining_rotation_error)}"
         lines.append(f"Structure: {left.kind}: {left.text} (leaves {rest})")
         lines += [f"  these poses cannot tell it from: {other}" for other in left.others]
+    elif check.forward is not None and len(check.forward.samples) < _LEAST_ROWS:
+        lines.append(f"Structure: not sought in fewer than {_LEAST_ROWS} poses: record more")
     elif check.forward is not None and 2 * int(check.forward.agrees.sum()) > len(check.forward.samples):
         lines.append("Structure: none found: most poses agree, so look at those that differ")
     elif check.forward is not None or (check.inverse is not None and check.inverse.wrong):

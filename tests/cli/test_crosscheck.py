@@ -89,6 +89,16 @@ def test_single_rows_that_differ_are_named(run: Run) -> None:
     assert largest.index("<td>20</td>") < largest.index("<td>7</td>")
 
 
+def test_two_rows_are_too_few_to_name_anything(run: Run) -> None:
+    chain = chainbuild.load(ARM).chain()
+    record(Path("r.csv"), chain, chain, POSITION + ANGLES)
+    header, *rows = Path("r.csv").read_text("utf-8").splitlines()
+    moved = [",".join([repr(float(row.split(",")[0]) + 1.0), *row.split(",")[1:]]) for row in rows]
+    for count, named in ((2, "not sought in fewer than 3 poses: record more"), (3, "the zero of C1 is off by -1 deg")):
+        Path("r.csv").write_text("\n".join([header, *moved[:count]]) + "\n", "utf-8")
+        assert named in run("crosscheck", ARM, "--recording", "r.csv").out
+
+
 def test_many_rows_that_differ_are_counted(run: Run) -> None:
     chain = chainbuild.load(ARM).chain()
     record(Path("r.csv"), chain, chain, POSITION)
