@@ -204,7 +204,7 @@ def _descend(query: Query, angle: Angle, x: Vector) -> Vector | None:
         T, J = query.robot.kinematics.pose_and_jacobian(x)
         error[:3] = T.rotation.T @ (query.target.translation - T.translation)
         error[3], row = angle.row(x, T, J)
-        if not np.isfinite(error).all() or np.abs(row[free]).max() < _BLIND:
+        if not np.isfinite(error).all() or np.abs(row[free]).max(initial=0.0) < _BLIND:
             return None
         squared = float(error @ error)
         if squared < _MET:

@@ -158,3 +158,15 @@ def test_an_offset_that_is_not_the_poses_own() -> None:
     T = frames.transform(frames.matrix_from_angles("orirpy", (a, b, c)), robot.fk(axes).translation)
     found = robot.ik(T, axes, absolute_c_deg=c)
     np.testing.assert_allclose(found.axes, axes, atol=1e-4)
+
+
+def test_nothing_is_left_to_turn() -> None:
+    robot = chainbuild.load("scara_cc").chain().build()
+    axes = {"A1": -10.0, "A2": 20.0, "A3": 30.0, "A4": 40.0}
+    T = robot.fk(list(axes.values())).homogeneous
+    assert robot.ik(T, held=axes).success
+    T[:3, :3] = T[:3, :3] @ np.diag([1.0, -1.0, -1.0])
+    T[2, 3] += 0.1
+    found = robot.ik(T, held=axes)
+    assert not found.success
+    assert found.reason
