@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from chainbuild.errors import Span
 from chainbuild.findings import Collector
+from chainbuild.sinumerik.assignment import Assignment
 from chainbuild.sinumerik.catalogue import MachineDatum, catalogue
-from chainbuild.sinumerik.reader import Assignment, Reading
+from chainbuild.sinumerik.reader import Reading
 from chainbuild.sinumerik.values import Index, Value
 
 _SHARED = 0  # stands for "no channel" in keys: NC, axis and tool data are the same for all channels

@@ -10,9 +10,9 @@ from typing import Literal
 from chainbuild.chain.assemble import Move
 from chainbuild.chain.elements import Axis
 from chainbuild.findings import Collector
+from chainbuild.sinumerik.assignment import Assignment
 from chainbuild.sinumerik.data_table import DataTable, written_name
 from chainbuild.sinumerik.internal_axes import InternalAxes
-from chainbuild.sinumerik.reader import Assignment
 from chainbuild.sinumerik.robx import Robx
 from chainbuild.units import AxisKind, deg_from_rad, m_s_from_mm_min, mm_from_m, rad_s_from_rpm
 

@@ -6,15 +6,13 @@ import difflib
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from chainbuild.errors import Span
 from chainbuild.findings import Collector
+from chainbuild.sinumerik.assignment import Assignment
 from chainbuild.sinumerik.catalogue import MachineDatum, catalogue, lookup, lookup_number
 from chainbuild.sinumerik.values import Index, Value
-
-if TYPE_CHECKING:
-    from chainbuild.sinumerik.reader import Assignment
 
 _ANY_CASE = re.IGNORECASE | re.ASCII
 OWN_DATUM: Final = re.compile(r"(?:\$MC_)?(?:ROBX|TRAFO6)_[A-Z0-9_]+", _ANY_CASE)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from chainbuild.errors import ChainbuildError, MachineDataError, ParseError, Span
 from chainbuild.findings import Collector
+from chainbuild.sinumerik.assignment import Assignment
 from chainbuild.sinumerik.catalogue import MachineDatum, lookup, lookup_number
 from chainbuild.sinumerik.misspelt import (
     TE4_DATUM,
@@ -53,27 +54,6 @@ _ESCAPE = re.compile(r"\\([$_\[\]])")
 _DATUM_MARKS = ("MD", "SD")
 _PARSE_CODES = ("CB101", "CB102", "CB103", "CB104")
 _MAX_CHANNEL = 99
-
-
-@dataclass(frozen=True, slots=True)
-class Assignment:
-    """One line that gives a machine datum a value.
-
-    Attributes:
-        datum: Entry of the catalogue.
-        te4: True where the line uses the older package's name or number (TRAFO6_*, MD626xx).
-        index: Element number, axis name in capitals, (tool, edge), or None for a scalar.
-        value: Number or string, checked against the catalogue.
-        channel: Channel the line stands in, 1 where the file names none.
-        span: The place of the value.
-    """
-
-    datum: MachineDatum
-    te4: bool
-    index: Index
-    value: Value
-    channel: int
-    span: Span
 
 
 @dataclass(frozen=True, slots=True)
