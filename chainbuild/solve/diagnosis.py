@@ -35,6 +35,13 @@ _MOST_OTHERS: Final = 4
 _ZERO_STEPS: Final = 8
 _ZERO_STARTS_DEG: Final = (0.0, 90.0, -90.0, 180.0)
 _NOTHING: Final = 1e-9
+# Factor → mistake. A solver gives metres, a recording mm: either may have been taken for the other.
+_LENGTH_UNITS: Final = (
+    (1e-3, "millimetres taken for metres"),
+    (1e3, "metres taken for millimetres"),
+    (0.0254, "inches taken for metres"),
+    (25.4, "inches taken for millimetres"),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +50,8 @@ class Explanation:
 
     Attributes:
         kind: "tool offset", "base offset", "flipped axis", "swapped axes", "axis zero", "angle convention",
-            "transposed rotation", "inverse pose", "unit of length", joined by " + " where two are needed.
+            "transposed rotation", "inverse pose", "unit of length", "unit of angle", joined by " + "
+            where two are needed.
         text: The structure in words, with numbers.
         axes: Names of the axes it concerns.
         remaining_position_error: Worst distance that it leaves [m].
@@ -164,6 +172,13 @@ class _Diagnosis:
                 which = tuple(names[n] for n in flipped)
                 text = f"{listed(which)} counted in the opposite direction"
                 yield _Reading("flipped axis", text, axes * signs, theirs, which)
+        rotary = np.array([kind == "rotary" for kind in kinds])
+        for factor, text in (
+            (180.0 / math.pi, "radians taken for degrees"),
+            (math.pi / 180.0, "degrees taken for radians"),
+        ):
+            scaled = np.where(rotary, axes * factor, axes)
+            yield _Reading("unit of angle", f"rotary axes: {text}", scaled, theirs)
         for one, other in itertools.combinations(range(len(names)), 2):
             if kinds[one] == kinds[other]:
                 swapped = axes.copy()
@@ -172,10 +187,10 @@ class _Diagnosis:
                 yield _Reading("swapped axes", f"{listed(which)} swapped", swapped, theirs, which)
 
     def _pose_readings(self, axes: Vector, theirs: Matrices) -> Iterator[_Reading]:
-        for factor, unit in ((1e-3, "mm"), (0.0254, "inches"), (1e3, "km")):
+        for factor, text in _LENGTH_UNITS:
             scaled = theirs.copy()
             scaled[:, :3, 3] *= factor
-            yield _Reading("unit of length", f"positions in {unit} taken for metres", axes, scaled)
+            yield _Reading("unit of length", f"positions: {text}", axes, scaled)
         if self.judged != "pose":
             return
         turned = theirs.copy()
@@ -185,6 +200,10 @@ class _Diagnosis:
         yield _Reading("inverse pose", "the workpiece seen from the tool", axes, backwards)
         used = self.robot.chain.angle_mode
         angles = [angles_from_matrix(used, T[:3, :3]) for T in theirs]
+        # Angles given in radians are small enough that the matrix has kept them all.
+        larger = theirs.copy()
+        larger[:, :3, :3] = [matrix_from_angles(used, [math.degrees(angle) for angle in triple]) for triple in angles]
+        yield _Reading("unit of angle", "pose angles: radians taken for degrees", axes, larger)
         for same in modes_apart():
             if used in same:
                 continue

@@ -28,7 +28,7 @@ class Words(NamedTuple):
 Explain = Callable[[int, IkResult], Words]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class IkTable:
     """Results of many poses; `table[i]` is the i-th as an `IkResult`.
 
@@ -73,6 +73,12 @@ class IkTable:
     def reasons(self) -> list[str]:
         """Return why each row failed, "" where it did not: a search of its own for each of them."""
         return [self[row].reason if failed else "" for row, failed in enumerate(self.counts[:, 0] != 0)]
+
+    def __repr__(self) -> str:
+        counts = ", ".join(
+            f"{count} {STATUSES[code]}" for code, count in enumerate(np.bincount(self.counts[:, 0]).tolist()) if count
+        )
+        return f"<IkTable of {len(self)} rows: {counts or 'none'}; .axes, .status, .reasons(), [row]>"
 
     def __len__(self) -> int:
         return len(self.counts)

@@ -143,7 +143,32 @@ def test_other_readings_of_a_pose_are_named(robot: Robot) -> None:
 
     assert named(robot, recorded(robot, transposed)).explanation.kind == "transposed rotation"
     assert named(robot, recorded(robot, frames.inverse)).explanation.kind == "inverse pose"
-    assert named(robot, recorded(robot, in_mm)).explanation.kind == "unit of length"
+    assert named(robot, recorded(robot, in_mm)).explanation.text == "positions: millimetres taken for metres"
+
+
+@pytest.mark.parametrize(
+    ("factor", "text"),
+    [
+        (1e-3, "metres taken for millimetres"),
+        (1.0 / 0.0254, "inches taken for metres"),
+        (1.0 / 25.4, "inches taken for millimetres"),
+    ],
+)
+def test_another_unit_of_length_is_named(robot: Robot, factor: float, text: str) -> None:
+    found = named(robot, recorded(robot, lambda T: frames.transform(T[:3, :3], factor * T[:3, 3])))
+    assert (found.explanation.kind, found.explanation.text) == ("unit of length", f"positions: {text}")
+
+
+def test_radians_are_named(robot: Robot) -> None:
+    def misread(T: np.ndarray) -> np.ndarray:
+        shown = frames.angles_from_matrix(robot.chain.angle_mode, T[:3, :3])
+        return frames.transform(frames.matrix_from_angles(robot.chain.angle_mode, np.radians(shown)), T[:3, 3])
+
+    in_degrees = recorded(robot)
+    in_radians = Recording(np.radians(in_degrees.axes), in_degrees.poses, in_degrees.judged, "r.csv")
+    for recording, what in ((recorded(robot, misread), "pose angles"), (in_radians, "rotary axes")):
+        found = named(robot, recording).explanation
+        assert (found.kind, found.text) == ("unit of angle", f"{what}: radians taken for degrees")
 
 
 def test_two_faults_at_once_are_named(robot: Robot) -> None:
@@ -236,3 +261,10 @@ def test_samples_are_repeatable_and_inside_the_limits() -> None:
 def test_bad_tolerances_are_refused(robot: Robot) -> None:
     with pytest.raises(ChainbuildError, match="tolerance"):
         crosscheck(robot, recorded(robot), CheckOptions(position_tolerance=0.0))
+
+
+def test_a_table_is_shown_by_its_counts(robot: Robot) -> None:
+    poses = np.array([robot.fk([0, -90, 90, 0, 30, k]).homogeneous for k in range(3)])
+    poses[1, :3, 3] *= 9.0
+    assert repr(robot.ik_batch(poses)) == "<IkTable of 3 rows: 2 ok, 1 unreachable; .axes, .status, .reasons(), [row]>"
+    assert repr(robot.ik_batch(poses[:0])).startswith("<IkTable of 0 rows: none;")
