@@ -34,11 +34,11 @@ if TYPE_CHECKING:
     from chainbuild.out.urdf import write_urdf
     from chainbuild.robot.collision import CollisionModel
     from chainbuild.robot.robot import Robot
-    from chainbuild.solve.batch import ik_all_batch
-    from chainbuild.solve.crosscheck import crosscheck
-    from chainbuild.solve.options import IkOptions
-    from chainbuild.solve.result import IkResult
-    from chainbuild.solve.table import IkTable
+    from chainbuild.solve.base.options import IkOptions
+    from chainbuild.solve.base.result import IkResult
+    from chainbuild.solve.check.crosscheck import crosscheck
+    from chainbuild.solve.closed.batch import ik_all_batch
+    from chainbuild.solve.damped.table import IkTable
     from chainbuild.twincat.as_universal import as_universal
     from chainbuild.twincat.catalogue import catalogue
     from chainbuild.urdf_in import from_urdf
@@ -70,11 +70,11 @@ _LAZY = {
     "write_urdf": "chainbuild.out.urdf",
     "CollisionModel": "chainbuild.robot.collision",
     "Robot": "chainbuild.robot.robot",
-    "ik_all_batch": "chainbuild.solve.batch",
-    "crosscheck": "chainbuild.solve.crosscheck",
-    "IkOptions": "chainbuild.solve.options",
-    "IkResult": "chainbuild.solve.result",
-    "IkTable": "chainbuild.solve.table",
+    "ik_all_batch": "chainbuild.solve.closed.batch",
+    "crosscheck": "chainbuild.solve.check.crosscheck",
+    "IkOptions": "chainbuild.solve.base.options",
+    "IkResult": "chainbuild.solve.base.result",
+    "IkTable": "chainbuild.solve.damped.table",
     "as_universal": "chainbuild.twincat.as_universal",
     "catalogue": "chainbuild.twincat.catalogue",
     "from_urdf": "chainbuild.urdf_in",

@@ -15,7 +15,7 @@ from pathlib import Path
 import chainbuild
 from chainbuild.conventions import conventions
 from chainbuild.findings import finding_kinds
-from chainbuild.solve.analytic import method_of
+from chainbuild.solve.closed.analytic import method_of
 from chainbuild.twincat.catalogue import title_of
 
 ROOT = Path(__file__).parent.parent

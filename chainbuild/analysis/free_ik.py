@@ -15,7 +15,7 @@ from chainbuild.robot.collision import CollisionModel
 if TYPE_CHECKING:
     import pinocchio as pin
 
-    from chainbuild.solve.result import IkResult
+    from chainbuild.solve.base.result import IkResult
 
 _ATTEMPTS: Final = 40
 _SEED: Final = 5

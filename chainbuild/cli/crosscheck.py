@@ -13,7 +13,7 @@ from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageErr
 from chainbuild.units import m_from_mm, rad_from_deg
 
 if TYPE_CHECKING:
-    from chainbuild.solve.crosscheck import CheckOptions, CrossCheck
+    from chainbuild.solve.check.crosscheck import CheckOptions, CrossCheck
 
 Kind = Literal["auto", "fk", "ik"]
 SampleName = Literal["random", "grid", "singular"]
@@ -42,7 +42,7 @@ class PoseOptions:
 
     def check_options(self, kind: Kind) -> CheckOptions:
         """Return the options of the comparison."""
-        from chainbuild.solve.crosscheck import CheckOptions
+        from chainbuild.solve.check.crosscheck import CheckOptions
 
         distance, angle = self.position_tolerance, self.rotation_tolerance
         return CheckOptions(
@@ -101,8 +101,8 @@ def crosscheck(
 
 def _compare(file: str, other: Path | str, check_options: CheckOptions, options: MachineOptions) -> CrossCheck:
     """Compare the machine with a recording (a path) or another solver (its name)."""
-    from chainbuild.solve.convention_trials import Selection
-    from chainbuild.solve.crosscheck import crosscheck as compare
+    from chainbuild.solve.check.convention_trials import Selection
+    from chainbuild.solve.check.crosscheck import crosscheck as compare
     from chainbuild.tables.recording import read_recording
 
     machine = options.machine(file)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from chainbuild.robot.robot import Robot
-    from chainbuild.solve.result import IkResult
+    from chainbuild.solve.base.result import IkResult
     from chainbuild.tables import AxisTable, PoseRow, PoseTable
 
     Vector = NDArray[np.float64]
@@ -98,7 +98,7 @@ def _solved(robot: Robot, table: PoseTable, row: PoseRow, begin: Vector | None, 
 @contextmanager
 def _telling_of_compilation() -> Iterator[None]:
     """Say what takes so long: with numba the solver is compiled at its first use and cached from then on."""
-    from chainbuild.solve import compiled
+    from chainbuild.solve.damped import compiled
 
     timer = Timer(_PATIENCE_S, note, ["compiling the solver; this happens once"])
     timer.daemon = True

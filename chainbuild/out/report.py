@@ -9,10 +9,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from chainbuild.solve.comparison import Forward, Inverse
-from chainbuild.solve.convention_trials import Trial
-from chainbuild.solve.crosscheck import CrossCheck
-from chainbuild.solve.diagnosis import Explanation
+from chainbuild.solve.check.comparison import Forward, Inverse
+from chainbuild.solve.check.convention_trials import Trial
+from chainbuild.solve.check.crosscheck import CrossCheck
+from chainbuild.solve.check.diagnosis import Explanation
 from chainbuild.units import deg_from_rad, mm_from_m
 
 _SHOWN_ROWS: Final = 12

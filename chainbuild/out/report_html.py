@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from chainbuild.out.files import write_text
 from chainbuild.out.report import crosscheck_text
 from chainbuild.out.svg_plots import Points, histogram, scatter
-from chainbuild.solve.crosscheck import CrossCheck
+from chainbuild.solve.check.crosscheck import CrossCheck
 from chainbuild.units import deg_from_rad, mm_from_m
 
 Vector = NDArray[np.float64]

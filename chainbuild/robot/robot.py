@@ -21,12 +21,12 @@ from chainbuild.robot.product import poses_at
 from chainbuild.robot.task import choose_task
 
 if TYPE_CHECKING:
-    from chainbuild.solve.branches import Branch
+    from chainbuild.solve.base.options import IkOptions
+    from chainbuild.solve.base.result import IkResult
+    from chainbuild.solve.closed.branches import Branch
+    from chainbuild.solve.damped.table import IkTable
     from chainbuild.solve.distribute import Distribution
-    from chainbuild.solve.options import IkOptions
     from chainbuild.solve.redundancy import Preference
-    from chainbuild.solve.result import IkResult
-    from chainbuild.solve.table import IkTable
 
 __all__ = ["Robot", "as_pose"]
 
@@ -228,7 +228,7 @@ class Robot:
             AxisValueError: start or held of wrong count, unknown name or not finite.
             ChainbuildError: a pose is no rigid transform.
         """
-        from chainbuild.solve.path import follow
+        from chainbuild.solve.damped.path import follow
 
         return follow(self, poses, start, held, progress, options)
 
@@ -254,7 +254,7 @@ class Robot:
             AxisValueError: starts or held of wrong count, unknown name or not finite.
             ChainbuildError: a pose is no rigid transform.
         """
-        from chainbuild.solve.many import solve_many
+        from chainbuild.solve.damped.many import solve_many
 
         return solve_many(self, poses, starts, held, progress, options)
 
@@ -268,8 +268,8 @@ class Robot:
     ) -> tuple[Branch, ...]:
         """Find every branch of a pose inside the limits, nearest to the start first, verified by forward kinematics.
 
-        Where a closed form is known (see `chainbuild.solve.analytic.method_of`) none is missing; else they are what
-        damped descents from many starts come upon.
+        Where a closed form is known (`chainbuild.solve.closed.analytic.method_of` tells) none is missing; else they
+        are what damped descents from many starts come upon.
 
         Args:
             T: Tool in the workpiece frame [m]: `pin.SE3` or a (4, 4) array.
@@ -280,7 +280,7 @@ class Robot:
         Raises:
             ChainbuildError: T is no rigid transform, or more axes are free than the pose determines.
         """
-        from chainbuild.solve.analytic import ik_all
+        from chainbuild.solve.closed.analytic import ik_all
 
         return ik_all(self, as_pose(T), start, held, windings=windings)
 

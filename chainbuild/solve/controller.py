@@ -24,10 +24,10 @@ from chainbuild import tolerances
 from chainbuild.chain.elements import ControllerSolver
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot.kinematics import damped_step
-from chainbuild.solve.axis_values import turned_axes
-from chainbuild.solve.query import Query
-from chainbuild.solve.result import IkResult, Status
-from chainbuild.solve.start import Held
+from chainbuild.solve.base.result import IkResult, Status
+from chainbuild.solve.base.start import Held
+from chainbuild.solve.closed.axis_values import turned_axes
+from chainbuild.solve.closed.query import Query
 from chainbuild.units import mm_from_m
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike
 
 from chainbuild import tolerances
 from chainbuild.chain.elements import AxisConstraint
-from chainbuild.solve.analytic import method_of, solve_analytic
-from chainbuild.solve.result import IkResult
-from chainbuild.solve.start import Held
+from chainbuild.solve.base.result import IkResult
+from chainbuild.solve.base.start import Held
+from chainbuild.solve.closed.analytic import method_of, solve_analytic
 
 if TYPE_CHECKING:
     import pinocchio as pin

@@ -8,12 +8,12 @@ from numpy.typing import ArrayLike
 
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot.robot import as_pose
-from chainbuild.solve.analytic import method_of, solve_analytic
+from chainbuild.solve.base.options import IkOptions
+from chainbuild.solve.base.result import IkResult
+from chainbuild.solve.base.start import Held
+from chainbuild.solve.closed.analytic import method_of, solve_analytic
 from chainbuild.solve.controller import budget_of, solve_controller
-from chainbuild.solve.damped import certainly_unreachable, solve
-from chainbuild.solve.options import IkOptions
-from chainbuild.solve.result import IkResult
-from chainbuild.solve.start import Held
+from chainbuild.solve.damped.solver import certainly_unreachable, solve
 from chainbuild.solve.within import kept_within
 
 if TYPE_CHECKING:

@@ -25,11 +25,11 @@ from chainbuild.chain.elements import AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot.kinematics import damped_step
 from chainbuild.robot.robot import as_pose
-from chainbuild.solve.axis_values import turned_axes
-from chainbuild.solve.freedoms import freedoms_of
-from chainbuild.solve.query import LIMIT_SLACK, Query
-from chainbuild.solve.result import IkResult
-from chainbuild.solve.start import Held
+from chainbuild.solve.base.freedoms import freedoms_of
+from chainbuild.solve.base.result import IkResult
+from chainbuild.solve.base.start import Held
+from chainbuild.solve.closed.axis_values import turned_axes
+from chainbuild.solve.closed.query import LIMIT_SLACK, Query
 from chainbuild.units import deg_from_rad, rad_from_deg
 
 if TYPE_CHECKING:

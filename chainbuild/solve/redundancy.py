@@ -17,9 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 from chainbuild import tolerances
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot.kinematics import Residual, damped_step
-from chainbuild.solve.freedoms import freedoms_of
-from chainbuild.solve.result import IkResult
-from chainbuild.solve.start import Held, start_point
+from chainbuild.solve.base.freedoms import freedoms_of
+from chainbuild.solve.base.result import IkResult
+from chainbuild.solve.base.start import Held, start_point
 
 if TYPE_CHECKING:
     import pinocchio as pin

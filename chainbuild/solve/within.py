@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from chainbuild import tolerances
 from chainbuild.robot.inputs import as_pose
-from chainbuild.solve.result import IkResult
+from chainbuild.solve.base.result import IkResult
 
 if TYPE_CHECKING:
     import pinocchio as pin

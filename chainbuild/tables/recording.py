@@ -10,7 +10,7 @@ import numpy as np
 from chainbuild import frames
 from chainbuild.chain.elements import Chain, Task
 from chainbuild.errors import Span, TableError
-from chainbuild.solve.crosscheck import Recording
+from chainbuild.solve.check.crosscheck import Recording
 from chainbuild.tables.axes import RESULT_COLUMNS
 from chainbuild.tables.poses import (
     ANGLE_COLUMNS,

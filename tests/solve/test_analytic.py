@@ -19,10 +19,10 @@ from chainbuild.chain.elements import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import rot_y
 from chainbuild.robot.robot import Robot
-from chainbuild.solve.analytic import ik_all, method_of, solve_analytic
-from chainbuild.solve.eaik_arm import eaik_answers, eaik_robot
-from chainbuild.solve.gather import gather
-from chainbuild.solve.query import Query
+from chainbuild.solve.closed.analytic import ik_all, method_of, solve_analytic
+from chainbuild.solve.closed.eaik_arm import eaik_answers, eaik_robot
+from chainbuild.solve.closed.gather import gather
+from chainbuild.solve.closed.query import Query
 from tests.solve.machines import ALL, poses, robot_of
 from tests.solve.test_direct import NOT_DIRECT, same_turns
 from tests.test_robot import arm, arm_elements, make_chain, random_axes, table_machine

@@ -12,9 +12,9 @@ import chainbuild
 from chainbuild.frames import transform
 from chainbuild.robot.product import Product, poses_at
 from chainbuild.robot.robot import Robot
-from chainbuild.solve.arm_reach import ArmReach, arm_reach
-from chainbuild.solve.options import DEFAULT, IkOptions
-from chainbuild.solve.problem import problem_of
+from chainbuild.solve.base.options import DEFAULT, IkOptions
+from chainbuild.solve.damped.arm_reach import ArmReach, arm_reach
+from chainbuild.solve.damped.problem import problem_of
 
 PLAIN = IkOptions(compiled=False)
 BOTH = pytest.mark.parametrize("options", [DEFAULT, PLAIN], ids=["compiled", "plain"])

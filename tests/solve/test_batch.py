@@ -15,11 +15,11 @@ import chainbuild
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot.robot import Robot, as_pose
-from chainbuild.solve import batch, compiled_opw, opw_branches, opw_constants
-from chainbuild.solve.batch import ik_all_batch
-from chainbuild.solve.opw_arm import opw_arm
-from chainbuild.solve.opw_branches import CONSTANTS
-from chainbuild.solve.query import Query
+from chainbuild.solve.closed import batch, compiled_opw, opw_branches, opw_constants
+from chainbuild.solve.closed.batch import ik_all_batch
+from chainbuild.solve.closed.opw_arm import opw_arm
+from chainbuild.solve.closed.opw_branches import CONSTANTS
+from chainbuild.solve.closed.query import Query
 from tests.solve.machines import poses
 from tests.test_robot import arm, table_machine
 

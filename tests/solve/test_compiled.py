@@ -10,10 +10,10 @@ import pytest
 
 import chainbuild
 from chainbuild.robot.robot import Robot
-from chainbuild.solve import compiled
-from chainbuild.solve.damped import solve
-from chainbuild.solve.options import DEFAULT, IkOptions
-from chainbuild.solve.problem import problem_of
+from chainbuild.solve.base.options import DEFAULT, IkOptions
+from chainbuild.solve.damped import compiled
+from chainbuild.solve.damped.problem import problem_of
+from chainbuild.solve.damped.solver import solve
 from tests.test_robot import arm, random_axes, table_machine
 
 PLAIN = IkOptions(compiled=False)
@@ -54,7 +54,7 @@ def test_numba_is_there_for_the_tests() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_kinematics_are_those_of_pinocchio(name: str) -> None:
-    from chainbuild.solve.compiled_kernels import pose_and_jacobian, unpack
+    from chainbuild.solve.damped.compiled_kernels import pose_and_jacobian, unpack
 
     robot, rng = load(name), np.random.default_rng(5)
     problem = problem_of(robot, None, None, DEFAULT)

@@ -10,8 +10,8 @@ import pytest
 import chainbuild
 from chainbuild.chain.elements import AxisConstraint, AxisSum
 from chainbuild.robot.robot import Robot
+from chainbuild.solve.base.result import IkResult
 from chainbuild.solve.coupled import kept, violated
-from chainbuild.solve.result import IkResult
 
 
 @pytest.fixture(scope="module")

@@ -10,9 +10,9 @@ import chainbuild
 from chainbuild import frames
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot.robot import Robot
-from chainbuild.solve.convention_trials import Selection
-from chainbuild.solve.crosscheck import CheckOptions, CrossCheck, Recording, crosscheck
-from chainbuild.solve.samples import make_samples
+from chainbuild.solve.check.convention_trials import Selection
+from chainbuild.solve.check.crosscheck import CheckOptions, CrossCheck, Recording, crosscheck
+from chainbuild.solve.check.samples import make_samples
 from tests.test_robot import arm, table_machine
 
 FEW = CheckOptions(count=60)

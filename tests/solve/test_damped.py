@@ -13,8 +13,8 @@ from chainbuild.chain.assemble import Element, rotary, shift
 from chainbuild.chain.elements import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot.robot import Robot
-from chainbuild.solve.freedoms import freedoms_of
-from chainbuild.solve.options import DEFAULT, IkOptions
+from chainbuild.solve.base.freedoms import freedoms_of
+from chainbuild.solve.base.options import DEFAULT, IkOptions
 from tests.test_robot import arm, make_chain, random_axes, table_machine
 
 BOTH = pytest.mark.parametrize("compiled", [True, False], ids=["compiled", "plain"])

@@ -11,11 +11,11 @@ from py_opw_kinematics import Robot as OpwRobot
 from scipy.spatial.transform import RigidTransform, Rotation
 
 import chainbuild
-from chainbuild.solve.conformal import arrow, coefficients, motion
-from chainbuild.solve.eaik_arm import eaik_answers, eaik_robot
-from chainbuild.solve.elimination import elimination
-from chainbuild.solve.query import Query
-from chainbuild.solve.serial import Screw, Serial
+from chainbuild.solve.closed.conformal import arrow, coefficients, motion
+from chainbuild.solve.closed.eaik_arm import eaik_answers, eaik_robot
+from chainbuild.solve.closed.elimination import elimination
+from chainbuild.solve.closed.query import Query
+from chainbuild.solve.closed.serial import Screw, Serial
 from tests.solve.test_analytic import ur5
 
 Rows = list[np.ndarray]

@@ -12,10 +12,10 @@ import chainbuild
 from chainbuild.machines import shipped
 from chainbuild.robot.robot import Robot
 from chainbuild.sinumerik.robx import MAIN_AXES
-from chainbuild.solve.analytic import ik_all, method_of
-from chainbuild.solve.branches import collect
-from chainbuild.solve.gather import gather
-from chainbuild.solve.query import Query
+from chainbuild.solve.closed.analytic import ik_all, method_of
+from chainbuild.solve.closed.branches import collect
+from chainbuild.solve.closed.gather import gather
+from chainbuild.solve.closed.query import Query
 from docs.robx_combinations import LAST_ROTARY, machine_data
 from tests.solve.machines import robot_of
 from tests.solve.test_direct import same_turns

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from chainbuild.solve.positioner import positioner
-from chainbuild.solve.roots import real_angles, real_lengths
-from chainbuild.solve.serial import Screw
-from chainbuild.solve.two_joints import reach_by_two
+from chainbuild.solve.closed.positioner import positioner
+from chainbuild.solve.closed.roots import real_angles, real_lengths
+from chainbuild.solve.closed.serial import Screw
+from chainbuild.solve.closed.two_joints import reach_by_two
 
 X, Y, Z = np.eye(3)
 ROWS = ["".join(kinds) for kinds in itertools.product("pr", repeat=3)]

@@ -7,7 +7,7 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import AxisValueError, ChainbuildError
-from chainbuild.solve.options import IkOptions
+from chainbuild.solve.base.options import IkOptions
 from tests.test_robot import arm, random_axes, table_machine
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chainbuild import frames
-from chainbuild.solve import subproblems as sub
+from chainbuild.solve.closed import subproblems as sub
 
 X, Y, Z = np.eye(3)
 

@@ -10,9 +10,9 @@ import pytest
 
 import chainbuild
 from chainbuild.robot.robot import Robot
-from chainbuild.solve.options import DEFAULT, IkOptions
-from chainbuild.solve.problem import Problem, problem_of
-from chainbuild.solve.turned_starts import LARGEST_STEP, TurnedStarts
+from chainbuild.solve.base.options import DEFAULT, IkOptions
+from chainbuild.solve.damped.problem import Problem, problem_of
+from chainbuild.solve.damped.turned_starts import LARGEST_STEP, TurnedStarts
 from tests.test_robot import arm, table_machine
 
 NAMES = (

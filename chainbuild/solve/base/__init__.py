@@ -1,0 +1,1 @@
+"""What every solver is asked and answers: limits, starts, results, options."""

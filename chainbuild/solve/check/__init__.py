@@ -1,0 +1,1 @@
+"""Cross-check: another solver or a recording beside the model, and what their difference says."""

@@ -1,0 +1,1 @@
+"""Closed forms: every branch of a pose."""
