@@ -37,6 +37,20 @@ def load(name: str) -> Robot:
     return made[name]() if name in made else chainbuild.load(name).chain().build()
 
 
+@cache
+def pose_and_jacobian() -> object:
+    """Return the compiled function with a wrapper that Python can call."""
+    import numba
+
+    from chainbuild.solve.damped.compiled_kernels import pose_and_jacobian as inner
+
+    @numba.njit
+    def outer(fixed, prismatic, A, b, y, T, J, column):
+        inner(fixed, prismatic, A, b, y, T, J, column)
+
+    return outer
+
+
 def poses(robot: Robot, count: int, seed: int) -> list[np.ndarray]:
     """Return poses inside all limits, input axes at 0."""
     rng, found = np.random.default_rng(seed), []
@@ -54,7 +68,7 @@ def test_numba_is_there_for_the_tests() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_kinematics_are_those_of_pinocchio(name: str) -> None:
-    from chainbuild.solve.damped.compiled_kernels import pose_and_jacobian, unpack
+    from chainbuild.solve.damped.compiled_kernels import unpack
 
     robot, rng = load(name), np.random.default_rng(5)
     problem = problem_of(robot, None, None, DEFAULT)
@@ -65,7 +79,7 @@ def test_kinematics_are_those_of_pinocchio(name: str) -> None:
         axes = random_axes(robot, rng)
         axes[[axis.held for axis in robot.axes]] = 0.0
         y = np.ascontiguousarray(problem.free_part(axes))
-        pose_and_jacobian(arrays.fixed, arrays.prismatic, arrays.A, arrays.b, y, T, J, column)
+        pose_and_jacobian()(arrays.fixed, arrays.prismatic, arrays.A, arrays.b, y, T, J, column)
         np.testing.assert_allclose(T, robot.fk(axes).homogeneous[:3], atol=1e-12)
         np.testing.assert_allclose(J, robot.jacobian(axes)[:, problem.free], atol=1e-10)
 

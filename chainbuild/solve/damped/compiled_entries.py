@@ -30,7 +30,6 @@ from chainbuild.solve.damped.compiled_search import is_rigid, search, track
 kept: Final[Any] = numba.njit(cache=True, **FAST)
 kept_parallel: Final[Any] = numba.njit(cache=True, parallel=True, **FAST)
 
-_ALONE: Final = 512  # fewer poses are left to one core: waking another that is busy can take milliseconds
 _MODULES: Final = (
     compiled_kernels,
     compiled_limits,
@@ -84,7 +83,7 @@ def one_of_many(data, rows, sizes, target, start, has_start, wanted, accuracy, r
 def _search_many(fingerprint: int) -> Any:
     @kept_parallel
     def search_many(data, rows, sizes, targets, starts, has_start, wanted, accuracy, restarts, y, counts, misses):
-        """Search for many targets, on all cores where they are worth it.
+        """Search for many targets on all cores.
 
         Args:
             data: The problem in one array,
@@ -100,24 +99,6 @@ def _search_many(fingerprint: int) -> Any:
             counts: (N, 3) out: outcome, steps, starts after the first.
             misses: (N, 2) out: distance and angle left.
         """
-        if len(targets) < _ALONE:
-            for i in range(len(targets)):
-                start = starts[i % len(starts)]  # one for all, or one a pose
-                one_of_many(
-                    data,
-                    rows,
-                    sizes,
-                    targets[i],
-                    start,
-                    has_start,
-                    wanted,
-                    accuracy,
-                    restarts,
-                    y[i],
-                    counts[i],
-                    misses[i],
-                )
-            return
         for i in numba.prange(len(targets)):
             start = starts[np.int64(i) % len(starts)]
             one_of_many(

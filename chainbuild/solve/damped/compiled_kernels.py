@@ -13,7 +13,9 @@ import numba
 import numpy as np
 
 FAST: Final[Mapping[str, Any]] = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz", "arcp"}}
-jit: Final[Any] = numba.njit(**FAST)
+# Without the wrappers that Python and C would call: a quarter less to compile.
+INNER: Final[Mapping[str, Any]] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, **FAST}
+jit: Final[Any] = numba.njit(**INNER)
 
 
 class Arrays(NamedTuple):

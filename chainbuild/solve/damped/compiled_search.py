@@ -223,8 +223,9 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
     if has_start and least < np.inf:
         # The branch that the start is on tells best what is in the way.
         y[:] = start
+        inside = attempt < 0  # numba would compile the descent once more for a literal
         met, _, taken = descend(
-            problem, target, y, work, False, accuracy[0], close_enough, rules.MAX_STEPS, rules.STALL_SHARE
+            problem, target, y, work, inside, accuracy[0], close_enough, rules.MAX_STEPS, rules.STALL_SHARE
         )
         iterations += taken
         if met:
@@ -277,6 +278,7 @@ def track(problem, work, targets, last, accuracy, most, y, counts, misses):
         How many poses were met, each within `most` of the one before.
     """
     close_enough = min(accuracy[1], accuracy[2]) ** 2
+    inside = len(targets) > 0
     for i in range(len(targets)):
         now = y[i]
         now[:] = last
@@ -284,7 +286,7 @@ def track(problem, work, targets, last, accuracy, most, y, counts, misses):
             for n in range(len(now)):
                 now[n] = min(max(2.0 * last[n] - y[i - 2, n], problem.lower[n]), problem.upper[n])
         met, _, taken = descend(
-            problem, targets[i], now, work, True, accuracy[0], close_enough, rules.MAX_STEPS, rules.STALL_SHARE
+            problem, targets[i], now, work, inside, accuracy[0], close_enough, rules.MAX_STEPS, rules.STALL_SHARE
         )
         largest = 0.0
         for n in range(len(now)):

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
+_ALONE: Final = 512  # fewer poses are left to one core: waking another that is busy can take milliseconds
 _CHUNK: Final = 8192  # poses between two looks at the progress bar and the keyboard
 
 
@@ -88,8 +89,8 @@ def solve_many(
             first = np.ascontiguousarray(begin[:, problem.free] * problem.factors)
         columns = Columns.of(len(targets), len(problem.free))
         packed = compiled.packed(problem) if options.compiled and compiled.available() else None
-        if packed is None:
-            _plain(problem, targets, first, columns, options, advance)
+        if packed is None or len(targets) < _ALONE:
+            _one_by_one(problem, targets, first, columns, options, advance)
         else:
             _compiled(problem, packed, targets, first, columns, options, advance)
     return columns.table(problem, targets, first, options)
@@ -119,7 +120,7 @@ def _compiled(
         advance(len(rows[0]))
 
 
-def _plain(
+def _one_by_one(
     problem: Problem, targets: Matrix, first: Matrix | None, columns: Columns, options: IkOptions, advance: Any
 ) -> None:
     for row, target in enumerate(targets):
