@@ -19,6 +19,9 @@ _LETTERS = "XYZ"
 _USE_LENGTH_B = ("NR", "CC", "NN")
 _BEND = ("NR", "CC", "SC")
 _REACH = ("NR", "CC", "NN")
+_QUARTER = math.pi / 2.0
+_MOST_QUARTERS = 4
+_RADIAN_DIGITS = 5e-4  # 1.571, 1.5708 and 1.570796 are quarter turns, 1.57 may be an angle
 
 
 def check_plausible(robx: Robx, collector: Collector) -> None:
@@ -28,7 +31,23 @@ def check_plausible(robx: Robx, collector: Collector) -> None:
     for name in _other_vectors(robx):
         _check_parts(report, name)
     _check_forearm_frame(report)
+    _check_upper_arm(report)
     _check_lengths(report)
+    _check_radians(report)
+
+
+def _check_radians(report: Report) -> None:
+    """Warn of angles that are quarter turns in radians, to the digits given: machine data count in degrees."""
+    data = report.robx.data
+    for row in data.package_rows(te4=data.te4):
+        if row.datum.unit != "deg" or isinstance(row.value, str):
+            continue
+        quarters = round(row.value / _QUARTER)
+        if quarters and abs(quarters) <= _MOST_QUARTERS and abs(row.value - quarters * _QUARTER) < _RADIAN_DIGITS:
+            name = row.datum.name.removeprefix("ROBX_")
+            element = "" if row.index is None else f"[{row.index}]"
+            text = f"{name}{element} is {row.value:g}: machine data count angles in degrees, is this {90 * quarters}°?"
+            report.collector.add("CB350", text, span=row.span, parameter=report.robx.parameter(name))
 
 
 def _check_extra_vectors(report: Report) -> None:
@@ -72,6 +91,15 @@ def _check_forearm_frame(report: Report) -> None:
     if robx.arrangement == "NR" and robx.num_axes > 4 and not robx.given("TX3P3_RPY"):
         text = f"{robx.parameter('TX3P3_RPY')} is missing: its default 0, 0, 0 lays axis 4 across the forearm"
         report.add("CB348", text, ("TX3P3_RPY", "TX3P3_POS"), hint="0, 90, 0 is usual: axis 4 along the forearm")
+
+
+def _check_upper_arm(report: Report) -> None:
+    """Warn of an arm whose lengths the file leaves to the default: 500 mm are hardly anybody's."""
+    robx = report.robx
+    if robx.arrangement in _USE_LENGTH_B and not robx.given("MAIN_LENGTH_AB"):
+        shown = ", ".join(f"{length:g}" for length in robx.lengths_mm[:2])
+        text = f"{robx.parameter('MAIN_LENGTH_AB')} is missing: its default {shown} mm counts"
+        report.add("CB351", text, ("MAIN_LENGTH_AB",))
 
 
 def _check_lengths(report: Report) -> None:

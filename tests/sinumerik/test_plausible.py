@@ -17,7 +17,7 @@ def found(text, code):
 
 
 def doubts(text):
-    codes = ("CB346", "CB347", "CB348", "CB349", "CB512", "CB513", "CB514")
+    codes = ("CB346", "CB347", "CB348", "CB349", "CB350", "CB351", "CB512", "CB513", "CB514")
     return [finding.code for finding in read(text).findings if finding.code in codes]
 
 
@@ -138,3 +138,20 @@ def test_limits_twice_for_one_axis_with_the_same_value():
     same = LIMITS.format("AX1") + "\n" + LIMITS.format("X1") + '\n$MN_AXCONF_MACHAX_NAME_TAB[0]="X1"'
     assert not found(robx_text(NR6, extra=same), "CB113")
     assert len(found(robx_text(NR6, extra=same.replace("PLUS[X1]=90", "PLUS[X1]=80")), "CB113")) == 1
+
+
+@pytest.mark.parametrize(("value", "degrees"), [(1.5708, 90), (-1.570796, -90), (3.1416, 180), (4.71239, 270)])
+def test_angles_in_radians(value, degrees):
+    (finding,) = found(robx_text({**NR6, "TX3P3_RPY": (0, value, 0)}), "CB350")
+    assert finding.severity == "warning"
+    assert f"TX3P3_RPY[1] is {value:g}: machine data count angles in degrees, is this {degrees}°?" in finding.text
+
+
+@pytest.mark.parametrize("value", [0, 90, 1.5, 1.57, 3.14, 1.6, 89.9])
+def test_angles_that_are_none_in_radians(value):
+    assert found(robx_text({**NR6, "TX3P3_RPY": (0, value, 0)}), "CB350") == []
+
+
+def test_the_lengths_are_left_to_the_default():
+    (finding,) = found(robx_text(without("MAIN_LENGTH_AB")), "CB351")
+    assert "MAIN_LENGTH_AB is missing: its default 0, 500 mm counts" in finding.text
