@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from chainbuild.analysis.thresholds import Judgement, Stretch, Thresholds
     from chainbuild.robot.robot import Robot
 
+_LEVELS = {"singular": "singular", "watched": "watched", "clear": "above its thresholds"}
 _DIGITS = 6  # of mm/s and deg/s: the last ones are noise
 
 
@@ -162,7 +163,7 @@ class _Shown:
         shown.add_row("characteristic length", f"{mm_from_m(measures.length):.6g} mm")
         judgement = self.judgements.get(0)
         if judgement is not None and self.limits is not None:
-            level = f"{judgement.level}{', A5 within ITERLIMIT' if judgement.hand_limit else ''}"
+            level = _LEVELS[judgement.level] + (", A5 within ITERLIMIT" if judgement.hand_limit else "")
             shown.add_row("for the control", f"{level} ({_thresholds(self.limits)})")
         out.print(shown)
         self._print_speeds(report)
