@@ -148,3 +148,11 @@ def test_an_axis_held_between_gives_a_table_of_its_own_but_not_without_end() -> 
     assert tables[3] is None
     outside = problem_of(chainbuild.load("irb2600_track").chain().build(), None, {"EX1": 500.0}, DEFAULT)
     assert outside.turned_starts() is not None
+
+
+@pytest.mark.parametrize("options", [DEFAULT, IkOptions(compiled=False)], ids=["compiled", "plain"])
+@pytest.mark.parametrize("axes", [(115.32, -129.73, 66.33, -85.56, -103.14), (130.66, -129.65, 60.31, -59.76, 133.59)])
+def test_an_arm_that_reaches_just_behind_its_first_axis(axes: tuple[float, ...], options: IkOptions) -> None:
+    """From before the axis it stands half a turn away and outside its limits; in a corner of these lies the answer."""
+    robot = load("palletiser_kin213")
+    assert robot.ik(robot.fk(axes), solver="damped", options=options).success

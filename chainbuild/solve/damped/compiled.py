@@ -90,8 +90,8 @@ def _turned(
     """Return sizes, what is in single precision, and what is not of turned starts, empty where there are none."""
     if starts is None:
         parts = (np.empty((0, n)), np.empty((0, n + 2, 12)), np.eye(4), np.eye(4), (1.0, 1.0), (1.0,))
-        return (0, 0, 0), np.empty((7, 0), np.float32), parts
+        return (0, 0, 0), np.empty((8, 0), np.float32), parts
     points = starts.points
-    rows = np.ascontiguousarray(np.vstack([points.rows, points.offsets]))
+    rows = np.ascontiguousarray(np.vstack([points.rows, points.offsets, points.edges]))
     parts = (points.values, points.maps, starts.before, starts.after, starts.signs, (points.scale,))
     return (len(points.values), starts.first, starts.last), rows, parts

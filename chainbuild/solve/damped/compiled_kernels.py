@@ -43,7 +43,7 @@ class Arrays(NamedTuple):
     turned_before: Any  # (4, 4)
     turned_after: Any  # (4, 4)
     turned_signs: Any  # (2,)
-    turned_rows: Any  # (7, points), single precision; the last are the offsets
+    turned_rows: Any  # (8, points), single precision; the last are offsets and edges
     turned_scale: Any  # float
     turned_first: Any  # int
     turned_last: Any  # int

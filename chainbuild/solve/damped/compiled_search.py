@@ -14,7 +14,7 @@ from chainbuild import tolerances
 from chainbuild.solve.base import rules
 from chainbuild.solve.damped.compiled_kernels import damped_step, jit, pose_and_jacobian, tool_error, weigh
 from chainbuild.solve.damped.compiled_limits import excess, near, onto_sums, turn_inside, turned_inside
-from chainbuild.solve.damped.compiled_starts import next_start, rank_starts
+from chainbuild.solve.damped.compiled_starts import forget_edges, next_start, rank_starts
 
 _OK: Final = rules.OK
 _LIMITS: Final = rules.LIMITS
@@ -193,6 +193,8 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
         else:
             if attempt == (1 if has_start else 0):
                 rank_starts(problem, work, target, distances)
+            elif attempt == (2 if has_start else 1):
+                forget_edges(problem.turned_rows, distances)
             next_start(problem, work, distances, attempt, wanted, y)
         inside = attempt % rules.FREE_EVERY != rules.FREE_EVERY - 1
         met, squared, taken = descend(

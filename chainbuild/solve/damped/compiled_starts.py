@@ -43,12 +43,19 @@ def rank_starts(problem, work, target, distances):
 
 @all_fast
 def _rank(rows, key, distances):
-    """Write the weighted squared distance of each point's key; the last of the rows are the offsets."""
+    """Write the weighted squared distance of each point's key, and what it stands at the edge."""
     a, b, c, d, e, f = key[0], key[1], key[2], key[3], key[4], key[5]
     for s in range(len(distances)):
         near = a * rows[0, s] + b * rows[1, s] + c * rows[2, s]
         turned = d * rows[3, s] + e * rows[4, s] + f * rows[5, s]
-        distances[s] = near + turned + rows[6, s]
+        distances[s] = near + turned + rows[6, s] + rows[7, s]
+
+
+@all_fast
+def forget_edges(rows, distances):
+    """Take off what points stand at the edge: that is for the first start alone."""
+    for s in range(rows.shape[1]):
+        distances[s] -= rows[7, s]
 
 
 @all_fast

@@ -207,22 +207,25 @@ class _Starts:
     def __init__(self, problem: Problem, target: Matrix, wanted: Vector) -> None:
         self.problem, self.wanted, self.turned = problem, wanted, problem.turned_starts()
         self.query: Query | None = None
+        self.edges: NDArray[np.floating] | None = None
         self.left: NDArray[np.floating]
         if self.turned is None:
             self.left = problem.starts.distances(target)
         else:
             self.query = self.turned.query(target)
             self.left = self.turned.distances(self.query)
+            self.edges = self.turned.points.edges
 
     def next(self, attempt: int) -> Vector:
         """Return a start not yet taken."""
         left, points = self.left, self.problem.starts.points
+        edges, self.edges = self.edges, None  # they are for the first start alone
         if not len(left):
             return self.wanted
         for _ in range(rules.TURN_TRIES):
             n = attempt % len(left)
             if attempt < rules.NEAREST_FIRST or attempt % 2 == 0 or left[n] == math.inf:
-                n = int(left.argmin())
+                n = int((left if edges is None else left + edges).argmin())
             left[n] = math.inf
             if self.turned is None or self.query is None:
                 break
