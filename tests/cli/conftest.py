@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import signal
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
+import chainbuild
 from chainbuild.cli import main
 
 REFERENCE = Path(__file__).parent.parent / "data" / "reference"
@@ -24,8 +26,27 @@ class Outcome:
 Run = Callable[..., Outcome]
 
 
+@pytest.fixture(scope="session")
+def compiled_solver() -> None:
+    """Have the solver compiled: the first command would say on stderr that it takes long."""
+    robot = chainbuild.load("gantry_ss").chain().build()
+    assert robot.ik(robot.fk([0.0] * len(robot.axes))).success
+
+
+@pytest.fixture(autouse=True)
+def heeds_interrupts() -> Iterator[None]:
+    """Let an interrupt through where the tests were started in the background, which would have it ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    hang_up = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGINT, before)
+    signal.signal(signal.SIGHUP, hang_up)
+
+
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+def run(
+    compiled_solver: None, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Run:
     """Return a function that runs the command in an empty folder."""
     monkeypatch.chdir(tmp_path)
 
