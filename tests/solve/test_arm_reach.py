@@ -143,3 +143,13 @@ def test_with_the_track_held_the_arm_is_what_stands_on_it(options: IkOptions) ->
     assert found.success
     far = robot.ik(T, held={"EX1": 6000.0}, options=options)
     assert "the arm would have to be" in far.reason
+
+
+def test_what_lies_along_parallel_axes_adds_up_with_its_signs() -> None:
+    """Aside by 0.13 before three parallel axes, back by 0.12 between them, aside by 0.05 behind: 0.06 in all."""
+    to_y, back = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]), np.eye(3)[[0, 2, 1]] * [1.0, -1.0, 1.0]
+    turns = [np.eye(3), to_y, np.eye(3), np.eye(3), back, np.eye(3)]
+    shifts = [(0.0, 0.0, 0.0), (0.0, 0.13, 0.0), (0.4, 0.0, -0.12), (0.39, 0.0, 0.0), (0.0, 0.0, 0.05), (0.0, 0.0, 0.0)]
+    fixed = np.array([transform(R, t) for R, t in zip(turns, shifts, strict=True)])
+    reach = known_reach(Product(fixed, np.zeros(5, dtype=bool), np.eye(5), np.zeros(5)))
+    assert reach.length == pytest.approx(np.hypot(0.06, 0.79), rel=1e-6)

@@ -13,6 +13,7 @@ from chainbuild.robot.robot import Robot
 from chainbuild.solve.base.options import DEFAULT, IkOptions
 from chainbuild.solve.damped.problem import Problem, problem_of
 from chainbuild.solve.damped.turned_starts import LARGEST_STEP, TurnedStarts
+from chainbuild.solve.damped.turned_table import COUNT
 from tests.test_robot import arm, table_machine
 
 NAMES = (
@@ -156,3 +157,15 @@ def test_an_arm_that_reaches_just_behind_its_first_axis(axes: tuple[float, ...],
     """From before the axis it stands half a turn away and outside its limits; in a corner of these lies the answer."""
     robot = load("palletiser_kin213")
     assert robot.ik(robot.fk(axes), solver="damped", options=options).success
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_points_seen_from_behind_have_the_key_of_what_is_half_a_turn_away(name: str) -> None:
+    points = table_of(load(name))[1].points
+    keys = -points.rows[:5] / (2.0 * points.rows[5])
+    front, behind = keys[:, :COUNT], keys[:, COUNT:]
+    assert behind.shape[1] > 0
+    assert (front[0] >= 0.0).all()
+    mirror = np.array([-1.0, 1.0, -1.0, -1.0, 1.0])
+    for key in behind.T:
+        assert np.abs(front.T - key * mirror).max(axis=1).min() < 1e-6
