@@ -106,12 +106,16 @@ def _read_bytes(path: Path) -> bytes:
     if path.is_dir():
         raise FileAccessError("this is a folder, not a machine file", span=Span(name))
     try:
-        size = path.stat().st_size
-        if size > tolerances.MAX_FILE_BYTES:
+        with path.open("rb") as stream:
+            # What is read counts, not what the file system says: a device or a pipe has the size 0 and may never end.
+            raw = stream.read(tolerances.MAX_FILE_BYTES + 1)
+        if len(raw) > tolerances.MAX_FILE_BYTES:
             raise FileContentError(
-                f"the file has {size} bytes", span=Span(name), permitted=f"at most {tolerances.MAX_FILE_BYTES} bytes"
+                f"the file has {max(len(raw), path.stat().st_size)} bytes",
+                span=Span(name),
+                permitted=f"at most {tolerances.MAX_FILE_BYTES} bytes",
             )
-        return path.read_bytes()
+        return raw
     except FileNotFoundError:
         raise FileAccessError("no such file", span=Span(name)) from None
     except PermissionError:

@@ -46,6 +46,12 @@ def test_a_file_that_is_too_large(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert "14 bytes" in errors(path)[0]
 
 
+def test_a_device_that_never_ends_does_not_fill_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("chainbuild.tolerances.MAX_FILE_BYTES", 10)
+    (text,) = errors(Path("/dev/zero"))
+    assert text == "the file has 11 bytes"
+
+
 def test_what_cannot_be_read_is_raised(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "missing.lis"):
         with pytest.raises(FileAccessError):
