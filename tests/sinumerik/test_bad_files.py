@@ -94,10 +94,10 @@ def test_a_forbidden_file(tmp_path, monkeypatch):
     path = tmp_path / "arm.tea"
     path.write_text(nr6())
 
-    def forbidden(self):
+    def forbidden(self, mode):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "read_bytes", forbidden)
+    monkeypatch.setattr(Path, "open", forbidden)
     with pytest.raises(FileAccessError, match="permission"):
         read_source(path)
 

@@ -208,10 +208,10 @@ def test_a_file_that_may_not_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyP
     path = tmp_path / "secret.lis"
     path.write_text(ARM)
 
-    def refuse(_self: Path) -> bytes:
+    def refuse(_self: Path, _mode: str) -> None:
         raise PermissionError
 
-    monkeypatch.setattr(Path, "read_bytes", refuse)
+    monkeypatch.setattr(Path, "open", refuse)
     with pytest.raises(FileAccessError, match="permission denied"):
         chainbuild.load(path)
 
