@@ -151,12 +151,10 @@ class Box:
             far = float(wanted[n]) - value
             if not -math.pi <= far <= math.pi:
                 value += math.tau * round(far / math.tau)
-            if value > upper:
-                value -= math.tau * math.ceil((value - upper) / math.tau)
-            elif value < lower:
-                value += math.tau * math.ceil((lower - value) / math.tau)
             if not lower <= value <= upper:
-                return None
+                value = self._turned_inside(n, value)
+                if not lower <= value <= upper:
+                    return None
             y[n] = value
         for n, (value, (lower, upper)) in enumerate(zip(y, self._limits, strict=True)):
             if not lower <= value <= upper:

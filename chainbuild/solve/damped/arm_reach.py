@@ -57,10 +57,6 @@ class ArmReach:
     after: Matrix
     length: float
 
-    def is_short_of(self, target: Matrix) -> bool:
-        """Return whether a target (4, 4) is certainly too far away."""
-        return self.distance(target) > self.length
-
     def distance(self, target: Matrix) -> float:
         """Return how far away the last joint would have to be for a target (4, 4) [m]."""
         x, y, z = self.before.dot(target).dot(self.after)[:3, 3].tolist()

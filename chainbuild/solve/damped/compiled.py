@@ -65,22 +65,21 @@ def packed(problem: Problem) -> Packed | None:
 
 
 def _pack(problem: Problem) -> Packed | None:
-    product = problem.robot.kinematics.product
-    if product is None:
+    row = problem.row
+    if row is None:
         return None
-    box, starts, A = problem.box, problem.starts, product.A[:, problem.free]
-    weights = problem.weights
+    box, starts, weights = problem.box, problem.starts, problem.weights
     reach = problem.arm
     arm = (np.eye(4), np.eye(4), (np.inf,)) if reach is None else (reach.before, reach.after, (reach.length,))
-    own, rows, turned = _turned(problem.turned_starts(), A.shape[1])
+    own, rows, turned = _turned(problem.turned_starts(), row.A.shape[1])
     parts = (
-        product.fixed[:, :3], product.prismatic, A, product.b + product.A @ problem.x,
+        row.fixed[:, :3], row.prismatic, row.A, row.b,
         box.lower, box.upper, box.periodic, box.sums, box.sum_lower, box.sum_upper,
         weights, starts.points, starts.features, starts.scale, *arm, *turned,
     )  # fmt: skip
     flat = [np.asarray(part, dtype=float).ravel() for part in parts]
     task = (problem.axis, problem.shown_axis, np.count_nonzero(weights), (weights != 1.0).any())
-    sizes = (*A.shape, len(box.sums), len(starts.points), *task, *own, *np.cumsum([len(part) for part in flat]))
+    sizes = (*row.A.shape, len(box.sums), len(starts.points), *task, *own, *np.cumsum([len(part) for part in flat]))
     return Packed((np.concatenate(flat), rows, np.array(sizes, dtype=np.int64)))
 
 

@@ -24,7 +24,7 @@ from chainbuild.solve.damped import (
     turned_starts,
     turned_table,
 )
-from chainbuild.solve.damped.compiled_kernels import FAST, jit, unpack, work_of
+from chainbuild.solve.damped.compiled_kernels import FAST, unpack, work_of
 from chainbuild.solve.damped.compiled_search import is_rigid, search, track
 
 kept: Final[Any] = numba.njit(cache=True, **FAST)
@@ -69,17 +69,6 @@ def _search_one(fingerprint: int) -> Any:
     return search_one
 
 
-@jit
-def one_of_many(data, rows, sizes, target, start, has_start, wanted, accuracy, restarts, y, counts, misses):
-    """Check a target, search for it and write its row; see `search_many`."""
-    counts[0] = rules.NOT_RIGID
-    if is_rigid(target, accuracy[3]):
-        problem, work, outside = unpack(data, rows, sizes), work_of(sizes[1]), np.empty(sizes[1])
-        near_to = start if has_start else wanted
-        ended = search(problem, work, target, start, has_start, near_to, accuracy, restarts, y, outside)
-        counts[0], counts[1], counts[2], misses[0], misses[1] = ended
-
-
 def _search_many(fingerprint: int) -> Any:
     @kept_parallel
     def search_many(data, rows, sizes, targets, starts, has_start, wanted, accuracy, restarts, y, counts, misses):
@@ -100,11 +89,13 @@ def _search_many(fingerprint: int) -> Any:
             misses: (N, 2) out: distance and angle left.
         """
         for i in numba.prange(len(targets)):
-            start = starts[np.int64(i) % len(starts)]
-            one_of_many(
-                data, rows, sizes, targets[i], start, has_start, wanted, accuracy, restarts, y[i], counts[i], misses[i]
-            )
-        counts[0, 0] += 0 * fingerprint
+            counts[i, 0] = rules.NOT_RIGID + 0 * fingerprint
+            if is_rigid(targets[i], accuracy[3]):
+                problem, work, outside = unpack(data, rows, sizes), work_of(sizes[1]), np.empty(sizes[1])
+                start = starts[np.int64(i) % len(starts)]  # one for all, or one a pose
+                near_to = start if has_start else wanted
+                ended = search(problem, work, targets[i], start, has_start, near_to, accuracy, restarts, y[i], outside)
+                counts[i, 0], counts[i, 1], counts[i, 2], misses[i, 0], misses[i, 1] = ended
 
     return search_many
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from chainbuild.solve.base import rules
 from chainbuild.solve.damped.compiled_kernels import jit
+from chainbuild.solve.damped.compiled_limits import turned_inside
 from chainbuild.solve.damped.turned_starts import LARGEST_STEP
 from chainbuild.solve.damped.turned_table import NO_RADIUS
 
@@ -145,10 +146,7 @@ def _turned(problem, work, taken, wanted, y):
         value, far = y[m], wanted[m] - y[m]
         if not -math.pi <= far <= math.pi:
             value += _TURN * np.round(far / _TURN)
-        if value > upper[m]:
-            value -= _TURN * math.ceil((value - upper[m]) / _TURN)
-        elif value < lower[m]:
-            value += _TURN * math.ceil((lower[m] - value) / _TURN)
+        value = turned_inside(problem, m, value)
         if not lower[m] <= value <= upper[m]:
             return False
         y[m] = value

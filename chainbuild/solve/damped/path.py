@@ -126,8 +126,7 @@ def _easy_stretch(
     part = slice(row, row + len(targets))
     if packed is not None:
         rows = (columns.y[part], columns.counts[part], columns.misses[part])
-        accuracy = options.accuracy
-        done: int = compiled.entries().track_many(*packed.arrays, targets, last, accuracy, _MOST, *rows)
+        done: int = compiled.entries().track_many(*packed.arrays, targets, last, options.accuracy, _MOST, *rows)
         return done
     one_descent = replace(options, max_restarts=0)
     for n, target in enumerate(targets):

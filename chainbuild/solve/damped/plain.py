@@ -65,8 +65,8 @@ class _Search:
 
     def __init__(self, problem: Problem, target: Matrix, wanted: Vector, options: IkOptions) -> None:
         self.problem, self.box, self.target, self.wanted = problem, problem.box, target, wanted
-        self.task = task = problem.plain[0] if problem.plain else task_of(problem)
-        self.error, self.damping = task.error_of(target), task.damping
+        self.task = task_of(problem)
+        self.error, self.damping = self.task.error_of(target), self.task.damping
         self.coupled = len(self.box.sums) > 0
         self.goal, self.position_tolerance, self.rotation_tolerance, _ = options.accuracy.tolist()
         self.close_enough = min(self.position_tolerance, self.rotation_tolerance) ** 2
@@ -100,7 +100,9 @@ class _Search:
                     least, outside = beyond, y
             elif inside and squared < nearest:
                 nearest, best = squared, y
-            if least == math.inf and (attempt + 1 >= rules.HOPELESS or (attempt == 0 and self.too_far())):
+            if least == math.inf and (
+                attempt + 1 >= rules.HOPELESS or (attempt == 0 and self.problem.arm_too_short(self.target) is not None)
+            ):
                 break
         if start is not None and least < math.inf:
             # The branch that the start is on tells best what is in the way.
@@ -179,20 +181,16 @@ class _Search:
             step = self.damping.step(J, error, damping)
         return box.clamp(box.into(y + step))
 
-    def too_far(self) -> bool:
-        """Return whether the arm is certainly too short."""
-        arm = self.problem.arm
-        return arm is not None and arm.is_short_of(self.target)
-
     def verified(self, distance: float, angle: float) -> bool:
         """Return whether an answer is within tolerance."""
         return distance <= self.position_tolerance and (angle <= self.rotation_tolerance or not self.problem.turns)
 
 
 def task_of(problem: Problem) -> Task:
-    """Return a problem's task, prepared once."""
-    weights = (problem.weights, problem.axis, problem.shown_axis)
-    problem.plain.append(Task(problem.robot.kinematics, problem.free, problem.x, *weights))
+    """Return a problem's task, prepared at first use."""
+    if not problem.plain:
+        weights = (problem.weights, problem.axis, problem.shown_axis)
+        problem.plain.append(Task(problem.robot.kinematics, problem.free, problem.x, *weights))
     return problem.plain[0]
 
 

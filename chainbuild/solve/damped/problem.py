@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.chain.elements import Task as TaskKind
 from chainbuild.robot.error import Task
+from chainbuild.robot.product import Product
 from chainbuild.solve.base.freedoms import Box, freedoms_of
 from chainbuild.solve.base.options import IkOptions
 from chainbuild.solve.base.start import Held, start_point
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from chainbuild.robot.robot import Robot
 
 Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
 
 _ROUNDED: Final = 1e-6  # mm or degrees: a held axis this close beyond its limit stands on it
 _KEPT: Final = 16  # problems kept a robot: additional axes may take another value with every pose
@@ -51,14 +53,15 @@ class Problem:
         factors: (n_free,) mm and degrees to SI.
         reach: Bound on the distance between workpiece and tool [m].
         bounded: Whether the whole distance counts, so that `reach` can refuse a target.
+        row: The chain from the workpiece to the tool by the free axes; None where the axis map is not affine.
         arm: How far the turning joints reach, where all six parts of the pose are asked for and there are no others.
         starts: Configurations to start from.
         turns: Whether any turn counts.
         held_beyond: Words for each held axis that stands outside its limits: no answer is one then.
-        plain: The task for the plain path, filled in at its first use.
         seed: Seed of the tables.
         turned: The table of turned starts or None, filled in at its first use.
-        compiled: The problem as one array for the compiled path, filled in at its first use.
+        plain: The task for the plain path, filled in at its first use.
+        compiled: The problem in few arrays for the compiled path, filled in at its first use.
     """
 
     robot: Robot
@@ -75,6 +78,7 @@ class Problem:
     factors: Vector
     reach: float
     bounded: bool
+    row: Product | None
     arm: ArmReach | None
     starts: Starts
     turns: bool
@@ -87,9 +91,14 @@ class Problem:
     def turned_starts(self) -> TurnedStarts | None:
         """Return the table of turned starts where all six parts of the pose are asked for and the arm has one."""
         if not self.turned:
-            where = (self.box, self.middle, self.free, self.x, self.seed)
-            self.turned.append(turned_starts(self.robot, *where) if _whole(self.weights, self.axis) else None)
+            row = self.row if _whole(self.weights, self.axis) else None
+            made = None if row is None else turned_starts(self.robot, row, self.box, self.middle, self.seed)
+            self.turned.append(made)
         return self.turned[0]
+
+    def arm_too_short(self, target: Matrix) -> ArmReach | None:
+        """Return the arm where it is certainly too short for a target (4, 4)."""
+        return self.arm if self.arm is not None and self.arm.distance(target) > self.arm.length else None
 
     def full(self, y: Vector) -> Vector:
         """Return the SI values of all axes (n_axes,)."""
@@ -151,6 +160,7 @@ def _prepare(robot: Robot, x: Vector, fixed: NDArray[np.bool_], options: IkOptio
     weights, axis = _weights(robot, options)
     box = freedoms.box.restricted(free, x)
     product = robot.kinematics.product
+    row = None if product is None else product.by_axes(free, x)
     starts = starts_of(robot, box, freedoms.middle[free], free, x, weights, axis, options.seed)
     return Problem(
         robot=robot,
@@ -167,7 +177,8 @@ def _prepare(robot: Robot, x: Vector, fixed: NDArray[np.bool_], options: IkOptio
         factors=freedoms.si_factors[free],
         reach=freedoms.reach,
         bounded=bool((weights[:3] > 0.0).all()),
-        arm=arm_reach(product.by_axes(free, x)) if product is not None and _whole(weights, axis) else None,
+        row=row,
+        arm=arm_reach(row) if row is not None and _whole(weights, axis) else None,
         starts=starts,
         turns=bool(weights[3:].any()),
         held_beyond=tuple(_held_beyond(robot, x / freedoms.si_factors, fixed)),

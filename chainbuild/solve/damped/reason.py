@@ -68,8 +68,8 @@ def _unreachable(problem: Problem, target: Matrix, found: Found, options: IkOpti
 
 def _arm_too_short(problem: Problem, target: Matrix) -> str:
     """Return the proof where there is one: between its first and its last axis an arm is only so long."""
-    arm = problem.arm
-    if arm is None or not arm.is_short_of(target):
+    arm = problem.arm_too_short(target)
+    if arm is None:
         return ""
     return f" (the arm would have to be {arm.distance(target) * 1000:.1f} mm long, it is {arm.length * 1000:.1f} mm)"
 

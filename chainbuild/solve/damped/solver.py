@@ -116,7 +116,7 @@ def certainly_unreachable(
 ) -> bool:
     """Return whether a pose is farther away than the kinematic is long: no solver can do better then."""
     problem, T = problem_of(robot, start, held, options or DEFAULT), matrix_of(target)
-    return beyond_bound(problem, T) or (problem.arm is not None and problem.arm.is_short_of(T))
+    return beyond_bound(problem, T) or problem.arm_too_short(T) is not None
 
 
 def _judged(problem: Problem, found: Found) -> Found:

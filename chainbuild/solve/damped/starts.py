@@ -60,10 +60,6 @@ class Starts:
         squared: Vector = self.offsets - self.rows.dot(target[:3].ravel() * self.doubled)
         return squared
 
-    def nearest(self, target: Matrix) -> int:
-        """Return the index of the start whose pose is nearest to a target (4, 4)."""
-        return int(self.distances(target).argmin())
-
 
 def _features(T: Matrix) -> Matrix:
     """Return the upper three rows of poses (N, 4, 4) as columns (12, N)."""

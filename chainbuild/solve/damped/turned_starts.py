@@ -1,6 +1,6 @@
 """Starts for arms whose first axis turns the whole arm and whose last one turns the tool.
 
-What the two can do needs no search: of the six freedoms of a pose they leave four, and a table of two thousand points
+What the two can do needs no search: of the six freedoms of a pose they leave four, and a table of a thousand points
 is dense in four. A point is looked up by the key of the target (see `turned_table`), moved by one Newton step towards
 it, and turned: by the first axis into the plane of the target, by the last one upright.
 """
@@ -105,23 +105,16 @@ class TurnedStarts:
 _tables: WeakKeyDictionary[Robot, dict[object, Points]] = WeakKeyDictionary()
 
 
-def turned_starts(
-    robot: Robot, box: Box, middle: Vector, free: NDArray[np.intp], x: Vector, seed: int
-) -> TurnedStarts | None:
+def turned_starts(robot: Robot, arm: Product, box: Box, middle: Vector, seed: int) -> TurnedStarts | None:
     """Return the table of an arm, or None where its first or last axis is no such turn.
 
     Args:
         robot: The robot.
+        arm: From the workpiece to the tool, by the free axes.
         box: Limits of the free axes.
         middle: (n_free,) near the middle of the limits.
-        free: Indices of the free axes.
-        x: (n_axes,) SI values of the held axes.
         seed: Seed.
     """
-    product = robot.kinematics.product
-    if product is None:
-        return None
-    arm = product.by_axes(free, x)
     ends = ends_of(arm)
     if ends is None or np.count_nonzero(arm.A.any(axis=1)) < _FEWEST_JOINTS:
         return None
@@ -130,7 +123,7 @@ def turned_starts(
         return None
     signs = (float(arm.A[ends.begin, first]), float(arm.A[ends.end, last]))
     known = _tables.setdefault(robot, {})
-    key = (free.tobytes(), arm.b[ends.begin : ends.end].tobytes(), seed)
+    key = (box.names, arm.b[ends.begin : ends.end].tobytes(), seed)
     if key not in known:
         if len(known) >= _KEPT:
             return None
