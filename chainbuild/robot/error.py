@@ -47,7 +47,6 @@ class Task:
         self._even = bool((self._weights == 1.0).all())
         self._shifts = weights[:3] > 0.0
         self._axis, self._shown_axis = axis, shown_axis
-        self._plain = self._whole and self._even and axis < 0 and axis == shown_axis
         self.damping = Damping(len(self._rows), len(free))
 
     def error_of(self, target: Matrix) -> ToolError:
@@ -56,44 +55,14 @@ class Task:
         Args:
             target: (4, 4) tool in the workpiece frame [m].
         """
-        if self._plain and self._kinematics.workpiece_fixed:
-            return self._pose_error(self._kinematics.T_base_workpiece * pin.SE3(target))
-        return self._weighted_error(target)
-
-    def _pose_error(self, T_base_target: pin.SE3) -> ToolError:
-        """Return `error_of` where all six parts count the same and the workpiece stands: the usual case, kept short."""
-        model, data, tool, joints = (
-            self._kinematics.model,
-            self._kinematics.data,
-            self._kinematics.tool_id,
-            self._joints,
-        )
-        jacobians, frame, jacobian, log6 = (
-            pin.computeJointJacobians,
-            pin.updateFramePlacement,
-            pin.getFrameJacobian,
-            pin.log6,
-        )
-
-        def error_and_jacobian(y: Vector) -> tuple[Vector, Matrix]:
-            q, slopes = (y, None) if joints is None else joints(y)
-            jacobians(model, data, q)
-            T_tool_target = frame(model, data, tool).actInv(T_base_target)
-            error = log6(T_tool_target)
-            error.linear = T_tool_target.translation
-            J = jacobian(model, data, tool, _LOCAL)
-            return error.np, J if slopes is None else J.dot(slopes)
-
-        return error_and_jacobian
-
-    def _weighted_error(self, target: Matrix) -> ToolError:
         placed, joints, axis = _placed(self._kinematics, pin.SE3(target)), self._joints, self._axis
         rows, weights, whole, even = self._rows, self._weights, self._whole, self._even
 
         def error_and_jacobian(y: Vector) -> tuple[Vector, Matrix]:
-            q, slopes = (y, None) if joints is None else joints(y)
+            q, slopes = joints(y)
             T_tool_target, J = placed(q)
-            J = J if slopes is None else J.dot(slopes)
+            if slopes is not None:
+                J = J.dot(slopes)
             error = pin.log6(T_tool_target).np
             error[:3] = T_tool_target.translation
             if axis >= 0:
@@ -119,8 +88,7 @@ class Task:
         if error is not None and self._whole and self._even and self._shown_axis == self._axis:
             a, b, c, d, e, f = error.tolist()
             return math.sqrt(a * a + b * b + c * c), math.sqrt(d * d + e * e + f * f)
-        q = y if self._joints is None else self._joints(y)[0]
-        T_tool_target = self._kinematics.pose(q).actInv(pin.SE3(target))
+        T_tool_target = self._kinematics.pose(self._joints(y)[0]).actInv(pin.SE3(target))
         shift, axis = T_tool_target.translation * self._shifts, self._shown_axis
         turn = pin.log3(T_tool_target.rotation) if axis < 0 else tilt(T_tool_target.rotation[:, axis], axis)
         return math.sqrt(shift.dot(shift)), math.sqrt(turn.dot(turn))
@@ -190,18 +158,18 @@ def _placed(kinematics: Kinematics, target: pin.SE3) -> Callable[[Vector], tuple
 
 def _joints(
     kinematics: Kinematics, free: NDArray[np.intp], x: Vector
-) -> Callable[[Vector], tuple[Vector, Matrix]] | None:
-    """Return the function y → joint values, their derivative by y; None where y are the joint values."""
+) -> Callable[[Vector], tuple[Vector, Matrix | None]]:
+    """Return the function y → joint values, their derivative by y (None: the identity)."""
     affine = kinematics.affine
     if affine is None:
         full = x.copy()
 
-        def mapped(y: Vector) -> tuple[Vector, Matrix]:
+        def mapped(y: Vector) -> tuple[Vector, Matrix | None]:
             full[free] = y
             return kinematics.q(full), kinematics.dq_dx(full)[:, free]
 
         return mapped
     A, b = np.ascontiguousarray(affine.A[:, free]), affine.b + affine.A.dot(x)
     if A.shape[0] == A.shape[1] and (np.eye(len(A)) == A).all() and not b.any():
-        return None
+        return lambda y: (y, None)
     return lambda y: (A.dot(y) + b, A)
