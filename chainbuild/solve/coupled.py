@@ -11,7 +11,7 @@ from chainbuild import tolerances
 from chainbuild.chain.elements import AxisConstraint
 from chainbuild.solve.base.result import IkResult
 from chainbuild.solve.base.start import Held
-from chainbuild.solve.closed.analytic import method_of, solve_analytic
+from chainbuild.solve.closed.analytic import in_closed_form
 
 if TYPE_CHECKING:
     import pinocchio as pin
@@ -40,10 +40,9 @@ def kept(
     broken = violated(robot, found.axes) if found.success else ()
     if not broken:
         return found
-    if solver == "auto" and method_of(robot, held) != "restarts":
-        other = solve_analytic(robot, target, start, held)
-        if other.success:
-            return other
+    other = in_closed_form(robot, target, start, held) if solver == "auto" else None
+    if other is not None and other.success:
+        return other
     names = ", ".join(c.name if c.alarm is None else f"{c.name} (alarm {c.alarm})" for c in broken)
     reason = f"only reached outside the limits of {names}"
     return replace(found, success=False, status="limits", reason=reason, violated=tuple(c.name for c in broken))

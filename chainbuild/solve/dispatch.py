@@ -11,7 +11,7 @@ from chainbuild.robot.robot import as_pose
 from chainbuild.solve.base.options import IkOptions
 from chainbuild.solve.base.result import IkResult
 from chainbuild.solve.base.start import Held
-from chainbuild.solve.closed.analytic import method_of, solve_analytic
+from chainbuild.solve.closed.analytic import in_closed_form, solve_analytic
 from chainbuild.solve.controller import budget_of, solve_controller
 from chainbuild.solve.damped.solver import certainly_unreachable, solve
 from chainbuild.solve.within import kept_within
@@ -120,7 +120,5 @@ def _second_opinion(
     robot: Robot, target: pin.SE3, start: ArrayLike | None, held: Held | None, damped: IkResult
 ) -> IkResult:
     """Return a closed form's answer where it has one, else what the damped solver said."""
-    if method_of(robot, held) == "restarts":
-        return damped
-    found = solve_analytic(robot, target, start, held)
-    return found if found.success else damped
+    found = in_closed_form(robot, target, start, held)
+    return found if found is not None and found.success else damped

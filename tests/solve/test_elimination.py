@@ -128,7 +128,8 @@ def test_the_sets_that_eaik_finds() -> None:
     rng = np.random.default_rng(2)
     for _ in range(60):
         T = serial.pose(rng.uniform(-np.pi, np.pi, 6))
-        assert same_sets(exact(serial, T), eaik_answers(theirs, serial, T, least_squares=False), serial.screws)
+        answers = [row for row, approximate in eaik_answers(theirs, serial, T) if not approximate]
+        assert same_sets(exact(serial, T), answers, serial.screws)
 
 
 def test_the_sets_that_an_ortho_parallel_arm_has() -> None:

@@ -192,8 +192,8 @@ def _eaik(robot: Robot) -> Judge:
         return T
 
     def ik(T: Matrix) -> list[Vector]:
-        rows = eaik_answers(model, serial, T, least_squares=False)
-        answers = (_axes_from_joints(query, serial, row) for row in rows)
+        rows = eaik_answers(model, serial, T)
+        answers = (_axes_from_joints(query, serial, row) for row, approximate in rows if not approximate)
         return [answer for answer in answers if answer is not None]
 
     return Judge("EAIK", fk, ik, note="model built from the chain's axes")

@@ -96,14 +96,24 @@ def solve_analytic(
     Raises:
         ChainbuildError: neither knows the robot.
     """
-    query = Query.of(robot, as_pose(T), start, held)
-    if _method(query)[0] == "restarts":
+    found = in_closed_form(robot, T, start, held)
+    if found is None:
         raise ChainbuildError(
             "no closed form is known for this kinematic",
             parameter="solver",
             permitted="auto, damped",
             hint="where more axes are free than the pose determines, hold some",
         )
+    return found
+
+
+def in_closed_form(
+    robot: Robot, T: pin.SE3 | ArrayLike, start: ArrayLike | None = None, held: Held | None = None
+) -> IkResult | None:
+    """Return what `solve_analytic` does, or None where it knows no closed form."""
+    query = Query.of(robot, as_pose(T), start, held)
+    if _method(query)[0] == "restarts":
+        return None
     found = find_all(query)
     if found.branches:
         return found.branches[0]

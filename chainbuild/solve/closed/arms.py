@@ -21,8 +21,8 @@ from chainbuild.chain.elements import Task
 from chainbuild.frames import inverse
 from chainbuild.solve.closed.orientation import across, for_rotation
 from chainbuild.solve.closed.positioner import MEETING, meeting_point, parallel, positioner, two_parallel_turns
-from chainbuild.solve.closed.serial import Screw, Serial
-from chainbuild.solve.closed.subproblems import rotate, subproblem_1, subproblem_4
+from chainbuild.solve.closed.serial import Screw, Serial, image
+from chainbuild.solve.closed.subproblems import norm, part_across, rotate, subproblem_1, subproblem_4
 from chainbuild.solve.closed.two_joints import reach_by_two
 
 if TYPE_CHECKING:
@@ -93,9 +93,7 @@ def wrist_centre(screws: Sequence[Screw]) -> Vector | None:
     point = meeting_point(a, b)
     if point is None or parallel(b.direction, c.direction):
         return None
-    off = point - c.point
-    off = off - float(off @ c.direction) * c.direction
-    return point if float(np.linalg.norm(off)) < MEETING else None
+    return point if norm(part_across(c.direction, point - c.point)) < MEETING else None
 
 
 def _apply(screws: Sequence[Screw], values: Sequence[float]) -> Matrix:
@@ -103,11 +101,6 @@ def _apply(screws: Sequence[Screw], values: Sequence[float]) -> Matrix:
     for screw, value in zip(screws, values, strict=True):
         T = T @ screw.T(value)
     return T
-
-
-def _image(T: Matrix, point: Vector) -> Vector:
-    image: Vector = T[:3, :3] @ point + T[:3, 3]
-    return image
 
 
 class _Position:
@@ -142,7 +135,7 @@ class _SphericalWrist:
     def solve(self, target: Matrix, keep: Sequence[float]) -> list[Solution]:
         motion = target @ self.back
         found: list[Solution] = []
-        for arm in self.reach(self.centre, _image(motion, self.centre), keep[:3]):
+        for arm in self.reach(self.centre, image(motion, self.centre), keep[:3]):
             R = _apply(self.serial.screws[:3], arm)[:3, :3].T @ motion[:3, :3]
             solutions = for_rotation(self.wrist, R, keep[3:])
             found += [(np.array((*arm, *t.angles)), (False, False, False, *t.free)) for t in solutions]
@@ -162,7 +155,7 @@ class _SingleWrist:
         last = self.serial.screws[3]
         aside = across(last.direction)
         found: list[Solution] = []
-        for arm in self.reach(self.point, _image(motion, self.point), keep[:3]):
+        for arm in self.reach(self.point, image(motion, self.point), keep[:3]):
             R = _apply(self.serial.screws[:3], arm)[:3, :3].T @ motion[:3, :3]
             turn = subproblem_1(last.direction, aside, R @ aside, keep[3])
             found.append((np.array((*arm, turn.angle)), (False,) * 4))
@@ -176,7 +169,7 @@ def _off_the_others(screws: Sequence[Screw]) -> Vector:
     points = [last.point + along * last.direction for along in _ALONG]
 
     def room(point: Vector) -> float:
-        return min((float(np.linalg.norm(np.cross(point - a.point, a.direction))) for a in axes), default=math.inf)
+        return min((norm(part_across(a.direction, point - a.point)) for a in axes), default=math.inf)
 
     return max(points, key=room)
 
@@ -204,7 +197,7 @@ class _ParallelArm:
             seen = column.T(-first) @ motion
             pitch = subproblem_1(shoulder.direction, hand.direction, seen[:3, :3] @ hand.direction).angle
             arm = rotate(shoulder.direction, pitch, hand.point - tilt.point)
-            wrist = _image(seen, hand.point) - arm
+            wrist = image(seen, hand.point) - arm
             for pair in two_parallel_turns(shoulder, elbow, tilt.point, wrist, keep[1:3]):
                 sense_b = float(shoulder.direction @ elbow.direction)
                 sense_c = float(shoulder.direction @ tilt.direction)
@@ -220,7 +213,7 @@ class _ParallelArm:
         column, shoulder, hand = self.screws[0], self.screws[1], self.screws[4]
         across_plane = shoulder.direction
         level = float(across_plane @ (hand.point - column.point))
-        place = _image(motion, hand.point) - column.point
+        place = image(motion, hand.point) - column.point
         turns = subproblem_4(-column.direction, place, across_plane, level, keep)
         if any(turn.free for turn in turns):
             turned = motion[:3, :3] @ hand.direction

@@ -15,7 +15,7 @@ from chainbuild.solve.closed.opw_branches import BRANCHES, finished, flipped, ro
 from chainbuild.solve.closed.opw_constants import opw_constants
 from chainbuild.solve.closed.query import LIMIT_SLACK
 from chainbuild.solve.damped import compiled as door
-from chainbuild.solve.damped.many import pose_array
+from chainbuild.solve.damped.many import at_row, pose_array
 from chainbuild.solve.damped.solver import refusal
 
 if TYPE_CHECKING:
@@ -120,5 +120,4 @@ def _refuse_what_is_not_rigid(targets: Array, doubtful: NDArray[np.intp]) -> Non
         good &= (np.abs(T[:, :3, 3]) < tolerances.HUGE_POSITION_M).all(axis=1)
         if not good.all():
             row = int(rows[np.argmin(good)])
-            error = refusal(targets[row])
-            raise ChainbuildError(f"pose {row}: {error.message}", permitted=error.permitted)
+            raise at_row(refusal(targets[row]), row)

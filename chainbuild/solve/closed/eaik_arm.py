@@ -34,23 +34,22 @@ def eaik_robot(serial: Serial) -> Any | None:
     return robot if robot.hasKnownDecomposition() else None
 
 
-def eaik_answers(robot: Any, serial: Serial, target: Matrix, *, least_squares: bool) -> list[Vector]:
-    """Return EAIK's joint values (6,) for a pose.
+def eaik_answers(robot: Any, serial: Serial, target: Matrix) -> list[tuple[Vector, bool]]:
+    """Return EAIK's joint values (6,) for a pose, and which of them EAIK marks as best approximations.
+
+    At the edge of the reach, where branches meet, some of these are exact but for rounding.
 
     Args:
         robot: EAIK's model.
         serial: The chain it was built from.
         target: (4, 4) tool in the workpiece frame [m].
-        least_squares: True: also those that EAIK marks as best approximations; at the edge of the reach, where
-            branches meet, some are exact but for rounding.
     """
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = target[:3, :3] @ serial.M[:3, :3].T, target[:3, 3]
     found = robot.IK(pose)
     rows = np.asarray(found.Q, dtype=float).reshape(-1, 6)
-    marked = np.asarray(found.is_LS, dtype=bool).reshape(-1)
-    chosen = zip(rows, marked, strict=True)
-    return [row for row, approximate in chosen if np.isfinite(row).all() and (least_squares or not approximate)]
+    marked = np.asarray(found.is_LS, dtype=bool).reshape(-1).tolist()
+    return [(row, approximate) for row, approximate in zip(rows, marked, strict=True) if np.isfinite(row).all()]
 
 
 def eaik_solver(serial: Serial, otherwise: ArmSolver | None) -> ArmSolver | None:
@@ -66,10 +65,9 @@ def eaik_solver(serial: Serial, otherwise: ArmSolver | None) -> ArmSolver | None
         return None
 
     def solve(target: Matrix, keep: Sequence[float]) -> list[Solution]:
-        exact = eaik_answers(robot, serial, target, least_squares=False)
-        rows = eaik_answers(robot, serial, target, least_squares=True)
-        found: list[Solution] = [(row, (False,) * 6) for row in rows]
-        doubtful = not exact or len(exact) < len(rows)
+        answers = eaik_answers(robot, serial, target)
+        found: list[Solution] = [(row, (False,) * 6) for row, _ in answers]
+        doubtful = not answers or any(approximate for _, approximate in answers)
         return found + otherwise(target, keep) if doubtful and otherwise is not None else found
 
     return solve

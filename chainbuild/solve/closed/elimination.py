@@ -12,7 +12,7 @@ References: Raghavan and Roth 1990, "Kinematic analysis of the 6R manipulator of
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +21,14 @@ from chainbuild.frames import inverse, transform
 from chainbuild.solve.closed.conformal import arrow, coefficients, motion
 from chainbuild.solve.closed.eliminant import SINGULAR
 from chainbuild.solve.closed.loop import Loop, closed, eliminant, equations, inner_order
-from chainbuild.solve.closed.serial import Screw, Serial
+from chainbuild.solve.closed.serial import Screw, Serial, image
 from chainbuild.solve.closed.subproblems import cross, rotation
+
+if TYPE_CHECKING:
+    from chainbuild.solve.closed.arms import Solution
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-Solution = tuple[Vector, tuple[bool, ...]]
 Opening = tuple[int, int]  # the joint before which the loop is opened, and which of the inner joints is solved for
 
 JOINTS: Final = 6
@@ -106,7 +108,7 @@ class Elimination:
         T, columns = np.eye(4), []
         for screw, value in zip(self.screws, values, strict=True):
             k = T[:3, :3] @ screw.direction
-            point = T[:3, :3] @ screw.point + T[:3, 3]
+            point = image(T, screw.point)
             turns = screw.kind == "revolute"
             columns.append(np.concatenate([cross(point, k), k] if turns else [k, np.zeros(3)]))
             T = T @ screw.T(float(value))
@@ -128,11 +130,7 @@ class Elimination:
         """Return the loop opened before a joint: those before it follow after the last, carried there by G⁻¹."""
         back = inverse(G)
         there, here = motion(G), motion(back)
-        carried = [
-            Screw(s.kind, back[:3, :3] @ s.direction, back[:3, :3] @ s.point + back[:3, 3], s.joint)
-            for s in self.screws[:first]
-        ]
-        row = [*self.screws[first:], *carried]
+        row = [*self.screws[first:], *(screw.carried(back) for screw in self.screws[:first])]
         parts = [*self.parts[first:], *(here @ part @ there for part in self.parts[:first])]
         end = arrow(row[-1].point, row[-1].direction)
         return Loop(row, parts, end, there @ end)

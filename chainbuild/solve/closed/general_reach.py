@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from chainbuild.solve.closed.roots import real_angles, real_lengths
 from chainbuild.solve.closed.serial import Screw
-from chainbuild.solve.closed.subproblems import ON_AXIS, cross, norm, subproblem_1, subproblem_4
+from chainbuild.solve.closed.subproblems import ON_AXIS, cross, norm, part_across, subproblem_1, subproblem_4
 
 Vector = NDArray[np.float64]
 Vectors = NDArray[np.complex128]  # (n, 3)
@@ -35,7 +35,7 @@ def skew_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]
     a, b, c = row
     between, goal = b.point - a.point, d - a.point
     k = b.direction
-    rows = np.array([across(k, a.direction), across(k, between), k])
+    rows = np.array([part_across(k, a.direction), part_across(k, between), k])
     inverse = np.linalg.inv(rows)
     slope_a, slope_m = float(k @ a.direction), float(k @ between)
     height = float(a.direction @ (goal - between))
@@ -118,12 +118,6 @@ def meeting_slide(direction: Vector, point: Vector, centre: Vector, distance: fl
     return _to_distance(point - centre, direction, distance * distance)
 
 
-def across(axis: Vector, vector: Vector) -> Vector:
-    """Return the part of a vector across an axis."""
-    part: Vector = vector - float(axis @ vector) * axis
-    return part
-
-
 def _last_joint(
     c: Screw, p: Vector, origin: Vector, miss: Callable[[Vectors], NDArray[np.complex128]], keep: float
 ) -> list[float]:
@@ -142,7 +136,7 @@ def _last_joint(
         scale = norm(start) or 1.0
         return real_lengths(lambda x: miss(start + np.outer(x, c.direction)), 4, scale)
     arm = p - c.point
-    swing = across(c.direction, arm)
+    swing = part_across(c.direction, arm)
     if norm(swing) <= ON_AXIS * norm(arm):
         return [keep]
     centre, side = c.point + arm - swing - origin, cross(c.direction, swing)

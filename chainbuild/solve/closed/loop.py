@@ -17,7 +17,7 @@ from chainbuild.solve.closed.conformal import ONE, SIZE, backwards, motion
 from chainbuild.solve.closed.eliminant import Eliminant
 from chainbuild.solve.closed.orientation import across
 from chainbuild.solve.closed.positioner import parallel
-from chainbuild.solve.closed.serial import Screw
+from chainbuild.solve.closed.serial import Screw, image
 from chainbuild.solve.closed.subproblems import rotate, subproblem_1, subproblem_2
 from chainbuild.solve.closed.two_joints import reach_by_two
 
@@ -135,25 +135,20 @@ def _by_geometry(loop: Loop, middle: Matrix, G: Matrix) -> list[Pair]:
         pairs += [(turn.first, turn.second) for turn in turns]
     for along in (0.0, 1.0):
         point = last.point + along * last.direction
-        pairs += reach_by_two(one, two, _image(middle, point), _image(G, point), (0.0, 0.0))
+        pairs += reach_by_two(one, two, image(middle, point), image(G, point), (0.0, 0.0))
     return pairs
 
 
 def _miss(loop: Loop, pair: Pair, middle: Matrix, G: Matrix) -> float:
     """Return how far the arrow misses its goal [arm lengths, rad]."""
     one, two, last = loop.row[0], loop.row[1], loop.row[5]
-    place = one.move(pair[0], two.move(pair[1], _image(middle, last.point))) - _image(G, last.point)
+    place = one.move(pair[0], two.move(pair[1], image(middle, last.point))) - image(G, last.point)
     direction = middle[:3, :3] @ last.direction
     for screw, value in ((two, pair[1]), (one, pair[0])):
         if screw.kind == "revolute":
             direction = rotate(screw.direction, value, direction)
     off = direction - G[:3, :3] @ last.direction
     return float(np.abs(place).max() + np.abs(off).max())
-
-
-def _image(T: Matrix, point: Vector) -> Vector:
-    image: Vector = T[:3, :3] @ point + T[:3, 3]
-    return image
 
 
 def _value(screw: Screw, low: Complex, high: Complex) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild.solve.closed.subproblems import norm, rotate, subproblem_1, subproblem_2
+from chainbuild.solve.closed.subproblems import norm, part_across, rotate, subproblem_1, subproblem_2
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -77,5 +77,5 @@ def for_rotation(axes: Sequence[Vector], R: Matrix, keep: Sequence[float]) -> li
 def across(axis: Vector) -> Vector:
     """Return a unit vector at right angles to an axis."""
     helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    part: Vector = helper - float(helper @ axis) * axis
+    part = part_across(axis, helper)
     return part / norm(part)

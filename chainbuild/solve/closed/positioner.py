@@ -20,6 +20,7 @@ from chainbuild.solve.closed.serial import Screw
 from chainbuild.solve.closed.subproblems import (
     cross,
     norm,
+    part_across,
     rotate,
     subproblem_1,
     subproblem_2,
@@ -45,7 +46,7 @@ def positioner(screws: Sequence[Screw]) -> Reach | None:
     row = _slides_first(screws)
     solver = _known(row)
     if solver is None:
-        back = [_turned_round(screw) for screw in reversed(screws)]
+        back = [screw.turned_round() for screw in reversed(screws)]
         row = _slides_first(back)
         solver = _known(row)
         if solver is None:
@@ -79,10 +80,6 @@ def _in_order(values: Values, order: Sequence[int]) -> Values:
     for value, n in zip(values, order, strict=True):
         placed[n] = value
     return placed[0], placed[1], placed[2]
-
-
-def _turned_round(screw: Screw) -> Screw:
-    return Screw(screw.kind, -screw.direction, screw.point, screw.joint)
 
 
 def parallel(a: Vector, b: Vector) -> bool:
@@ -146,8 +143,7 @@ def _after_two_turns(a: Screw, b: Screw, c: Screw) -> Solver | None:
     centre = meeting_point(a, b)
     if centre is None:
         return skew_turns
-    off = centre - c.point
-    on_a_sphere = c.kind == "revolute" and norm(off - float(off @ c.direction) * c.direction) < MEETING
+    on_a_sphere = c.kind == "revolute" and norm(part_across(c.direction, centre - c.point)) < MEETING
     return None if on_a_sphere else _meeting_turns
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from chainbuild.solve.base.freedoms import periodic_axes
+from chainbuild.solve.base.freedoms import freedoms_of
 from chainbuild.solve.base.start import Held, start_point
 from chainbuild.solve.closed.serial import Indices, Serial, Structure, structure_of, unrolled
 
@@ -57,7 +57,7 @@ class Query:
         factors = robot.kinematics.si_factors
         lower = np.array([-math.inf if axis.endless else axis.lower for axis in robot.axes]) * factors
         upper = np.array([math.inf if axis.endless else axis.upper for axis in robot.axes]) * factors
-        periodic = periodic_axes(robot.chain)
+        periodic = freedoms_of(robot).box.periodic
         return cls(robot, target, x0, structure_of(robot, fixed), lower, upper, periodic, windings)
 
     @property

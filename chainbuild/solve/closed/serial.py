@@ -29,6 +29,12 @@ Indices = NDArray[np.intp]
 _SAMPLES = 4
 
 
+def image(T: Matrix, point: Vector) -> Vector:
+    """Return where a rigid motion (4, 4) takes a point (3,)."""
+    moved: Vector = T[:3, :3] @ point + T[:3, 3]
+    return moved
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Screw:
     """A joint that moves, at the zero of all moving joints.
@@ -51,6 +57,14 @@ class Screw:
             return transform(None, value * self.direction)
         R = rotation(self.direction, value)
         return transform(R, self.point - R @ self.point)
+
+    def turned_round(self) -> Screw:
+        """Return the joint that moves the other way."""
+        return Screw(self.kind, -self.direction, self.point, self.joint)
+
+    def carried(self, T: Matrix) -> Screw:
+        """Return the joint moved by a rigid motion (4, 4)."""
+        return Screw(self.kind, T[:3, :3] @ self.direction, image(T, self.point), self.joint)
 
     def move(self, value: float, point: Vector) -> Vector:
         """Return where the motion of a joint value takes a point."""
@@ -82,11 +96,7 @@ class Serial:
     def reversed(self) -> Serial:
         """Return the chain from the tool to the workpiece: T⁻¹ = exp(−sn'·qn) · … · exp(−s1'·q1) · M⁻¹."""
         back = inverse(self.M)
-        screws = [
-            Screw(s.kind, -(back[:3, :3] @ s.direction), back[:3, :3] @ s.point + back[:3, 3], s.joint)
-            for s in reversed(self.screws)
-        ]
-        return Serial(tuple(screws), back)
+        return Serial(tuple(screw.carried(back).turned_round() for screw in reversed(self.screws)), back)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,8 +8,8 @@ in which these stand still, and the caller, who verifies all, keeps no others.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Final, Literal
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +19,12 @@ from chainbuild.solve.closed.positioner import parallel
 from chainbuild.solve.closed.serial import Screw, Serial
 from chainbuild.solve.closed.subproblems import rotation, subproblem_1
 
+if TYPE_CHECKING:
+    from chainbuild.solve.closed.arms import ArmSolver, Solution
+
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-Solution = tuple[Vector, tuple[bool, ...]]
 ToolAxis = Literal["x", "z"]
-Solver = Callable[[Matrix, Sequence[float]], list[Solution]]
 
 NO_JOINT: Final = -1
 _COLUMNS: Final[dict[ToolAxis, int]] = {"x": 0, "z": 2}
@@ -35,7 +36,7 @@ def one_axis(serial: Serial) -> Vector | None:
     return axes[0] if axes and all(parallel(axes[0], axis) for axis in axes) else None
 
 
-def despun(solver: Solver, serial: Serial, tool_axis: ToolAxis, axis: Vector) -> Solver:
+def despun(solver: ArmSolver, serial: Serial, tool_axis: ToolAxis, axis: Vector) -> ArmSolver:
     """Return a solver that takes the turn about the tool vector from the chain instead of the target.
 
     Args:
@@ -80,7 +81,7 @@ def with_idle(serial: Serial, count: int) -> Serial:
     return Serial((*serial.screws, *idle), serial.M)
 
 
-def first_joints(solver: Solver, count: int, among: int) -> Solver:
+def first_joints(solver: ArmSolver, count: int, among: int) -> ArmSolver:
     """Return a solver that answers with the first of its joints only.
 
     Args:

@@ -92,6 +92,12 @@ def norm(vector: Vector) -> float:
     return math.sqrt(float(vector @ vector))
 
 
+def part_across(axis: Vector, vector: Vector) -> Vector:
+    """Return the part of a vector at right angles to an axis of length 1."""
+    part: Vector = vector - float(axis @ vector) * axis
+    return part
+
+
 def subproblem_1(k: Vector, p: Vector, q: Vector, keep: float = 0.0) -> Turn:
     """Return the turn about k that brings p to q, or as near as a turn can.
 

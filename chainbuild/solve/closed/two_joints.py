@@ -33,8 +33,8 @@ def reach_by_two(a: Screw, b: Screw, p: Vector, d: Vector, keep: Sequence[float]
     if a.kind == "prismatic":
         return _slide_and_turn(a, b, p, d, keep)
     if b.kind == "prismatic":
-        back_a, back_b = (Screw(s.kind, -s.direction, s.point, s.joint) for s in (a, b))
-        return [(turn, shift) for shift, turn in _slide_and_turn(back_b, back_a, d, p, keep[::-1])]
+        backwards = _slide_and_turn(b.turned_round(), a.turned_round(), d, p, keep[::-1])
+        return [(turn, shift) for shift, turn in backwards]
     if parallel(a.direction, b.direction):
         return two_parallel_turns(a, b, p, d, keep)
     return _two_turns(a, b, p, d, keep)

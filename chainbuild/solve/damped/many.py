@@ -114,7 +114,7 @@ def _compiled(
         compiled.entries().search_many(*packed.arrays, targets[part], own, first is not None, *task, *rows)
         bad = np.flatnonzero(rows[1][:, 0] == rules.NOT_RIGID)
         if len(bad):
-            raise _at_row(refusal(targets[begin + bad[0]]), begin + int(bad[0]))
+            raise at_row(refusal(targets[begin + bad[0]]), begin + int(bad[0]))
         if problem.held_beyond:
             rows[1][rows[1][:, 0] == rules.OK, 0] = rules.LIMITS
         advance(len(rows[0]))
@@ -128,7 +128,7 @@ def _one_by_one(
         try:
             found = find(problem, target, start, options)
         except ChainbuildError as error:
-            raise _at_row(error, row) from None
+            raise at_row(error, row) from None
         columns.y[row] = found.y
         columns.counts[row] = found.outcome, found.iterations, found.restarts
         columns.misses[row] = found.distance, found.angle
@@ -170,7 +170,7 @@ def pose_array(poses: Sequence[pin.SE3] | ArrayLike) -> Matrix:
         try:
             result[row] = matrix_of(pose)
         except ChainbuildError as error:
-            raise _at_row(error, row) from None
+            raise at_row(error, row) from None
     return result
 
 
@@ -193,7 +193,8 @@ def start_array(robot: Robot, starts: ArrayLike | None) -> Matrix | None:
     return values
 
 
-def _at_row(error: ChainbuildError, row: int) -> ChainbuildError:
+def at_row(error: ChainbuildError, row: int) -> ChainbuildError:
+    """Return an error on a pose as one on that row of an array."""
     return ChainbuildError(f"pose {row}: {error.message}", permitted=error.permitted)
 
 
