@@ -15,69 +15,69 @@ from typing import TYPE_CHECKING, Any
 from chainbuild.errors import ChainbuildError
 
 if TYPE_CHECKING:
-    from chainbuild.analysis.free_ik import collision_free_ik
-    from chainbuild.analysis.maps import make_map
-    from chainbuild.analysis.mapspec import MapSpec
-    from chainbuild.analysis.measures import measure_batch
-    from chainbuild.analysis.names import examine
-    from chainbuild.analysis.nearest import nearest_singularity
-    from chainbuild.analysis.parallelogram import swept_limits
-    from chainbuild.analysis.paths import contacts
+    from chainbuild.analysis.collision.free_ik import collision_free_ik
+    from chainbuild.analysis.collision.parallelogram import swept_limits
+    from chainbuild.analysis.collision.paths import contacts
+    from chainbuild.analysis.singularity.measures import measure_batch
+    from chainbuild.analysis.singularity.names import examine
+    from chainbuild.analysis.singularity.nearest import nearest_singularity
+    from chainbuild.analysis.workspace.maps import make_map
+    from chainbuild.analysis.workspace.mapspec import MapSpec
     from chainbuild.chain.compose import follow, stack
     from chainbuild.chain.elements import Axis, Chain
-    from chainbuild.conventions import Convention, conventions
+    from chainbuild.collision.model import CollisionModel
+    from chainbuild.comparison.crosscheck import crosscheck
+    from chainbuild.convention import Convention, conventions
     from chainbuild.findings import Finding
+    from chainbuild.formats.load import check, load
+    from chainbuild.formats.machine import Machine
+    from chainbuild.formats.twincat.types.catalogue import catalogue
+    from chainbuild.formats.twincat.universal.as_universal import as_universal
+    from chainbuild.formats.urdf import from_urdf
+    from chainbuild.ik.branches.opw.batch import ik_all_batch
+    from chainbuild.ik.options import IkOptions
+    from chainbuild.ik.result import IkResult
+    from chainbuild.ik.search.table import IkTable
     from chainbuild.inspect.export import export_page
-    from chainbuild.loading import check, load
-    from chainbuild.machine import Machine
+    from chainbuild.kinematics.mechanism import Robot
     from chainbuild.machines import shipped
-    from chainbuild.out.urdf import write_urdf
-    from chainbuild.robot.collision import CollisionModel
-    from chainbuild.robot.robot import Robot
-    from chainbuild.solve.base.options import IkOptions
-    from chainbuild.solve.base.result import IkResult
-    from chainbuild.solve.check.crosscheck import crosscheck
-    from chainbuild.solve.closed.batch import ik_all_batch
-    from chainbuild.solve.damped.table import IkTable
-    from chainbuild.twincat.as_universal import as_universal
-    from chainbuild.twincat.catalogue import catalogue
-    from chainbuild.urdf_in import from_urdf
+    from chainbuild.writers.urdf import write_urdf
 
 __version__ = "0.1.0"
 
 # Name → module, imported at first use, so that `import chainbuild` and `chainbuild --help` stay quick.
 _LAZY = {
-    "collision_free_ik": "chainbuild.analysis.free_ik",
-    "make_map": "chainbuild.analysis.maps",
-    "MapSpec": "chainbuild.analysis.mapspec",
-    "measure_batch": "chainbuild.analysis.measures",
-    "examine": "chainbuild.analysis.names",
-    "nearest_singularity": "chainbuild.analysis.nearest",
-    "swept_limits": "chainbuild.analysis.parallelogram",
-    "contacts": "chainbuild.analysis.paths",
+    "collision_free_ik": "chainbuild.analysis.collision.free_ik",
+    "make_map": "chainbuild.analysis.workspace.maps",
+    "MapSpec": "chainbuild.analysis.workspace.mapspec",
+    "measure_batch": "chainbuild.analysis.singularity.measures",
+    "examine": "chainbuild.analysis.singularity.names",
+    "nearest_singularity": "chainbuild.analysis.singularity.nearest",
+    "swept_limits": "chainbuild.analysis.collision.parallelogram",
+    "contacts": "chainbuild.analysis.collision.paths",
     "follow": "chainbuild.chain.compose",
     "stack": "chainbuild.chain.compose",
     "Axis": "chainbuild.chain.elements",
     "Chain": "chainbuild.chain.elements",
-    "Convention": "chainbuild.conventions",
-    "conventions": "chainbuild.conventions",
+    "Convention": "chainbuild.convention",
+    "conventions": "chainbuild.convention",
     "Finding": "chainbuild.findings",
     "export_page": "chainbuild.inspect.export",
-    "check": "chainbuild.loading",
-    "load": "chainbuild.loading",
-    "Machine": "chainbuild.machine",
+    "check": "chainbuild.formats.load",
+    "load": "chainbuild.formats.load",
+    "Machine": "chainbuild.formats.machine",
     "shipped": "chainbuild.machines",
-    "write_urdf": "chainbuild.out.urdf",
-    "CollisionModel": "chainbuild.robot.collision",
-    "Robot": "chainbuild.robot.robot",
-    "ik_all_batch": "chainbuild.solve.closed.batch",
-    "crosscheck": "chainbuild.solve.check.crosscheck",
-    "IkOptions": "chainbuild.solve.base.options",
-    "IkResult": "chainbuild.solve.base.result",
-    "IkTable": "chainbuild.solve.damped.table",
-    "as_universal": "chainbuild.twincat.as_universal",
-    "catalogue": "chainbuild.twincat.catalogue",
-    "from_urdf": "chainbuild.urdf_in",
+    "write_urdf": "chainbuild.writers.urdf",
+    "CollisionModel": "chainbuild.collision.model",
+    "Robot": "chainbuild.kinematics.mechanism",
+    "ik_all_batch": "chainbuild.ik.branches.opw.batch",
+    "crosscheck": "chainbuild.comparison.crosscheck",
+    "IkOptions": "chainbuild.ik.options",
+    "IkResult": "chainbuild.ik.result",
+    "IkTable": "chainbuild.ik.search.table",
+    "as_universal": "chainbuild.formats.twincat.universal.as_universal",
+    "catalogue": "chainbuild.formats.twincat.types.catalogue",
+    "from_urdf": "chainbuild.formats.urdf",
 }
 
 __all__ = [

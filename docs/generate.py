@@ -13,10 +13,10 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import chainbuild
-from chainbuild.conventions import conventions
+from chainbuild.convention import conventions
 from chainbuild.findings import finding_kinds
-from chainbuild.solve.closed.analytic import method_of
-from chainbuild.twincat.catalogue import title_of
+from chainbuild.formats.twincat.types.catalogue import title_of
+from chainbuild.ik.branches.analytic import method_of
 
 ROOT = Path(__file__).parent.parent
 PAGES = ("README.md", *(f"docs/{name}.md" for name in ("branches", "conventions", "kinematics", "findings", "robx")))

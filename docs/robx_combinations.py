@@ -8,8 +8,8 @@ from itertools import groupby
 from pathlib import Path
 
 import chainbuild
-from chainbuild.sinumerik.robx import MAIN_AXES
-from chainbuild.solve.closed.analytic import method_of
+from chainbuild.formats.sinumerik.reading.robx import MAIN_AXES
+from chainbuild.ik.branches.analytic import method_of
 
 WRISTS = (1, 2, 3, 4, 5, 6)
 KINDS = {"SS": (1, 1, 1), "CC": (1, 3, 3), "NR": (3, 3, 3), "SC": (1, 1, 3), "RR": (3, 3, 1), "CS": (3, 1, 1)}

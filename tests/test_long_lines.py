@@ -9,9 +9,9 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import ChainbuildError, TableError
-from chainbuild.overlay import read_overlay
+from chainbuild.formats.overlay import read_overlay
+from chainbuild.formats.text import toml_line
 from chainbuild.tables import AxisTable
-from chainbuild.text import toml_line
 
 LENGTH = 99_000  # just below tolerances.MAX_LINE_CHARACTERS
 SECONDS = 5.0  # quadratic backtracking takes minutes

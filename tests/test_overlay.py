@@ -8,7 +8,7 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import ChainbuildError
-from chainbuild.overlay import Overlay, read_overlay
+from chainbuild.formats.overlay import Overlay, read_overlay
 
 HEAD = "trafo[0].id 9\nEnde\n"
 

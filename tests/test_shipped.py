@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.robot.robot import Robot
+from chainbuild.kinematics.mechanism import Robot
 
 ROOT = Path(__file__).parent.parent
 MACHINES = chainbuild.shipped()

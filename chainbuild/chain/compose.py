@@ -15,15 +15,7 @@ from numpy.typing import NDArray
 
 from chainbuild.chain.axismap import Block, side_by_side
 from chainbuild.chain.carried import carried_c, constraints, joined_geometry, padded
-from chainbuild.chain.elements import (
-    Chain,
-    Frame,
-    Joint,
-    Link,
-    Loop,
-    Matrix,
-    Partial,
-)
+from chainbuild.chain.elements import Chain, Frame, Joint, Link, Loop, Matrix, Partial
 from chainbuild.chain.names import Names, as_name, free_name
 from chainbuild.chain.poses import path_to
 from chainbuild.frames import inverse

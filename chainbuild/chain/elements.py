@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.geometry import NO_GEOMETRY, Geometry
-from chainbuild.conventions import UsedConvention
+from chainbuild.convention import UsedConvention
 from chainbuild.findings import Finding
 from chainbuild.units import AxisKind, AxisUnit, unit_of
 
 if TYPE_CHECKING:
-    from chainbuild.robot.robot import Robot
+    from chainbuild.kinematics.mechanism import Robot
 
 Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]
@@ -288,7 +288,7 @@ class Chain:
             ChainError: the chain contradicts itself.
         """
         # The one door upwards: pinocchio is imported where it is used, not when machine data are read.
-        from chainbuild.robot.robot import Robot
+        from chainbuild.kinematics.mechanism import Robot
 
         return Robot(self)
 

@@ -18,7 +18,7 @@ def as_universal(file: str, /, *, output_file: Output = None, options: MachineOp
         output_file: List to write. Without it: stdout.
         options: Which kinematic.
     """
-    from chainbuild.twincat.as_universal import as_universal as universal_list
+    from chainbuild.formats.twincat.universal.as_universal import as_universal as universal_list
 
     if options.tool_length:
         raise UsageError("--tool-length: the tool is no part of the list; it acts on both kinematics alike")

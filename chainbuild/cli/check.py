@@ -19,7 +19,7 @@ def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT
         json: Print JSON.
         options: Which kinematic.
     """
-    from chainbuild.loading import check as check_file
+    from chainbuild.formats.load import check as check_file
 
     options.choices()
     with refusal_as_json(file, json):

@@ -14,8 +14,8 @@ from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageErr
 from chainbuild.units import m_from_mm, mm_from_m
 
 if TYPE_CHECKING:
-    from chainbuild.analysis.paths import Contact
-    from chainbuild.robot.collision import CollisionModel, Distance
+    from chainbuild.analysis.collision.paths import Contact
+    from chainbuild.collision.model import CollisionModel, Distance
 
 _COLLIDES = 3
 
@@ -66,7 +66,7 @@ def collide(
         sampling: Which pairs can collide.
         options: Which kinematic.
     """
-    from chainbuild.robot.collision import CollisionModel
+    from chainbuild.collision.model import CollisionModel
 
     robot = options.robot(file)
     rows = rows_of(robot, at, axes)
@@ -141,7 +141,7 @@ class _Found:
 
 
 def _positions(model: CollisionModel, rows: Any, is_path: bool, clearance: float) -> _Found:
-    from chainbuild.analysis.paths import contacts
+    from chainbuild.analysis.collision.paths import contacts
 
     names = [axis.name for axis in model.robot.axes]
     closest = [model.nearest(row) for row in rows]
@@ -152,8 +152,8 @@ def _positions(model: CollisionModel, rows: Any, is_path: bool, clearance: float
 
 
 def _sample(model: CollisionModel, sampling: PairOptions, as_json: bool) -> dict[str, Any]:
-    from chainbuild.analysis.pairs import classify_pairs
-    from chainbuild.out.srdf import write_srdf
+    from chainbuild.analysis.collision.pairs import classify_pairs
+    from chainbuild.writers.srdf import write_srdf
 
     found = classify_pairs(model.robot, sampling.samples)
     if sampling.srdf is not None:
@@ -175,7 +175,7 @@ def _sample(model: CollisionModel, sampling: PairOptions, as_json: bool) -> dict
 def _draw(model: CollisionModel, rows: Any, path: Path) -> Path:
     import numpy as np
 
-    from chainbuild.out.picture import distance_picture, write_picture
+    from chainbuild.writers.picture import distance_picture, write_picture
 
     nearest = [model.nearest(row) for row in rows]
     distances = np.array([np.nan if one is None else one.distance for one in nearest])

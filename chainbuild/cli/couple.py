@@ -11,8 +11,8 @@ from chainbuild.cli.show import console, number, print_json, table
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
 
 if TYPE_CHECKING:
-    from chainbuild.robot.robot import Robot
-    from chainbuild.solve.distribute import Distribution
+    from chainbuild.coupling.distribution import Distribution
+    from chainbuild.kinematics.mechanism import Robot
 
 Words = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
 _LETTERS = "XYZABC"

@@ -13,7 +13,7 @@ from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageErr
 from chainbuild.units import m_from_mm, rad_from_deg
 
 if TYPE_CHECKING:
-    from chainbuild.solve.check.crosscheck import CheckOptions, CrossCheck
+    from chainbuild.comparison.crosscheck import CheckOptions, CrossCheck
 
 Kind = Literal["auto", "fk", "ik"]
 SampleName = Literal["random", "grid", "singular"]
@@ -42,7 +42,7 @@ class PoseOptions:
 
     def check_options(self, kind: Kind) -> CheckOptions:
         """Return the options of the comparison."""
-        from chainbuild.solve.check.crosscheck import CheckOptions
+        from chainbuild.comparison.crosscheck import CheckOptions
 
         distance, angle = self.position_tolerance, self.rotation_tolerance
         return CheckOptions(
@@ -92,7 +92,7 @@ def crosscheck(
         raise UsageError("either --solver or --recording is due")
     check = _compare(file, recording or solver or "", poses.check_options(kind), options)
     if html:
-        from chainbuild.out.report_html import write_crosscheck_page
+        from chainbuild.writers.report_html import write_crosscheck_page
 
         note(f"wrote {write_crosscheck_page(check, html)}")
     _print(check, json)
@@ -101,8 +101,8 @@ def crosscheck(
 
 def _compare(file: str, other: Path | str, check_options: CheckOptions, options: MachineOptions) -> CrossCheck:
     """Compare the machine with a recording (a path) or another solver (its name)."""
-    from chainbuild.solve.check.convention_trials import Selection
-    from chainbuild.solve.check.crosscheck import crosscheck as compare
+    from chainbuild.comparison.convention_trials import Selection
+    from chainbuild.comparison.crosscheck import crosscheck as compare
     from chainbuild.tables.recording import read_recording
 
     machine = options.machine(file)
@@ -119,7 +119,7 @@ def _compare(file: str, other: Path | str, check_options: CheckOptions, options:
 
 
 def _print(check: CrossCheck, as_json: bool) -> None:
-    from chainbuild.out.report import crosscheck_data, crosscheck_text
+    from chainbuild.writers.report import crosscheck_data, crosscheck_text
 
     if as_json:
         print_json(crosscheck_data(check))

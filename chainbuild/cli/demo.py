@@ -32,7 +32,7 @@ def demo(
         options: Which kinematic.
     """
     from chainbuild.machines import shipped
-    from chainbuild.out.urdf import write_urdf
+    from chainbuild.writers.urdf import write_urdf
 
     shown = table("Written", "Name", "Kinematic", "Machine")
     shown.columns[0].no_wrap = shown.columns[1].no_wrap = True

@@ -17,8 +17,8 @@ from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, held_a
 from chainbuild.units import deg_from_rad, mm_from_m
 
 if TYPE_CHECKING:
-    from chainbuild.robot.robot import Robot
-    from chainbuild.solve.base.result import IkResult
+    from chainbuild.ik.result import IkResult
+    from chainbuild.kinematics.mechanism import Robot
     from chainbuild.tables import PoseRow, PoseTable
 
 _ROWS_FAILED = 3
@@ -121,7 +121,7 @@ class _Report:
             self._contradictory += 1
             self._first_contradictory = self._first_contradictory or row.line
         if not result.success:
-            from chainbuild.solve.damped.words import kind_of
+            from chainbuild.ik.search.words import kind_of
 
             words = f"{result.status}: {result.reason}" if result.reason else result.status
             self._groups.setdefault(kind_of(words), _Group(row.line, words)).count += 1

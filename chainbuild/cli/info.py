@@ -21,8 +21,8 @@ from chainbuild.errors import ChainbuildError
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Axis, Chain
-    from chainbuild.conventions import UsedConvention
-    from chainbuild.machine import KinematicEntry, Machine, ParameterRow
+    from chainbuild.convention import UsedConvention
+    from chainbuild.formats.machine import KinematicEntry, Machine, ParameterRow
 
 
 def info(

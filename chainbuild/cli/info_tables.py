@@ -14,9 +14,9 @@ from chainbuild.cli.show import number, table
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Axis, Chain
-    from chainbuild.conventions import UsedConvention
+    from chainbuild.convention import UsedConvention
     from chainbuild.errors import Span
-    from chainbuild.machine import KinematicEntry, Machine, ParameterRow
+    from chainbuild.formats.machine import KinematicEntry, Machine, ParameterRow
 
 _WIDE: Final = 120  # columns of a screen on which long texts stand side by side
 
@@ -66,7 +66,7 @@ def limits_source(machine: Machine, axis: Axis) -> str:
 
 def axis_meanings(chain: Chain) -> list[str]:
     """Return what each axis does, where the chain is one KIN_TYP whose table says so; else an empty list."""
-    from chainbuild.twincat.hdtable import type_data
+    from chainbuild.formats.twincat.lists.hdtable import type_data
 
     number_text = chain.kinematic.removeprefix("KIN_TYP ")
     data = type_data().get(int(number_text)) if number_text.isdigit() else None

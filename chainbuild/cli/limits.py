@@ -14,9 +14,9 @@ from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageErr
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from chainbuild.analysis.parallelogram import LimitReport
-    from chainbuild.analysis.sweep import FreeInterval, Sweep
-    from chainbuild.robot.robot import Robot
+    from chainbuild.analysis.collision.parallelogram import LimitReport
+    from chainbuild.analysis.collision.sweep import FreeInterval, Sweep
+    from chainbuild.kinematics.mechanism import Robot
 
 
 def limits(
@@ -63,9 +63,9 @@ def _sweep(
 ) -> None:
     import numpy as np
 
-    from chainbuild.analysis.sweep import axis_index, sweep
+    from chainbuild.analysis.collision.sweep import axis_index, sweep
     from chainbuild.chain.bodies import shown_limits
-    from chainbuild.robot.collision import CollisionModel
+    from chainbuild.collision.model import CollisionModel
 
     model = CollisionModel(robot)
     index = axis_index(model, over)
@@ -85,7 +85,7 @@ def _sweep(
 
 
 def _parallelogram(robot: Robot, steps: int, picture: Path | None, as_json: bool) -> None:
-    from chainbuild.analysis.parallelogram import swept_limits
+    from chainbuild.analysis.collision.parallelogram import swept_limits
 
     with counted("positions", steps) as done:
         found: LimitReport = swept_limits(robot, steps, done)
@@ -112,7 +112,7 @@ def _draw(
     labels: tuple[str, str],
     marks: Sequence[float] = (),
 ) -> None:
-    from chainbuild.out.picture import interval_picture, write_picture
+    from chainbuild.writers.picture import interval_picture, write_picture
 
     note(f"wrote {write_picture(picture, interval_picture(intervals, title, *labels, marks))}")
 

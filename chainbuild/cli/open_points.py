@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.console import Console
 from rich.padding import Padding
 
-from chainbuild.conventions import Convention
+from chainbuild.convention import Convention
 
 
 def print_convention(out: Console, convention: Convention, choice: str, remark: str) -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, Final
 
-from chainbuild.out.files import discard_parts
+from chainbuild.files import discard_parts
 
 _ENDING: Final = ("SIGTERM", "SIGHUP")  # the second is unknown on Windows
 

@@ -16,8 +16,8 @@ from rich.table import Table as RichTable
 
 from chainbuild.cli.process import check_interrupt
 from chainbuild.errors import ChainbuildError
+from chainbuild.files import open_atomic
 from chainbuild.findings import Collector, Finding
-from chainbuild.out.files import open_atomic
 
 if TYPE_CHECKING:
     from chainbuild.tables.reader import Table

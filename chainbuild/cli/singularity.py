@@ -15,11 +15,11 @@ from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageErr
 from chainbuild.units import mm_from_m
 
 if TYPE_CHECKING:
-    from chainbuild.analysis.names import Report
-    from chainbuild.analysis.nearest import Nearest
-    from chainbuild.analysis.singularity import Singularity
-    from chainbuild.analysis.thresholds import Judgement, Stretch, Thresholds
-    from chainbuild.robot.robot import Robot
+    from chainbuild.analysis.singularity.names import Report
+    from chainbuild.analysis.singularity.nearest import Nearest
+    from chainbuild.analysis.singularity.singularity import Singularity
+    from chainbuild.analysis.singularity.thresholds import Judgement, Stretch, Thresholds
+    from chainbuild.kinematics.mechanism import Robot
 
 _LEVELS = {"singular": "singular", "watched": "watched", "clear": "above its thresholds"}
 _DIGITS = 6  # of mm/s and deg/s: the last ones are noise
@@ -67,7 +67,7 @@ def singularity(
         measures: How to measure.
         options: Which kinematic.
     """
-    from chainbuild.analysis.thresholds import thresholds_of
+    from chainbuild.analysis.singularity.thresholds import thresholds_of
 
     machine = options.machine(file)
     chain = options.chain(machine)
@@ -93,10 +93,10 @@ class _Shown:
     """One position or path with all that is said about it."""
 
     def __init__(self, robot: Robot, rows: Any, limits: Thresholds | None, measures: MeasureOptions) -> None:
-        from chainbuild.analysis.measures import measure_batch
-        from chainbuild.analysis.names import examine, examine_path
-        from chainbuild.analysis.nearest import nearest_singularity
-        from chainbuild.analysis.thresholds import judge, judge_path
+        from chainbuild.analysis.singularity.measures import measure_batch
+        from chainbuild.analysis.singularity.names import examine, examine_path
+        from chainbuild.analysis.singularity.nearest import nearest_singularity
+        from chainbuild.analysis.singularity.thresholds import judge, judge_path
         from chainbuild.units import m_from_mm
 
         length = None if measures.length is None else m_from_mm(measures.length)
@@ -116,8 +116,8 @@ class _Shown:
             self.stretches = tuple(judge_path(robot, rows, limits)) if len(rows) > 1 else ()
 
     def draw(self, path: Path) -> Path:
-        from chainbuild.analysis.names import NEAR
-        from chainbuild.out.picture import measure_picture, write_picture
+        from chainbuild.analysis.singularity.names import NEAR
+        from chainbuild.writers.picture import measure_picture, write_picture
 
         return write_picture(path, measure_picture(self.table.smallest, self.robot.chain.title, NEAR))
 

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from chainbuild.robot.robot import Robot
-    from chainbuild.solve.base.result import IkResult
+    from chainbuild.ik.result import IkResult
+    from chainbuild.kinematics.mechanism import Robot
     from chainbuild.tables import AxisTable, PoseRow, PoseTable
 
     Vector = NDArray[np.float64]
@@ -98,7 +98,7 @@ def _solved(robot: Robot, table: PoseTable, row: PoseRow, begin: Vector | None, 
 @contextmanager
 def _telling_of_compilation() -> Iterator[None]:
     """Say what takes so long: with numba the solver is compiled at its first use and cached from then on."""
-    from chainbuild.solve.damped import compiled
+    from chainbuild.ik.search.compiled import packing as compiled
 
     timer = Timer(_PATIENCE_S, note, ["compiling the solver; this happens once"])
     timer.daemon = True
@@ -112,7 +112,7 @@ def _telling_of_compilation() -> Iterator[None]:
 
 def _agreeing(robot: Robot, T: Matrix, result: IkResult) -> IkResult:
     """Return a result, failed where c_deg has led to another orientation than the quaternion beside it."""
-    from chainbuild.robot.robot import as_pose
+    from chainbuild.kinematics.mechanism import as_pose
 
     if not result.success:
         return result

@@ -12,7 +12,7 @@ from chainbuild.cli.show import console, number, print_json, table
 from chainbuild.cli.usage import Json
 
 if TYPE_CHECKING:
-    from chainbuild.twincat.catalogue import KinType
+    from chainbuild.formats.twincat.types.catalogue import KinType
 
 # Types that are a list of axes or of kinematics, without a table of head offsets: family, orientation, source.
 _LISTED: Final = {
@@ -28,7 +28,7 @@ def types(kin_typ: int | None = None, /, *, json: Json = False) -> int:
         kin_typ: Number of one type: its axes, its table of head offsets (HD) and what the manuals leave open about it.
         json: Print JSON, with the table of parameters of every type.
     """
-    from chainbuild.twincat.catalogue import catalogue
+    from chainbuild.formats.twincat.types.catalogue import catalogue
 
     if kin_typ is not None:
         return _one(kin_typ, json)
@@ -53,8 +53,8 @@ def _one(kin_typ: int, json: bool) -> int:
     Raises:
         UnsupportedKinematicError: it is unknown or not built.
     """
-    from chainbuild.conventions import applying_to
-    from chainbuild.twincat.catalogue import kin_type
+    from chainbuild.convention import applying_to
+    from chainbuild.formats.twincat.types.catalogue import kin_type
 
     entry = _listed(kin_typ) if kin_typ in _LISTED else _data(kin_type(kin_typ))
     if json:
@@ -102,8 +102,8 @@ def _data(entry: KinType) -> dict[str, Any]:
 
 def _listed(kin_typ: int) -> dict[str, Any]:
     """Return the row of a type that has no table of head offsets."""
-    from chainbuild.conventions import applying_to
-    from chainbuild.twincat.catalogue import title_of
+    from chainbuild.convention import applying_to
+    from chainbuild.formats.twincat.types.catalogue import title_of
 
     family, orientation, manual, summary = _LISTED[kin_typ]
     return {

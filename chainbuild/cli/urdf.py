@@ -32,7 +32,7 @@ def urdf(
         json: Print JSON.
         options: Which kinematic.
     """
-    from chainbuild.out.urdf import urdf_limitations, write_urdf
+    from chainbuild.writers.urdf import urdf_limitations, write_urdf
 
     robot = options.robot(file)
     path = write_urdf(robot, folder)

@@ -14,8 +14,8 @@ from chainbuild.findings import Finding
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain
-    from chainbuild.machine import Machine
-    from chainbuild.robot.robot import Robot
+    from chainbuild.formats.machine import Machine
+    from chainbuild.kinematics.mechanism import Robot
 
 Json = Annotated[bool, Parameter(negative="")]
 Output = Annotated[Path | None, Parameter(name=["--output", "-o"])]
@@ -67,7 +67,7 @@ class MachineOptions:
 
     def machine(self, file: str) -> Machine:
         """Read a machine file or a shipped machine."""
-        from chainbuild.loading import load
+        from chainbuild.formats.load import load
 
         self.choices()
         return load(file, overlay=self.overlay)

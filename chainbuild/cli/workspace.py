@@ -14,9 +14,9 @@ from chainbuild.cli.show import console, note, print_json, table
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, Output, UsageError
 
 if TYPE_CHECKING:
-    from chainbuild.analysis.maps import Map
-    from chainbuild.analysis.mapspec import MapSpec
-    from chainbuild.robot.robot import Robot
+    from chainbuild.analysis.workspace.maps import Map
+    from chainbuild.analysis.workspace.mapspec import MapSpec
+    from chainbuild.kinematics.mechanism import Robot
 
 Section = Literal["rz", "xz", "xy", "yz", "volume"]
 
@@ -48,7 +48,7 @@ class MapOptions:
 
     def spec(self, robot: Robot) -> MapSpec:
         """Return the specification of the map."""
-        from chainbuild.analysis.mapspec import MapSpec
+        from chainbuild.analysis.workspace.mapspec import MapSpec
 
         if self.at and not self.over:
             raise UsageError("--at goes with --over")
@@ -83,7 +83,7 @@ def workspace(
         chart: What the map shows.
         options: Which kinematic.
     """
-    from chainbuild.analysis.maps import PART, make_map
+    from chainbuild.analysis.workspace.maps import PART, make_map
 
     robot = options.robot(file)
     spec = chart.spec(robot)
@@ -95,7 +95,7 @@ def workspace(
     if output_file:
         note(f"wrote {output_file}")
     if picture:
-        from chainbuild.out.picture import map_picture, write_picture
+        from chainbuild.writers.picture import map_picture, write_picture
 
         note(f"wrote {write_picture(picture, map_picture(found, robot.chain.title))}")
     _print(found, json)
@@ -105,7 +105,7 @@ def workspace(
 def _print(found: Map, as_json: bool) -> None:
     import numpy as np
 
-    from chainbuild.analysis.names import NEAR
+    from chainbuild.analysis.singularity.names import NEAR
 
     values = found.smallest[np.isfinite(found.smallest)]
     extents = [(float(edge[0]), float(edge[-1])) for edge in _hit_edges(found)]

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from chainbuild.files import write_text
 from chainbuild.frames import ANGLE_MODES
 from chainbuild.inspect.panel import panel_html
 from chainbuild.inspect.scene import Scene
 from chainbuild.inspect.sweep import FRAMES_PER_SECOND, Sweep, sweep
-from chainbuild.out.files import write_text
 
 if TYPE_CHECKING:
-    from chainbuild.robot.robot import Robot
+    from chainbuild.kinematics.mechanism import Robot
 
 # From where the machine is looked at: in front of its right side, a little from above (machine coordinates).
 _VIEW = (1.0, -1.35, 0.75)

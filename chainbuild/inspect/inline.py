@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from chainbuild.inspect.export import page_html
 
 if TYPE_CHECKING:
-    from chainbuild.robot.robot import Robot
+    from chainbuild.kinematics.mechanism import Robot
 
 
 @dataclass(frozen=True, slots=True)

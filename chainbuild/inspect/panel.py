@@ -9,7 +9,7 @@ from pathlib import PurePath
 
 from chainbuild.chain.bodies import BASE_COLOUR, TOOL_SIDE, WORKPIECE_SIDE, Colour, shown_limits
 from chainbuild.chain.elements import Axis, Chain
-from chainbuild.conventions import UsedConvention
+from chainbuild.convention import UsedConvention
 from chainbuild.findings import Finding
 from chainbuild.frames import ANGLE_MODES
 

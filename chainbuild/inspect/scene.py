@@ -16,7 +16,7 @@ from chainbuild.inspect.labels import Side, draw_label
 from chainbuild.inspect.sweep import FRAMES_PER_SECOND, joint_transforms, link_placements
 
 if TYPE_CHECKING:
-    from chainbuild.robot.robot import Robot
+    from chainbuild.kinematics.mechanism import Robot
 
 BACKGROUND_TOP: Colour = (0.97, 0.98, 0.99)
 BACKGROUND_BOTTOM: Colour = (0.80, 0.84, 0.88)

@@ -16,7 +16,7 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.units import deg_from_rad
 
 if TYPE_CHECKING:
-    from chainbuild.robot.robot import Robot
+    from chainbuild.kinematics.mechanism import Robot
 
 FRAMES_PER_SECOND = 10
 _FRAMES_PER_AXIS = 50

@@ -9,16 +9,10 @@ import numpy as np
 
 from chainbuild import frames
 from chainbuild.chain.elements import Chain, Task
+from chainbuild.comparison.crosscheck import Recording
 from chainbuild.errors import Span, TableError
-from chainbuild.solve.check.crosscheck import Recording
 from chainbuild.tables.axes import RESULT_COLUMNS
-from chainbuild.tables.poses import (
-    ANGLE_COLUMNS,
-    POSE_COLUMNS,
-    POSITION_COLUMNS,
-    QUATERNION_COLUMNS,
-    TOOL_COLUMNS,
-)
+from chainbuild.tables.poses import ANGLE_COLUMNS, POSE_COLUMNS, POSITION_COLUMNS, QUATERNION_COLUMNS, TOOL_COLUMNS
 from chainbuild.tables.reader import Table
 from chainbuild.units import m_from_mm
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from chainbuild.chain.assemble import Element, assemble, linear, mark, rotary, shift
 from chainbuild.chain.elements import Axis, Chain, Task
-from chainbuild.robot.robot import Robot
+from chainbuild.kinematics.mechanism import Robot
 from chainbuild.units import unit_of
 
 Vector = np.ndarray

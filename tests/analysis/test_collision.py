@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.analysis.free_ik import collision_free_ik
-from chainbuild.analysis.pairs import classify_pairs
-from chainbuild.analysis.paths import contacts, first_contact
+from chainbuild.analysis.collision.free_ik import collision_free_ik
+from chainbuild.analysis.collision.pairs import classify_pairs
+from chainbuild.analysis.collision.paths import contacts, first_contact
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.chain.geometry import Geometry, Shape
+from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError, FileAccessError
-from chainbuild.out.srdf import write_srdf
-from chainbuild.robot.collision import CollisionModel
+from chainbuild.writers.srdf import write_srdf
 from tests.analysis.planar import segment_distance
 
 

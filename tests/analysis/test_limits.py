@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.analysis.parallelogram import swept_limits
-from chainbuild.analysis.sweep import sweep
+from chainbuild.analysis.collision.parallelogram import swept_limits
+from chainbuild.analysis.collision.sweep import sweep
 from chainbuild.chain.elements import Chain
 from chainbuild.chain.geometry import Geometry, RodData, Shape
+from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError
-from chainbuild.robot.collision import CollisionModel
 from tests.analysis.planar import edge, segment_distance, turned
 
 ARM, CRANK, TOP = 1.1, 0.30, 0.85  # m: upper arm, crank, height of the shoulder of parallelogram_nr

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.analysis import maps
-from chainbuild.analysis.maps import make_map, read_map
-from chainbuild.analysis.mapspec import MapSpec
-from chainbuild.analysis.measures import smallest_value
+from chainbuild.analysis.singularity.measures import smallest_value
+from chainbuild.analysis.workspace import maps
+from chainbuild.analysis.workspace.maps import make_map, read_map
+from chainbuild.analysis.workspace.mapspec import MapSpec
 from chainbuild.errors import ChainbuildError, FileAccessError
 
 

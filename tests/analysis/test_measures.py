@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.analysis.jacobians import pose_jacobians
-from chainbuild.analysis.measures import measure, measure_batch, scaling_of, smallest_value
-from chainbuild.analysis.speeds import speeds
-from chainbuild.analysis.thresholds import Thresholds, judge, judge_path, thresholds_of
+from chainbuild.analysis.singularity.jacobians import pose_jacobians
+from chainbuild.analysis.singularity.measures import measure, measure_batch, scaling_of, smallest_value
+from chainbuild.analysis.singularity.speeds import speeds
+from chainbuild.analysis.singularity.thresholds import Thresholds, judge, judge_path, thresholds_of
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.errors import ChainbuildError
 

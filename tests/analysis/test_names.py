@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.analysis.names import examine, examine_path, kinds, names_at
-from chainbuild.analysis.nearest import nearest_singularity
+from chainbuild.analysis.singularity.names import examine, examine_path, kinds, names_at
+from chainbuild.analysis.singularity.nearest import nearest_singularity
 from chainbuild.chain.assemble import linear, rotary, shift
 from tests.analysis.machines import OrthoArm, axis, build
 

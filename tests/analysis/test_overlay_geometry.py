@@ -10,7 +10,7 @@ import pytest
 import chainbuild
 from chainbuild.chain.bodies import link_bodies
 from chainbuild.errors import OverlayError
-from chainbuild.overlay import read_overlay
+from chainbuild.formats.overlay import read_overlay
 
 FULL = """
 [geometry]

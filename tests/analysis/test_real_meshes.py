@@ -15,8 +15,8 @@ from chainbuild import frames
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.chain.elements import BASE_LINK, Chain
 from chainbuild.chain.geometry import Geometry, Shape
-from chainbuild.robot.collision import CollisionModel
-from chainbuild.urdf_in import from_urdf
+from chainbuild.collision.model import CollisionModel
+from chainbuild.formats.urdf import from_urdf
 
 DATA = Path(sys.prefix) / "lib" / f"python{sys.version_info.major}.{sys.version_info.minor}" / "site-packages"
 ROBOTS = DATA / "cmeel.prefix/share/example-robot-data/robots"

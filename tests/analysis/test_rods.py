@@ -10,8 +10,8 @@ import pinocchio as pin
 import pytest
 
 import chainbuild
-from chainbuild.analysis.names import examine, names_at
-from chainbuild.analysis.structure import structure_of
+from chainbuild.analysis.singularity.names import examine, names_at
+from chainbuild.analysis.singularity.structure import structure_of
 from chainbuild.chain.geometry import RodData
 from chainbuild.chain.rods import ROD_END, ROD_PIN, has_rods, pinned_links, rod_masters, with_rods
 from chainbuild.errors import ChainError, OverlayError

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from chainbuild.analysis.measures import measure_batch, scaling_of
-from chainbuild.analysis.names import NEAR, kinds, names_at
-from chainbuild.analysis.nearest import nearest_singularity
+from chainbuild.analysis.singularity.measures import measure_batch, scaling_of
+from chainbuild.analysis.singularity.names import NEAR, kinds, names_at
+from chainbuild.analysis.singularity.nearest import nearest_singularity
 from tests.analysis.machines import OrthoArm, mill
 
 ARMS, INSTANCES = 40, 1000

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from chainbuild.solve.damped import compiled
+from chainbuild.ik.search.compiled import packing as compiled
 from tests.bench.branches import one_by_one, over_arrays
 from tests.bench.machines import Machine, machines
 from tests.bench.marks import Results, marks

@@ -11,10 +11,10 @@ import numpy as np
 import pinocchio as pin
 
 import chainbuild
-from chainbuild.analysis.measures import measure_batch, smallest_value
+from chainbuild.analysis.singularity.measures import measure_batch, smallest_value
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.chain.geometry import Geometry, Shape
-from chainbuild.robot.collision import CollisionModel
+from chainbuild.collision.model import CollisionModel
 
 MACHINE = "kr6r900"
 ROUNDS = 9

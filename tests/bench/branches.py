@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from chainbuild.robot.robot import as_pose
-from chainbuild.solve.closed.analytic import ik_all, method_of
-from chainbuild.solve.closed.batch import ik_all_batch
-from chainbuild.solve.closed.eaik_arm import eaik_robot
-from chainbuild.solve.closed.opw_arm import OpwArm, opw_arm
-from chainbuild.solve.closed.query import Query
-from chainbuild.solve.closed.serial import Serial
+from chainbuild.ik.branches.analytic import ik_all, method_of
+from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.serial import Serial
+from chainbuild.ik.branches.elimination.eaik_arm import eaik_robot
+from chainbuild.ik.branches.opw.batch import ik_all_batch
+from chainbuild.ik.branches.opw.parameters import OpwArm, opw_arm
+from chainbuild.kinematics.mechanism import as_pose
 from tests.bench.machines import Machine
 from tests.bench.measure import clock, judge
 from tests.bench.peers import into_limits

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import chainbuild
-from chainbuild.robot.robot import Robot
+from chainbuild.kinematics.mechanism import Robot
 
 HERE = Path(__file__).parent
 SHIPPED = ("kr6r900", "tx2_60", "irb2600")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import chainbuild
-from chainbuild.conventions import conventions
+from chainbuild.convention import conventions
 from chainbuild.machines import shipped_path
 from tests.cli.conftest import REFERENCE, Run
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.solve.check.samples import make_samples
+from chainbuild.comparison.samples import make_samples
 from chainbuild.tables import PoseWriter
 from tests.cli.conftest import REFERENCE, Run
 

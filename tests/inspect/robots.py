@@ -9,7 +9,7 @@ import numpy as np
 from chainbuild.chain.assemble import Element, assemble, linear, mark, rotary, shift, turn
 from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.elements import Axis, Chain
-from chainbuild.robot.robot import Robot
+from chainbuild.kinematics.mechanism import Robot
 from chainbuild.units import unit_of
 
 

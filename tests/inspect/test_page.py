@@ -17,7 +17,7 @@ from chainbuild.findings import Finding
 from chainbuild.inspect.export import export_page, page_html
 from chainbuild.inspect.inline import inline_page
 from chainbuild.inspect.sweep import sweep
-from chainbuild.robot.robot import Robot
+from chainbuild.kinematics.mechanism import Robot
 from tests.inspect.browser import chromium, document, screenshot
 from tests.inspect.robots import ROBOTS, arm
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from chainbuild.errors import FileAccessError
-from chainbuild.out.files import angle_text, make_folder, number_text, numbers_text, open_atomic, write_text
+from chainbuild.files import angle_text, make_folder, number_text, numbers_text, open_atomic, write_text
 
 
 def one_bit_around(value: float) -> list[float]:

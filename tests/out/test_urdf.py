@@ -18,11 +18,11 @@ import yourdfpy
 import chainbuild
 from chainbuild.chain import assemble as recipe
 from chainbuild.chain.elements import Axis, Chain, Frame, Loop
-from chainbuild.conventions import UsedConvention, conventions
+from chainbuild.convention import UsedConvention, conventions
 from chainbuild.errors import ChainError, FileAccessError
 from chainbuild.frames import rot_x, rot_y, rot_z, urdf_rpy
-from chainbuild.out.urdf import joint_speeds, urdf_limitations, urdf_text, write_urdf
-from chainbuild.robot.robot import Robot
+from chainbuild.kinematics.mechanism import Robot
+from chainbuild.writers.urdf import joint_speeds, urdf_limitations, urdf_text, write_urdf
 from tests.out.sample_chains import arm, chain_of, rotary_axis, table_machine
 
 SAMPLES: dict[str, Callable[[], Chain]] = {

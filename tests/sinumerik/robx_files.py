@@ -10,9 +10,9 @@ import numpy as np
 
 from chainbuild.chain.elements import Chain
 from chainbuild.findings import Collector
-from chainbuild.overlay import Overlay
-from chainbuild.sinumerik import RobxMachine, read_machine
-from chainbuild.text import SourceText
+from chainbuild.formats.overlay import Overlay
+from chainbuild.formats.sinumerik import RobxMachine, read_machine
+from chainbuild.formats.text import SourceText
 
 Value = float | Sequence[float]
 Data = Mapping[str, Value]

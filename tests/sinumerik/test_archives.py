@@ -7,10 +7,10 @@ import re
 import pytest
 
 from chainbuild.findings import Collector
+from chainbuild.formats.sinumerik.reading.data_table import tabulate
+from chainbuild.formats.sinumerik.reading.reader import Reading, read_assignments
+from chainbuild.formats.text import SourceText
 from chainbuild.machines import shipped_path
-from chainbuild.sinumerik.data_table import tabulate
-from chainbuild.sinumerik.reader import Reading, read_assignments
-from chainbuild.text import SourceText
 from tests.sinumerik.robx_files import NR6, close, pose_of, read, robx_text
 
 

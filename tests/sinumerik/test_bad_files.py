@@ -9,9 +9,9 @@ import pytest
 
 from chainbuild.errors import ChainbuildError, FileAccessError, Span
 from chainbuild.findings import Collector, finding_kinds
-from chainbuild.overlay import Overlay
-from chainbuild.sinumerik import read_machine
-from chainbuild.text import read_source
+from chainbuild.formats.overlay import Overlay
+from chainbuild.formats.sinumerik import read_machine
+from chainbuild.formats.text import read_source
 from tests.sinumerik.bad_files import BAD, nr6
 from tests.sinumerik.robx_files import NR6, read, robx_text
 from tests.sinumerik.test_translation import CC4

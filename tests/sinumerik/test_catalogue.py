@@ -8,15 +8,15 @@ from importlib.resources import files
 
 import pytest
 
-from chainbuild.sinumerik.alarms import alarms
-from chainbuild.sinumerik.catalogue import MachineDatum, by_number, catalogue, lookup, lookup_number
+from chainbuild.formats.sinumerik.reading.alarms import alarms
+from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum, by_number, catalogue, lookup, lookup_number
 
 ROBX = {name: datum for name, datum in catalogue().items() if name.startswith("ROBX_")}
 NO_DEFAULT = {"ROBX_TFLWP_RPY", "ROBX_SPINDLE_SIGN"}
 
 
 def entries(file: str, key: str) -> list[dict[str, object]]:
-    source = files("chainbuild.sinumerik").joinpath("data", file)
+    source = files("chainbuild.formats.sinumerik").joinpath("data", file)
     found: list[dict[str, object]] = tomllib.loads(source.read_text(encoding="utf-8"))[key]
     return found
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from chainbuild.conventions import conventions
+from chainbuild.convention import conventions
+from chainbuild.formats.overlay import Overlay
 from chainbuild.frames import angles_from_matrix
-from chainbuild.overlay import Overlay
 from tests.sinumerik.robx_files import NR6, F, R, T, chain_of, close, pose_of
 from tests.sinumerik.test_extra_axes import FLANGE, TABLE
 from tests.sinumerik.test_translation import CC4, TE4_ARM

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.conventions import conventions
+from chainbuild.convention import conventions
 from tests.hand.robx_hand import parallelogram_angle_deg, pose_mm, scara_c_deg
 
 MACHINES = 100

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from chainbuild.errors import ConventionError, MachineDataError, OverlayError
-from chainbuild.overlay import Overlay
+from chainbuild.formats.overlay import Overlay
 from tests.sinumerik.robx_files import NR6, chain_of, read, robx_text
 from tests.sinumerik.test_translation import CC4, TE4_ARM
 

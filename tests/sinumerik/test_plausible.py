@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from chainbuild.errors import MachineDataError
-from chainbuild.loading import check
+from chainbuild.formats.load import check
 from tests.sinumerik.robx_files import NR6, read, robx_text
 
 TRACK = (1, 2, 3, 4, 5, 6, 7)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from chainbuild.findings import Collector
-from chainbuild.sinumerik import is_sinumerik
-from chainbuild.sinumerik.data_table import tabulate
-from chainbuild.sinumerik.reader import read_assignments
-from chainbuild.text import SourceText, read_source
+from chainbuild.formats.sinumerik import is_sinumerik
+from chainbuild.formats.sinumerik.reading.data_table import tabulate
+from chainbuild.formats.sinumerik.reading.reader import read_assignments
+from chainbuild.formats.text import SourceText, read_source
 
 
 def assignments(text, collector=None):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from chainbuild.findings import Collector, Finding
-from chainbuild.sinumerik.reader import read_assignments
-from chainbuild.text import SourceText
+from chainbuild.formats.sinumerik.reading.reader import read_assignments
+from chainbuild.formats.text import SourceText
 from tests.sinumerik.robx_files import NR6, read, robx_text
 
 

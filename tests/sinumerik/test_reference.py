@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from chainbuild.findings import Collector
-from chainbuild.overlay import Overlay
-from chainbuild.sinumerik import is_sinumerik, read_machine
-from chainbuild.text import read_source
+from chainbuild.formats.overlay import Overlay
+from chainbuild.formats.sinumerik import is_sinumerik, read_machine
+from chainbuild.formats.text import read_source
 
 FILES = sorted((Path(__file__).parents[1] / "data" / "reference").glob("robx_*.tea"))
 

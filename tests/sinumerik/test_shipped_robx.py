@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import chainbuild
+from chainbuild.formats.sinumerik import RobxMachine
 from chainbuild.frames import angles_from_matrix
-from chainbuild.sinumerik import RobxMachine
 
 ROBX = {name: machine for name in chainbuild.shipped() if isinstance(machine := chainbuild.load(name), RobxMachine)}
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chainbuild.errors import OverlayError
-from chainbuild.overlay import Overlay
+from chainbuild.formats.overlay import Overlay
 from tests.sinumerik.robx_files import NR6, F, R, T, chain_of, close, pose_of, read, robx_text
 
 AXES = (31, -47, 53, 71, -37, 113)

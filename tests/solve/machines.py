@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
-from chainbuild.robot.robot import Robot
-from chainbuild.twincat.catalogue import catalogue
+from chainbuild.formats.twincat.types.catalogue import catalogue
+from chainbuild.kinematics.mechanism import Robot
 from tests.twincat import head_kit, table_kit
 
 ALL = tuple(catalogue())

@@ -18,11 +18,11 @@ from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import rot_y
-from chainbuild.robot.robot import Robot
-from chainbuild.solve.closed.analytic import ik_all, method_of, solve_analytic
-from chainbuild.solve.closed.eaik_arm import eaik_answers, eaik_robot
-from chainbuild.solve.closed.gather import gather
-from chainbuild.solve.closed.query import Query
+from chainbuild.ik.branches.analytic import ik_all, method_of, solve_analytic
+from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.elimination.eaik_arm import eaik_answers, eaik_robot
+from chainbuild.ik.branches.gather import gather
+from chainbuild.kinematics.mechanism import Robot
 from tests.solve.machines import ALL, poses, robot_of
 from tests.solve.test_direct import NOT_DIRECT, same_turns
 from tests.test_robot import arm, arm_elements, make_chain, random_axes, table_machine

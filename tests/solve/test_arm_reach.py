@@ -10,11 +10,11 @@ import pytest
 
 import chainbuild
 from chainbuild.frames import transform
-from chainbuild.robot.product import Product, poses_at
-from chainbuild.robot.robot import Robot
-from chainbuild.solve.base.options import DEFAULT, IkOptions
-from chainbuild.solve.damped.arm_reach import ArmReach, arm_reach
-from chainbuild.solve.damped.problem import problem_of
+from chainbuild.ik.options import DEFAULT, IkOptions
+from chainbuild.ik.search.problem import problem_of
+from chainbuild.ik.search.starts.arm_reach import ArmReach, arm_reach
+from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.product import Product, poses_at
 
 PLAIN = IkOptions(compiled=False)
 BOTH = pytest.mark.parametrize("options", [DEFAULT, PLAIN], ids=["compiled", "plain"])

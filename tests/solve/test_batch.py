@@ -14,12 +14,23 @@ from scipy.spatial.transform import RigidTransform
 import chainbuild
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.errors import ChainbuildError
-from chainbuild.robot.robot import Robot, as_pose
-from chainbuild.solve.closed import batch, compiled_opw, opw_branches, opw_constants
-from chainbuild.solve.closed.batch import ik_all_batch
-from chainbuild.solve.closed.opw_arm import opw_arm
-from chainbuild.solve.closed.opw_branches import CONSTANTS
-from chainbuild.solve.closed.query import Query
+from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.opw import (
+    batch,
+)
+from chainbuild.ik.branches.opw import (
+    compiled as compiled_opw,
+)
+from chainbuild.ik.branches.opw import (
+    constants as opw_constants,
+)
+from chainbuild.ik.branches.opw import (
+    formulas as opw_branches,
+)
+from chainbuild.ik.branches.opw.batch import ik_all_batch
+from chainbuild.ik.branches.opw.formulas import CONSTANTS
+from chainbuild.ik.branches.opw.parameters import opw_arm
+from chainbuild.kinematics.mechanism import Robot, as_pose
 from tests.solve.machines import poses
 from tests.test_robot import arm, table_machine
 

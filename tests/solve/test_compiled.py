@@ -9,11 +9,11 @@ import pinocchio as pin
 import pytest
 
 import chainbuild
-from chainbuild.robot.robot import Robot
-from chainbuild.solve.base.options import DEFAULT, IkOptions
-from chainbuild.solve.damped import compiled
-from chainbuild.solve.damped.problem import problem_of
-from chainbuild.solve.damped.solver import solve
+from chainbuild.ik.options import DEFAULT, IkOptions
+from chainbuild.ik.search.compiled import packing as compiled
+from chainbuild.ik.search.problem import problem_of
+from chainbuild.ik.search.solver import solve
+from chainbuild.kinematics.mechanism import Robot
 from tests.test_robot import arm, random_axes, table_machine
 
 PLAIN = IkOptions(compiled=False)
@@ -42,7 +42,7 @@ def pose_and_jacobian() -> object:
     """Return the compiled function with a wrapper that Python can call."""
     import numba
 
-    from chainbuild.solve.damped.compiled_kernels import pose_and_jacobian as inner
+    from chainbuild.ik.search.compiled.kernels import pose_and_jacobian as inner
 
     @numba.njit
     def outer(fixed, prismatic, A, b, y, T, J, column):
@@ -68,7 +68,7 @@ def test_numba_is_there_for_the_tests() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_kinematics_are_those_of_pinocchio(name: str) -> None:
-    from chainbuild.solve.damped.compiled_kernels import unpack
+    from chainbuild.ik.search.compiled.kernels import unpack
 
     robot, rng = load(name), np.random.default_rng(5)
     problem = problem_of(robot, None, None, DEFAULT)

@@ -10,8 +10,8 @@ import pytest
 import chainbuild
 from chainbuild import frames
 from chainbuild.chain.elements import ControllerSolver
-from chainbuild.robot.robot import Robot
-from chainbuild.solve.controller import solve_controller
+from chainbuild.ik.policies.controller import solve_controller
+from chainbuild.kinematics.mechanism import Robot
 from tests.sinumerik.robx_files import NR6, chain_of
 
 AXES = np.array([10.0, -60.0, 70.0, 20.0, 40.0, 30.0])

@@ -9,9 +9,9 @@ import pytest
 
 import chainbuild
 from chainbuild.chain.elements import AxisConstraint, AxisSum
-from chainbuild.robot.robot import Robot
-from chainbuild.solve.base.result import IkResult
-from chainbuild.solve.coupled import kept, violated
+from chainbuild.ik.policies.sums import kept, violated
+from chainbuild.ik.result import IkResult
+from chainbuild.kinematics.mechanism import Robot
 
 
 @pytest.fixture(scope="module")

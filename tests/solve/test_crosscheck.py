@@ -8,11 +8,11 @@ import pytest
 
 import chainbuild
 from chainbuild import frames
+from chainbuild.comparison.convention_trials import Selection
+from chainbuild.comparison.crosscheck import CheckOptions, CrossCheck, Recording, crosscheck
+from chainbuild.comparison.samples import make_samples
 from chainbuild.errors import ChainbuildError
-from chainbuild.robot.robot import Robot
-from chainbuild.solve.check.convention_trials import Selection
-from chainbuild.solve.check.crosscheck import CheckOptions, CrossCheck, Recording, crosscheck
-from chainbuild.solve.check.samples import make_samples
+from chainbuild.kinematics.mechanism import Robot
 from tests.test_robot import arm, table_machine
 
 FEW = CheckOptions(count=60)

@@ -12,9 +12,9 @@ import chainbuild
 from chainbuild.chain.assemble import Element, rotary, shift
 from chainbuild.chain.elements import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
-from chainbuild.robot.robot import Robot
-from chainbuild.solve.base.freedoms import freedoms_of
-from chainbuild.solve.base.options import DEFAULT, IkOptions
+from chainbuild.ik.limits import freedoms_of
+from chainbuild.ik.options import DEFAULT, IkOptions
+from chainbuild.kinematics.mechanism import Robot
 from tests.test_robot import arm, make_chain, random_axes, table_machine
 
 BOTH = pytest.mark.parametrize("compiled", [True, False], ids=["compiled", "plain"])

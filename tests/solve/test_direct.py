@@ -11,8 +11,8 @@ import pytest
 from chainbuild import frames
 from chainbuild.chain.assemble import Element, linear, rotary, shift
 from chainbuild.errors import ChainbuildError
-from chainbuild.robot.robot import Robot
-from chainbuild.solve.closed.direct import is_direct, linear_axes_for, solve_direct
+from chainbuild.ik.branches.direct import is_direct, linear_axes_for, solve_direct
+from chainbuild.kinematics.mechanism import Robot
 from tests.solve.machines import ALL, poses, robot_of
 from tests.test_robot import arm, make_chain, table_machine
 

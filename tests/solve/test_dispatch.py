@@ -7,9 +7,9 @@ import pytest
 
 from chainbuild.chain.elements import AxisSum, ControllerSolver
 from chainbuild.errors import ChainbuildError
-from chainbuild.solve import dispatch
-from chainbuild.solve.base.result import IkResult
-from chainbuild.solve.controller import solve_controller
+from chainbuild.ik import solve as dispatch
+from chainbuild.ik.policies.controller import solve_controller
+from chainbuild.ik.result import IkResult
 from tests.test_robot import arm
 
 AXES = np.array([10.0, -80.0, 70.0, 20.0, 40.0, 30.0])

@@ -9,9 +9,9 @@ import pytest
 
 import chainbuild
 from chainbuild.chain.compose import stack
+from chainbuild.coupling.distribution import Distribution
 from chainbuild.errors import AxisValueError, ChainbuildError
-from chainbuild.robot.robot import Robot
-from chainbuild.solve.distribute import Distribution
+from chainbuild.kinematics.mechanism import Robot
 from tests.twincat.coupling_kit import AT_TABLE, XY, chain_of
 from tests.twincat.universal_kit import CA_HEAD, Universal, X, robot_lines, rotation, shift
 

@@ -11,11 +11,11 @@ from py_opw_kinematics import Robot as OpwRobot
 from scipy.spatial.transform import RigidTransform, Rotation
 
 import chainbuild
-from chainbuild.solve.closed.conformal import arrow, coefficients, motion
-from chainbuild.solve.closed.eaik_arm import eaik_answers, eaik_robot
-from chainbuild.solve.closed.elimination import elimination
-from chainbuild.solve.closed.query import Query
-from chainbuild.solve.closed.serial import Screw, Serial
+from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.serial import Screw, Serial
+from chainbuild.ik.branches.elimination.conformal import arrow, coefficients, motion
+from chainbuild.ik.branches.elimination.eaik_arm import eaik_answers, eaik_robot
+from chainbuild.ik.branches.elimination.elimination import elimination
 from tests.solve.test_analytic import ur5
 
 Rows = list[np.ndarray]

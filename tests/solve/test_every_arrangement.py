@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 import chainbuild
+from chainbuild.formats.sinumerik.reading.robx import MAIN_AXES
+from chainbuild.ik.branches.analytic import ik_all, method_of
+from chainbuild.ik.branches.core.branches import collect
+from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.gather import gather
+from chainbuild.kinematics.mechanism import Robot
 from chainbuild.machines import shipped
-from chainbuild.robot.robot import Robot
-from chainbuild.sinumerik.robx import MAIN_AXES
-from chainbuild.solve.closed.analytic import ik_all, method_of
-from chainbuild.solve.closed.branches import collect
-from chainbuild.solve.closed.gather import gather
-from chainbuild.solve.closed.query import Query
 from docs.robx_combinations import LAST_ROTARY, machine_data
 from tests.solve.machines import robot_of
 from tests.solve.test_direct import same_turns

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from chainbuild.solve.closed.positioner import positioner
-from chainbuild.solve.closed.roots import real_angles, real_lengths
-from chainbuild.solve.closed.serial import Screw
-from chainbuild.solve.closed.two_joints import reach_by_two
+from chainbuild.ik.branches.arms.positioner import positioner
+from chainbuild.ik.branches.arms.two_joints import reach_by_two
+from chainbuild.ik.branches.core.roots import real_angles, real_lengths
+from chainbuild.ik.branches.core.serial import Screw
 
 X, Y, Z = np.eye(3)
 ROWS = ["".join(kinds) for kinds in itertools.product("pr", repeat=3)]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.solve.base.options import IkOptions
+from chainbuild.ik.options import IkOptions
 from tests.test_robot import arm, random_axes, table_machine
 
 BOTH = [True, False]

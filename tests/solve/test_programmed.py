@@ -11,8 +11,8 @@ import pytest
 import chainbuild
 from chainbuild import frames
 from chainbuild.errors import ChainbuildError
-from chainbuild.robot.robot import Robot
-from chainbuild.solve import programmed
+from chainbuild.ik.policies import four_axis as programmed
+from chainbuild.kinematics.mechanism import Robot
 
 FOUR_AXES = ("scara_cc", "scara_sc", "cylinder_cs", "palletiser_nr4")
 

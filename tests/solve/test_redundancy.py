@@ -9,8 +9,8 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import ChainbuildError
-from chainbuild.robot.robot import Robot, as_pose
-from chainbuild.solve.redundancy import preferred
+from chainbuild.ik.policies.redundancy import preferred
+from chainbuild.kinematics.mechanism import Robot, as_pose
 
 
 @pytest.fixture(scope="module")

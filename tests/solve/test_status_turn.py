@@ -9,8 +9,8 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import ChainbuildError
-from chainbuild.robot.robot import Robot
-from chainbuild.solve.closed.status_turn import status_turn
+from chainbuild.ik.branches.status_turn import status_turn
+from chainbuild.kinematics.mechanism import Robot
 from tests.solve.machines import robot_of
 from tests.test_robot import arm
 from tests.twincat.table_kit import build

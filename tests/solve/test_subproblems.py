@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chainbuild import frames
-from chainbuild.solve.closed import subproblems as sub
+from chainbuild.ik.branches.core import subproblems as sub
 
 X, Y, Z = np.eye(3)
 

@@ -9,11 +9,11 @@ import pinocchio as pin
 import pytest
 
 import chainbuild
-from chainbuild.robot.robot import Robot
-from chainbuild.solve.base.options import DEFAULT, IkOptions
-from chainbuild.solve.damped.problem import Problem, problem_of
-from chainbuild.solve.damped.turned_starts import LARGEST_STEP, TurnedStarts
-from chainbuild.solve.damped.turned_table import COUNT
+from chainbuild.ik.options import DEFAULT, IkOptions
+from chainbuild.ik.search.problem import Problem, problem_of
+from chainbuild.ik.search.starts.turned import LARGEST_STEP, TurnedStarts
+from chainbuild.ik.search.starts.turned_table import COUNT
+from chainbuild.kinematics.mechanism import Robot
 from tests.test_robot import arm, table_machine
 
 NAMES = (

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.solve.base.options import IkOptions
-from chainbuild.solve.damped import words
+from chainbuild.ik.options import IkOptions
+from chainbuild.ik.search import words
 from tests.test_robot import arm, random_axes, table_machine
 
 BOTH = [True, False]

@@ -8,11 +8,11 @@ import numpy as np
 
 from chainbuild.chain.assemble import assemble
 from chainbuild.chain.elements import Chain
-from chainbuild.conventions import Choices
+from chainbuild.convention import Choices
 from chainbuild.findings import Collector
-from chainbuild.twincat.catalogue import catalogue
-from chainbuild.twincat.hdtable import type_data
-from chainbuild.twincat.recipe import Params
+from chainbuild.formats.twincat.lists.hdtable import type_data
+from chainbuild.formats.twincat.recipes.recipe import Params
+from chainbuild.formats.twincat.types.catalogue import catalogue
 from tests.twincat.table_kit import Built, Vector, count
 
 HEADS = (2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 22, 25, 28, 30, 33, 59, 60, 70, 76, 207)

@@ -9,10 +9,10 @@ import numpy as np
 
 from chainbuild.chain.elements import Chain
 from chainbuild.findings import Collector
-from chainbuild.overlay import Overlay
-from chainbuild.text import SourceText
-from chainbuild.twincat import TwinCatMachine, read_machine
-from chainbuild.twincat.reader import Line, ParameterList, read_list
+from chainbuild.formats.overlay import Overlay
+from chainbuild.formats.text import SourceText
+from chainbuild.formats.twincat import TwinCatMachine, read_machine
+from chainbuild.formats.twincat.lists.reader import Line, ParameterList, read_list
 
 FILE = "machine.lis"
 

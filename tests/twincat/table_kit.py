@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from chainbuild.chain.assemble import assemble
 from chainbuild.chain.elements import Chain
-from chainbuild.conventions import Choices
+from chainbuild.convention import Choices
 from chainbuild.findings import Collector
-from chainbuild.robot.robot import Robot
-from chainbuild.twincat.catalogue import catalogue
-from chainbuild.twincat.hdtable import HdRow, TypeData
-from chainbuild.twincat.recipe import Params
+from chainbuild.formats.twincat.lists.hdtable import HdRow, TypeData
+from chainbuild.formats.twincat.recipes.recipe import Params
+from chainbuild.formats.twincat.types.catalogue import catalogue
+from chainbuild.kinematics.mechanism import Robot
 
 Vector = NDArray[np.float64]
 

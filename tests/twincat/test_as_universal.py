@@ -9,7 +9,7 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import UnsupportedKinematicError
-from chainbuild.twincat.as_universal import as_universal, universal_of
+from chainbuild.formats.twincat.universal.as_universal import as_universal, universal_of
 
 from .support import codes, machine, pose
 from .universal_kit import shift

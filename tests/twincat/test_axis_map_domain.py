@@ -8,7 +8,7 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import AxisValueError, ChainbuildError
-from chainbuild.robot.robot import Robot
+from chainbuild.kinematics.mechanism import Robot
 from tests.twincat.head_kit import build
 
 CASES = [

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 import chainbuild
-from chainbuild.conventions import Choices
+from chainbuild.convention import Choices
 from chainbuild.errors import MachineDataError, Span, UnsupportedKinematicError
 from chainbuild.findings import Collector, finding_kinds
-from chainbuild.twincat.catalogue import catalogue, kin_type, title_of, why_unsupported
-from chainbuild.twincat.hdtable import type_data
-from chainbuild.twincat.recipe import Drive, Params, table_flag, table_rotary, zero_and_sign
+from chainbuild.formats.twincat.lists.hdtable import type_data
+from chainbuild.formats.twincat.recipes.recipe import Drive, Params, table_flag, table_rotary, zero_and_sign
+from chainbuild.formats.twincat.types.catalogue import catalogue, kin_type, title_of, why_unsupported
 
 PACKAGE = Path(chainbuild.__file__).parent / "twincat"
 

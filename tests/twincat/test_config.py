@@ -6,9 +6,9 @@ import pytest
 
 from chainbuild.errors import MachineDataError
 from chainbuild.findings import Collector
-from chainbuild.overlay import Overlay
-from chainbuild.twincat.channel import read_channel
-from chainbuild.twincat.config import Channel, Trafo
+from chainbuild.formats.overlay import Overlay
+from chainbuild.formats.twincat.lists.channel import read_channel
+from chainbuild.formats.twincat.lists.config import Channel, Trafo
 
 from .support import codes, machine, parameters
 

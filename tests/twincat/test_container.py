@@ -6,8 +6,8 @@ import pytest
 
 from chainbuild.chain.elements import Axis
 from chainbuild.errors import ChainbuildError, MachineDataError, ParseError
-from chainbuild.text import SourceText
-from chainbuild.twincat.container import is_container, read_container
+from chainbuild.formats.text import SourceText
+from chainbuild.formats.twincat.lists.container import is_container, read_container
 
 from .support import codes, machine
 

@@ -10,8 +10,8 @@ import pytest
 import chainbuild
 from chainbuild.chain.poses import frame_placement
 from chainbuild.errors import ChainbuildError
-from chainbuild.overlay import Overlay
-from chainbuild.twincat.coupling_groups import coupling_data
+from chainbuild.formats.overlay import Overlay
+from chainbuild.formats.twincat.coupling.coupling_groups import coupling_data
 
 from .coupling_kit import AT_TABLE, XY, XY_GROUP, chain_of
 from .support import codes, machine, pose

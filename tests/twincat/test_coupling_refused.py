@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import pytest
 
 from chainbuild.errors import ChainbuildError
-from chainbuild.overlay import Overlay
-from chainbuild.twincat.coupling_groups import coupling_data
+from chainbuild.formats.overlay import Overlay
+from chainbuild.formats.twincat.coupling.coupling_groups import coupling_data
 
 from .coupling_kit import AT_TABLE, XY, XY_GROUP, chain_of
 from .support import machine

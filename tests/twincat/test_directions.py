@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chainbuild.errors import ChainbuildError
-from chainbuild.twincat.directions import DIRECTION_MODES, angles_of_direction, tool_direction
+from chainbuild.formats.twincat.universal.directions import DIRECTION_MODES, angles_of_direction, tool_direction
 
 from .universal_kit import rotation
 

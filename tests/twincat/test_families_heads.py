@@ -12,8 +12,8 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import MachineDataError
+from chainbuild.formats.twincat.lists.hdtable import type_data
 from chainbuild.machines import shipped
-from chainbuild.twincat.hdtable import type_data
 from tests.twincat.head_kit import HEADS, build, generic_hd, random_axes
 from tests.twincat.table_kit import distance
 

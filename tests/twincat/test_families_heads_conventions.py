@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from chainbuild.conventions import conventions
+from chainbuild.convention import conventions
 from tests.twincat.head_kit import HEADS, build
 from tests.twincat.table_kit import distance
 

@@ -10,7 +10,7 @@ import pinocchio as pin
 import pytest
 
 from chainbuild.errors import ChainbuildError, MachineDataError, UnsupportedKinematicError
-from chainbuild.twincat.hdtable import type_data
+from chainbuild.formats.twincat.lists.hdtable import type_data
 from tests.twincat.table_kit import build, distance, generic_hd, random_axes
 
 REFERENCE = Path(__file__).parents[1] / "data" / "reference"

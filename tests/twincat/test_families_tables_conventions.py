@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from chainbuild.conventions import applying_to
+from chainbuild.convention import applying_to
+from chainbuild.formats.twincat.lists.hdtable import type_data
 from chainbuild.frames import rot_x, rot_y, rot_z
-from chainbuild.twincat.hdtable import type_data
 from tests.twincat.table_kit import build, distance, generic_hd, random_axes
 
 TYPES = (1, 13, 14, 23, 34, 52, 57, 58, 61, 63, 64, 80, 81, 82, 202, 203, 205, 36, 85, 96, 206, 208, 213)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from chainbuild.twincat.hdtable import type_data
+from chainbuild.formats.twincat.lists.hdtable import type_data
 from tests.twincat.table_kit import build
 
 # Type, HD values → frame and its place in the machine base at zero of all axes.

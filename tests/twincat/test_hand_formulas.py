@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.conventions import conventions
+from chainbuild.convention import conventions
 from chainbuild.errors import ChainbuildError
 from tests.hand.kin_heads import FORMULAS as HEADS
 from tests.hand.tables_cases import FORMULAS as TABLES

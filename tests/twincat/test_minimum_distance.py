@@ -6,12 +6,12 @@ import math
 
 import pytest
 
-from chainbuild.conventions import Choices
+from chainbuild.convention import Choices
 from chainbuild.errors import MachineDataError
 from chainbuild.findings import Collector
-from chainbuild.twincat.families.minimum_distance import DistanceLaw, distance_law
-from chainbuild.twincat.hdtable import type_data
-from chainbuild.twincat.recipe import Params
+from chainbuild.formats.twincat.families.minimum_distance import DistanceLaw, distance_law
+from chainbuild.formats.twincat.lists.hdtable import type_data
+from chainbuild.formats.twincat.recipes.recipe import Params
 
 LAW = DistanceLaw(length_mm=100.0, start_deg=20.0, end_deg=45.0, limit_deg=60.0)
 

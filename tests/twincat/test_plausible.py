@@ -8,8 +8,8 @@ import pytest
 
 from chainbuild.errors import ChainbuildError, MachineDataError
 from chainbuild.findings import Finding
-from chainbuild.loading import check
-from chainbuild.overlay import Overlay
+from chainbuild.formats.load import check
+from chainbuild.formats.overlay import Overlay
 from tests.twincat.support import codes, kin_45, machine
 
 ARMS = {8: 4550000.0, 9: 4200000.0}

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from chainbuild.findings import Collector
-from chainbuild.overlay import Overlay
-from chainbuild.twincat.toollist import read_tools
+from chainbuild.formats.overlay import Overlay
+from chainbuild.formats.twincat.lists.toollist import read_tools
 
 from .support import codes, kin_45, machine, parameters, pose
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chainbuild.errors import ChainbuildError, MachineDataError
-from chainbuild.overlay import Overlay
+from chainbuild.formats.overlay import Overlay
 
 from .support import codes, machine, pose
 from .universal_kit import CA_HEAD, TABLE, AxisOf91, Universal, X, Y, Z, random_universal, rotation, shift

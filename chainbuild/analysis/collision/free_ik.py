@@ -1,0 +1,72 @@
+"""Inverse kinematics that keeps the robot off itself: solve, look, and solve again from elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from chainbuild.chain.bodies import shown_limits
+from chainbuild.collision.model import CollisionModel
+
+if TYPE_CHECKING:
+    import pinocchio as pin
+
+    from chainbuild.ik.result import IkResult
+
+_ATTEMPTS: Final = 40
+_SEED: Final = 5
+
+
+def collision_free_ik(
+    model: CollisionModel,
+    T: pin.SE3 | ArrayLike,
+    start: ArrayLike | None = None,
+    held: Mapping[str, float] | Sequence[float] | None = None,
+    *,
+    clearance: float = 0.0,
+    attempts: int = _ATTEMPTS,
+) -> IkResult:
+    """Find axis values for a pose at which no watched pair is closer than a clearance.
+
+    A solution that collides is rejected and the pose solved again from another start; a start leads to its nearest
+    branch, so the other branches of the arm are tried in turn.
+
+    Args:
+        model: Bodies and pairs; its robot is solved for.
+        T: Tool in the workpiece frame [m].
+        start: Axis values to start from.
+        held: As in `Robot.ik`.
+        clearance: Distance that is due [m].
+        attempts: Starts after the first before the search gives up.
+
+    Returns:
+        The first solution that is free, as `Robot.ik` gives it; else the failure of `Robot.ik`, or "limits" with the
+        pair that is in the way as its reason.
+    """
+    robot = model.robot
+    lower, upper = shown_limits(robot.chain)
+    rng = np.random.default_rng(_SEED)
+    result = robot.ik(T, start=start, held=held)
+    if not result.success:
+        return result
+    blocked: IkResult | None = None
+    for attempt in range(attempts + 1):
+        if result.success:
+            nearest = model.nearest(result.axes)
+            if nearest is None or nearest.distance > clearance:
+                return replace(result, restarts=result.restarts + attempt)
+            if blocked is None:
+                pair = " and ".join(nearest.pair)
+                reason = f"every solution found collides: {pair} are {1000.0 * nearest.distance:.3g} mm apart"
+                blocked = replace(result, success=False, status="limits", reason=reason)
+        if attempt < attempts:
+            elsewhere = lower + (upper - lower) * rng.random(len(lower))
+            for n, axis in enumerate(robot.axes):
+                if axis.held:
+                    elsewhere[n] = result.axes[n]
+            result = robot.ik(T, start=elsewhere, held=held)
+    return blocked if blocked is not None else result

@@ -1,0 +1,93 @@
+"""Which pairs of links can collide: found by sampling, with the confidence that sampling gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+
+from chainbuild.chain.bodies import shown_limits
+from chainbuild.collision.model import CollisionModel, Pair
+from chainbuild.errors import ChainbuildError
+from chainbuild.kinematics.mechanism import Robot
+
+Verdict = Literal["adjacent", "always", "never", "sometimes"]
+
+DEFAULT_SAMPLES: Final = 10_000
+_CONFIDENCE: Final = 0.95
+
+
+@dataclass(frozen=True, slots=True)
+class PairVerdict:
+    """What sampling found about two links.
+
+    Attributes:
+        links: Their names.
+        verdict: "adjacent" (a joint connects them), "always", "never" or "sometimes".
+        hits: Positions at which they touched.
+    """
+
+    links: Pair
+    verdict: Verdict
+    hits: int
+
+
+@dataclass(frozen=True, slots=True)
+class PairTable:
+    """Verdicts on all pairs of links.
+
+    Attributes:
+        pairs: One for each pair, in the order of the chain's links.
+        samples: Positions looked at, drawn evenly from the axis limits.
+        confidence: Probability with which `bound` holds.
+        bound: A pair that never touched (or always did) does otherwise at less than this share of all positions.
+    """
+
+    pairs: tuple[PairVerdict, ...]
+    samples: int
+    confidence: float
+    bound: float
+
+    def of(self, verdict: Verdict) -> tuple[Pair, ...]:
+        """Return the pairs of a verdict."""
+        return tuple(pair.links for pair in self.pairs if pair.verdict == verdict)
+
+
+def classify_pairs(
+    robot: Robot, samples: int = DEFAULT_SAMPLES, seed: int = 0, confidence: float = _CONFIDENCE
+) -> PairTable:
+    """Return which pairs of links touch never, sometimes or always.
+
+    Args:
+        robot: The robot.
+        samples: Positions to look at.
+        seed: Seed of the positions: the same seed gives the same table.
+        confidence: Of the bound on what sampling may have missed: 1 − (1 − confidence)^(1/samples).
+
+    Raises:
+        ChainbuildError: samples below 1, or a confidence outside 0 … 1.
+    """
+    if samples < 1 or not 0.0 < confidence < 1.0:
+        raise ChainbuildError("sampling", permitted="at least 1 sample, a confidence between 0 and 1")
+    chain = robot.chain
+    names = [link.name for link in chain.links]
+    adjacent = {frozenset((joint.parent, joint.child)) for joint in chain.joints}
+    every = [(a, b) for n, a in enumerate(names) for b in names[n + 1 :]]
+    model = CollisionModel(robot, [pair for pair in every if frozenset(pair) not in adjacent])
+    lower, upper = shown_limits(chain)
+    rng = np.random.default_rng(seed)
+    hits: dict[frozenset[str], int] = {}
+    link_of = {solid.name: solid.link for solid in model.solids}
+    for _ in range(samples):
+        found = model.colliding_pairs(lower + (upper - lower) * rng.random(len(lower)))
+        for touching in {frozenset(link_of[name] for name in pair) for pair in found}:
+            hits[touching] = hits.get(touching, 0) + 1
+    verdicts = []
+    for pair in every:
+        key = frozenset(pair)
+        count = hits.get(key, 0)
+        verdict: Verdict = "always" if count == samples else "sometimes" if count else "never"
+        verdicts.append(PairVerdict(pair, "adjacent" if key in adjacent else verdict, count))
+    bound = 1.0 - (1.0 - confidence) ** (1.0 / samples)
+    return PairTable(tuple(verdicts), samples, confidence, bound)

@@ -1,0 +1,242 @@
+"""The limit angles of a parallelogram (MD62964), swept with its rods, judged, and proposed ready to paste.
+
+ROBX manual 5.3.21 watches one angle, q3DH − q2DH, which is a sum of the axes 2 and 3. Here the arms, the rods and the
+housing move as bodies, and at each value of axis 2 the interval of that angle that is free of contact is found.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.analysis.collision.paths import pair_weights
+from chainbuild.analysis.collision.sweep import FreeInterval, free_interval
+from chainbuild.chain.bodies import shown_limits
+from chainbuild.chain.elements import AxisConstraint, Chain
+from chainbuild.chain.geometry import NO_GEOMETRY
+from chainbuild.chain.rods import CRANK, LEVEL_LINKS, ROD, ROD_END, ROD_PIN, has_rods, with_rods
+from chainbuild.collision.model import CollisionModel, Pair
+from chainbuild.errors import ChainbuildError
+from chainbuild.kinematics.mechanism import Robot
+
+Vector = NDArray[np.float64]
+
+_STEPS: Final = 37
+_HALF_TURN: Final = 180.0
+_REFINEMENTS: Final = 4
+# The file's limits are called tight only where they waste more than this.
+_WASTE_DEG: Final = 0.5
+_PRECISION_DEG: Final = 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class LimitReport:
+    """Swept limits of the parallelogram's angle.
+
+    Attributes:
+        over: Name of axis 2, which is swept.
+        moved: Name of axis 3, which moves.
+        intervals: Free intervals of the angle [deg] over axis 2.
+        given: Limits of the file [deg].
+        proposal: Limits that hold at every value of axis 2 [deg], rounded inwards; None where no interval does.
+        blocked: Values of axis 2 at which nothing is free.
+        verdicts: What is to be said about the file's limits.
+        drawn: Whether all bodies are drawn by rule, because the overlay gives none: the limits are an estimate then.
+    """
+
+    over: str
+    moved: str
+    intervals: tuple[FreeInterval, ...]
+    given: tuple[float, float]
+    proposal: tuple[float, float] | None
+    blocked: tuple[float, ...]
+    verdicts: tuple[str, ...]
+    drawn: bool
+
+    def machine_data(self) -> tuple[str, ...]:
+        """Return the proposal as lines of machine data."""
+        if self.proposal is None:
+            return ()
+        return tuple(f"N62964 $MC_ROBX_SW_LIMITS_PARALLEL[{n}]={v:.2f}" for n, v in enumerate(self.proposal))
+
+
+def swept_limits(robot: Robot, steps: int = _STEPS, done: Callable[[int], None] | None = None) -> LimitReport:
+    """Return the limits of a parallelogram's angle by sweeping its bodies.
+
+    Args:
+        robot: A robot whose chain limits a parallelogram's angle. Without rods in its overlay it gets the drawing's.
+        steps: Values of axis 2 over its limits.
+        done: Called with the count of values done, for progress.
+
+    Raises:
+        ChainbuildError: the chain has no such limit, or `steps` is below 2.
+    """
+    constraint = _constraint(robot.chain)
+    if steps < 2:
+        raise ChainbuildError("a sweep", parameter="steps", permitted="at least 2 values")
+    drawn = robot.chain.geometry == NO_GEOMETRY
+    if not has_rods(robot.chain):
+        robot = with_rods(robot.chain, robot.chain.geometry.rod_data).build()
+    search = _Search(robot, constraint)
+    values = np.linspace(*search.range_over, steps)
+    found: dict[float, FreeInterval] = {}
+    for value in sorted(values.tolist(), key=lambda v: abs(v - search.start_over)):
+        found[value] = search.interval(value, found)
+        if done is not None:
+            done(len(found))
+    _refine(search, found)
+    intervals = tuple(found[value] for value in sorted(found))
+    proposal = _proposal(intervals)
+    given = (constraint.lower, constraint.upper)
+    blocked = tuple(interval.over for interval in intervals if interval.lower is None)
+    axes = robot.axes
+    over, moved = axes[search.o].name, axes[search.m].name
+    verdicts = _verdicts(intervals, given, proposal, over)
+    return LimitReport(over, moved, intervals, given, proposal, blocked, verdicts, drawn)
+
+
+def _constraint(chain: Chain) -> AxisConstraint:
+    for constraint in chain.constraints:
+        if sum(factor != 0.0 for factor in constraint.sum.coefficients) == 2:
+            return constraint
+    raise ChainbuildError(
+        "the kinematic limits no parallelogram's angle", permitted="ROBX data with $MC_ROBX_SPECIAL_KIN=2 (MD62964)"
+    )
+
+
+class _Search:
+    """Finds free intervals of the angle at values of axis 2."""
+
+    def __init__(self, robot: Robot, constraint: AxisConstraint) -> None:
+        chain = robot.chain
+        self.sum = constraint.sum
+        elbow = next(joint.name for joint in chain.joints if joint.child == chain.frame(ROD_PIN).link)
+        names = [axis.name for axis in chain.axes]
+        driving = [n for n, factor in enumerate(self.sum.coefficients) if factor != 0.0]
+        # Axis 3 bears the elbow's name, the other one of the sum is axis 2.
+        self.m = next((n for n in driving if names[n] == elbow), driving[-1])
+        self.o = next(n for n in driving if n != self.m)
+        self.model = CollisionModel(robot, _arm_pairs(robot, self.m))
+        lower, upper = shown_limits(chain)
+        self.range_over = float(lower[self.o]), float(upper[self.o])
+        self.base: Vector = (lower + upper) / 2.0
+        self.start_over = float(self.base[self.o])
+        self._crank_axis = next(joint.direction for joint in chain.joints if joint.name == CRANK)
+        self.middle = (constraint.lower + constraint.upper) / 2.0
+
+    def interval(self, over: float, known: dict[float, FreeInterval]) -> FreeInterval:
+        """Return the free interval of the angle [deg] at a value of axis 2, following its known neighbour."""
+        middle = self.middle
+        free = [i for i in known.values() if i.lower is not None]
+        if free:
+            near = min(free, key=lambda i: abs(i.over - over))
+            middle = ((near.lower or 0.0) + (near.upper or 0.0)) / 2.0
+        seed = self._moved(over, middle)
+        found = free_interval(self.model, self.m, self.o, self.base, over, seed, self._dead_points(over))
+        if found.lower is None or found.upper is None:
+            return found
+        ends = [(self._angle(over, found.lower), found.lower_pair), (self._angle(over, found.upper), found.upper_pair)]
+        (low, below), (high, above) = sorted(ends, key=lambda end: end[0])
+        return FreeInterval(over, low, high, below, above)
+
+    def _dead_points(self, over: float) -> tuple[float, float]:
+        """Return the values of axis 3 between which the linkage can move: at either end crank and rod are in line."""
+        middle = self._moved(over, self.middle)
+        at, beyond = self._crank_angle(over, middle), self._crank_angle(over, middle + 1.0)
+        sense = 1.0 if (beyond - at + _HALF_TURN) % (2.0 * _HALF_TURN) > _HALF_TURN else -1.0
+        past = at % _HALF_TURN
+        ends = middle - sense * past, middle + sense * (_HALF_TURN - past)
+        return min(ends), max(ends)
+
+    def _crank_angle(self, over: float, moved: float) -> float:
+        """Return the angle from the crank to the rod about the crank's axis [deg]."""
+        axes = self.base.copy()
+        axes[self.o], axes[self.m] = over, moved
+        places = self.model.robot.frame_placements(axes)
+        about = places[CRANK].rotation @ self._crank_axis
+        crank = places[ROD].translation - places[CRANK].translation
+        rod = places[ROD_END].translation - places[ROD].translation
+        crank, rod = crank - about * (about @ crank), rod - about * (about @ rod)
+        return math.degrees(math.atan2(float(about @ np.cross(crank, rod)), float(crank @ rod)))
+
+    def _angle(self, over: float, moved: float) -> float:
+        axes = self.base.copy()
+        axes[self.o], axes[self.m] = over, moved
+        return self.sum.value(axes)
+
+    def _moved(self, over: float, angle: float) -> float:
+        return (angle - self._angle(over, 0.0)) / self.sum.coefficients[self.m]
+
+
+def _arm_pairs(robot: Robot, moved: int) -> list[Pair]:
+    """Return the pairs of housing, column, arms and rods that an axis moves against one another.
+
+    What the forearm carries is not the parallelogram's, and what axis 3 does not move its angle cannot free.
+    """
+    chain = robot.chain
+    carrier = {joint.child: joint.parent for joint in chain.joints}
+    links = [chain.frame(ROD_PIN).link, f"{CRANK}_link", f"{ROD}_link"]
+    link = links[0]
+    while link in carrier:
+        link = carrier[link]
+        if link not in LEVEL_LINKS:
+            links.append(link)
+    model = CollisionModel(robot)
+    rates = pair_weights(model, np.ones(len(chain.joints))) @ np.abs(chain.axis_map.dq_daxes(np.zeros(len(chain.axes))))
+    pairs = [model.links_of(pair) for pair, rate in zip(model.pairs, rates[:, moved], strict=True) if rate > 0.0]
+    return [pair for pair in dict.fromkeys(pairs) if set(pair) <= set(links)]
+
+
+def _refine(search: _Search, found: dict[float, FreeInterval]) -> None:
+    """Halve the steps around the values that decide the proposal."""
+    for _ in range(_REFINEMENTS):
+        free = [i for i in found.values() if i.lower is not None]
+        if not free:
+            return
+        worst = [max(free, key=lambda i: i.lower or 0.0).over, min(free, key=lambda i: i.upper or 0.0).over]
+        values = sorted(found)
+        for value in worst:
+            n = values.index(value)
+            for other in values[max(n - 1, 0) : n + 2]:
+                middle = (value + other) / 2.0
+                if middle not in found:
+                    found[middle] = search.interval(middle, found)
+
+
+def _proposal(intervals: tuple[FreeInterval, ...]) -> tuple[float, float] | None:
+    free = [(i.lower, i.upper) for i in intervals if i.lower is not None and i.upper is not None]
+    if not free:
+        return None
+    lower = math.ceil(max(low for low, _ in free) / _PRECISION_DEG - 1e-9) * _PRECISION_DEG
+    upper = math.floor(min(high for _, high in free) / _PRECISION_DEG + 1e-9) * _PRECISION_DEG
+    return (round(lower, 2), round(upper, 2)) if lower < upper else None
+
+
+def _verdicts(
+    intervals: tuple[FreeInterval, ...], given: tuple[float, float], proposal: tuple[float, float] | None, over: str
+) -> tuple[str, ...]:
+    said = []
+    free = [i for i in intervals if i.lower is not None and i.upper is not None]
+    low = max(free, key=lambda i: i.lower or 0.0, default=None)
+    high = min(free, key=lambda i: i.upper or 0.0, default=None)
+    if low is not None and low.lower is not None and given[0] < low.lower - _PRECISION_DEG:
+        said.append(_too_wide("lower", given[0], low.lower, low.over, low.lower_pair, over))
+    if high is not None and high.upper is not None and given[1] > high.upper + _PRECISION_DEG:
+        said.append(_too_wide("upper", given[1], high.upper, high.over, high.upper_pair, over))
+    if proposal is not None:
+        for name, wasted in (("lower", given[0] - proposal[0]), ("upper", proposal[1] - given[1])):
+            if wasted > _WASTE_DEG:
+                said.append(f"the {name} limit is too tight: {wasted:.1f}° of free angle are wasted")
+    if not free:
+        return ("no position is free: the bodies overlap everywhere, give radii or shapes in the overlay",)
+    return tuple(said) or ("the limits fit",)
+
+
+def _too_wide(side: str, given: float, end: float, at: float, pair: Pair | None, over: str) -> str:
+    touching = f"{pair[0]} and {pair[1]} touch" if pair else "the linkage reaches its dead point"
+    return f"the {side} limit {given:g}° is too wide: at {over} = {at:.4g}° {touching} at {end:.2f}°"

@@ -1,0 +1,158 @@
+"""Self-collision along paths, with a bound that misses nothing between samples.
+
+Between two rows the axes move along a straight line. A pair of bodies at distance d cannot touch before one of the
+joints between them has moved them by d together: joint j moves a body by at most |dq_j|·r_j, r_j the largest distance
+of any of its points from the joint's line. The next step is therefore as long as the closest call allows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.elements import BASE_LINK, Chain
+from chainbuild.collision.model import CollisionModel, Pair
+from chainbuild.errors import ChainbuildError
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+# Bodies closer than this count as touching: without it the steps towards a contact would never end.
+CONTACT: Final = 1e-5
+_SHORTEST_STEP: Final = 1e-7  # share of a segment
+_NONLINEAR_SAMPLES: Final = 8
+_NONLINEAR_MARGIN: Final = 1.5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Contact:
+    """The first place of a segment at which a pair touches or comes too close.
+
+    Attributes:
+        row: The segment leads from this row to the next.
+        share: How far along the segment, 0 … 1.
+        axes: (n_axes,) axis values there, mm and degrees.
+        pair: Names of the bodies.
+        distance: Their distance [m].
+    """
+
+    row: int
+    share: float
+    axes: Vector
+    pair: Pair
+    distance: float
+
+
+def first_contact(model: CollisionModel, path: ArrayLike, clearance: float = 0.0) -> Contact | None:
+    """Return where a path first collides, or None where it certainly does not.
+
+    Args:
+        model: Bodies and pairs.
+        path: (N, n_axes) axis values, mm and degrees; straight lines in between.
+        clearance: Distance that is due [m].
+    """
+    return next(contacts(model, path, clearance), None)
+
+
+def contacts(model: CollisionModel, path: ArrayLike, clearance: float = 0.0) -> Iterator[Contact]:
+    """Yield the first contact of each segment of a path that has one.
+
+    Raises:
+        ChainbuildError: the path has the wrong shape or is not finite, or the clearance is negative.
+    """
+    rows = np.atleast_2d(np.asarray(path, dtype=float))
+    if rows.shape[1] != len(model.robot.axes) or not np.isfinite(rows).all():
+        raise ChainbuildError(f"a path of shape (N, {len(model.robot.axes)}) is due, all finite")
+    if not (np.isfinite(clearance) and clearance >= 0.0):
+        raise ChainbuildError("the clearance", parameter="clearance", permitted="a finite length from 0")
+    if not model.pairs:
+        return
+    walk = _Walk(model, rows, clearance)
+    for row in range(max(len(rows) - 1, 1)):
+        found = walk.segment(row)
+        if found is not None:
+            yield found
+
+
+class _Walk:
+    """Walks along the segments of one path."""
+
+    def __init__(self, model: CollisionModel, rows: Matrix, clearance: float) -> None:
+        self.model, self.rows, self.clearance = model, rows, clearance
+        self.map = model.robot.chain.axis_map
+        q = np.array([self.map.q(row) for row in rows])
+        self.weights = pair_weights(model, np.abs(q).max(axis=0))
+
+    def segment(self, row: int) -> Contact | None:
+        start = self.rows[row]
+        way = self.rows[min(row + 1, len(self.rows) - 1)] - start
+        share = 0.0
+        while True:
+            axes = start + share * way
+            free = self.model.distances(axes) - self.clearance
+            closest = int(np.argmin(free))
+            if free[closest] < CONTACT:
+                distance = float(free[closest]) + self.clearance
+                return Contact(row, share, axes, self._names(closest), distance)
+            if share >= 1.0:
+                return None
+            share = min(1.0, share + max(self._step(start, way, share, free), _SHORTEST_STEP))
+
+    def _step(self, start: Vector, way: Vector, share: float, free: Vector) -> float:
+        """Return a step, as a share of the segment, within which no pair can touch."""
+        if isinstance(self.map, AffineMap):
+            rates = self.weights @ np.abs(self.map.A @ (way * self.map.si_factors))
+            moving = rates > 0.0
+            return float((free[moving] / rates[moving]).min()) if moving.any() else 1.0
+        step, q = 1.0 - share, self.map.q(start + share * way)
+        while step > _SHORTEST_STEP:
+            shares = share + step * np.linspace(0.0, 1.0, _NONLINEAR_SAMPLES)[1:]
+            moved = np.abs(np.array([self.map.q(start + s * way) for s in shares]) - q).max(axis=0)
+            if (self.weights @ moved * _NONLINEAR_MARGIN < free).all():
+                return step
+            step /= 2.0
+        return _SHORTEST_STEP
+
+    def _names(self, n: int) -> Pair:
+        a, b = self.model.pairs[n]
+        return self.model.solids[a].name, self.model.solids[b].name
+
+
+def pair_weights(model: CollisionModel, largest: Vector) -> Matrix:
+    """Return (n_pairs, n_q): by how much each joint can move the bodies of a pair towards one another, per unit.
+
+    Args:
+        model: Bodies and pairs.
+        largest: (n_q,) largest absolute joint values on the way: they lengthen linear joints.
+    """
+    chain = model.robot.chain
+    ways = _ways(chain)
+    weights = np.zeros((len(model.pairs), len(chain.joints)))
+    for n, pair in enumerate(model.pairs):
+        first, second = (model.solids[index] for index in pair)
+        shared = set(ways[first.link]) & set(ways[second.link])
+        for solid in (first, second):
+            reach = solid.reach
+            # From the body towards the base: what lies beyond a joint adds up.
+            for j in reversed(ways[solid.link]):
+                joint = chain.joints[j]
+                if j in shared:
+                    break
+                weights[n, j] += reach if joint.kind == "revolute" else 1.0
+                reach += float(np.linalg.norm(joint.T_parent_joint[:3, 3]))
+                if joint.kind == "prismatic":
+                    reach += float(largest[j])
+    return weights
+
+
+def _ways(chain: Chain) -> dict[str, tuple[int, ...]]:
+    """Return for each link the joints from the base to it."""
+    ways: dict[str, tuple[int, ...]] = {BASE_LINK: ()}
+    for n, joint in enumerate(chain.joints):
+        ways[joint.child] = (*ways[joint.parent], n)
+    return ways

@@ -1,0 +1,200 @@
+"""Limits of one axis that hang on another: the free interval over a sweep, ends found to a hundredth of a degree."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild.analysis.collision.paths import CONTACT, Contact, first_contact
+from chainbuild.chain.bodies import shown_limits
+from chainbuild.collision.model import CollisionModel, Pair
+from chainbuild.errors import ChainbuildError
+
+Vector = NDArray[np.float64]
+
+# Ends of intervals are found this well (mm or degrees); a tenth of what is promised.
+END: Final = 1e-3
+_SEEDS: Final = 181  # values tried where the last free one is no longer free
+DEFAULT_STEPS: Final = 41
+
+
+@dataclass(frozen=True, slots=True)
+class FreeInterval:
+    """Where an axis is free at one value of the other.
+
+    Attributes:
+        over: Value of the other axis.
+        lower: Lowest free value; None where nothing is free.
+        upper: Highest free value.
+        lower_pair: Bodies that touch below; None: the range ends there.
+        upper_pair: Bodies that touch above.
+    """
+
+    over: float
+    lower: float | None
+    upper: float | None
+    lower_pair: Pair | None = None
+    upper_pair: Pair | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """Free intervals of an axis over another.
+
+    Attributes:
+        moved: Axis whose interval is sought.
+        over: Axis that is swept.
+        unit_moved: "mm" or "deg".
+        unit_over: "mm" or "deg".
+        intervals: In rising order of the swept axis.
+    """
+
+    moved: str
+    over: str
+    unit_moved: str
+    unit_over: str
+    intervals: tuple[FreeInterval, ...]
+
+
+def sweep(
+    model: CollisionModel,
+    moved: str,
+    over: str,
+    at: ArrayLike | None = None,
+    values: Sequence[float] | None = None,
+    bounds: tuple[float, float] | None = None,
+    done: Callable[[int], None] | None = None,
+) -> Sweep:
+    """Return the free interval of an axis at values of another, the remaining axes standing still.
+
+    The interval is the one that can be reached without contact: it is followed from value to value.
+
+    Args:
+        model: Bodies and pairs.
+        moved: Axis whose interval is sought.
+        over: Axis that is swept.
+        at: (n_axes,) values of all axes to begin with; None: the middle of the limits, or the free place next to it.
+        values: Values of the swept axis; None: 41 over its limits.
+        bounds: Range of the moved axis; None: its limits.
+        done: Called with the count of values done, for progress.
+
+    Raises:
+        ChainbuildError: an unknown axis, twice the same, or an empty range.
+    """
+    m, o = axis_index(model, moved), axis_index(model, over)
+    if m == o:
+        raise ChainbuildError("an axis cannot be swept against itself", parameter=moved)
+    lower, upper = shown_limits(model.robot.chain)
+    base = (lower + upper) / 2.0 if at is None else model.robot.axis_values(at).copy()
+    span = bounds or (float(lower[m]), float(upper[m]))
+    if not span[0] < span[1]:
+        raise ChainbuildError("the range of the axis is empty", parameter=moved)
+    chosen = np.linspace(lower[o], upper[o], DEFAULT_STEPS) if values is None else np.sort(np.asarray(values, float))
+    start = int(np.argmin(np.abs(chosen - base[o])))
+    found: dict[int, FreeInterval] = {}
+    # From the start value upwards, then downwards, so that every value begins where its neighbour was free.
+    for order in (range(start, len(chosen)), range(start - 1, -1, -1)):
+        seed = float(base[m])
+        if order.step < 0 and start in found:
+            seed = _middle(found[start], seed)
+        for n in order:
+            found[n] = free_interval(model, m, o, base, float(chosen[n]), seed, span)
+            seed = _middle(found[n], seed)
+            if done is not None:
+                done(len(found))
+    axes = model.robot.axes
+    return Sweep(moved, over, axes[m].unit, axes[o].unit, tuple(found[n] for n in sorted(found)))
+
+
+def axis_index(model: CollisionModel, name: str) -> int:
+    """Return the index of an axis by name.
+
+    Raises:
+        ChainbuildError: there is none.
+    """
+    names = [axis.name for axis in model.robot.axes]
+    if name not in names:
+        raise ChainbuildError(f"the kinematic has no axis '{name}'", parameter="axis", permitted=", ".join(names))
+    return names.index(name)
+
+
+def _middle(interval: FreeInterval, otherwise: float) -> float:
+    if interval.lower is None or interval.upper is None:
+        return otherwise
+    return (interval.lower + interval.upper) / 2.0
+
+
+def free_interval(
+    model: CollisionModel, m: int, o: int, base: Vector, over: float, seed: float, span: tuple[float, float]
+) -> FreeInterval:
+    """Return the free interval of axis m around a seed, axis o standing at `over`.
+
+    Args:
+        model: Bodies and pairs.
+        m: Axis that moves.
+        o: Axis that is swept.
+        base: (n_axes,) values of the other axes.
+        over: Value of axis o.
+        seed: Value of axis m to begin at; where it is not free, the nearest free one is taken.
+        span: Range of axis m.
+    """
+    axes = base.copy()
+    axes[o] = over
+    begin = next((value for value in _seeds(seed, span) if not _touches(model, axes, m, value)), None)
+    if begin is None:
+        return FreeInterval(over, None, None)
+    (lower, below), (upper, above) = (_end(model, axes, m, begin, bound) for bound in span)
+    return FreeInterval(over, lower, upper, below, above)
+
+
+def _seeds(seed: float, span: tuple[float, float]) -> Iterator[float]:
+    inside = min(max(seed, span[0]), span[1])
+    yield inside
+    yield from sorted(np.linspace(*span, _SEEDS).tolist(), key=lambda value: abs(value - inside))
+
+
+def _touches(model: CollisionModel, axes: Vector, m: int, value: float) -> bool:
+    axes[m] = value
+    return model.collides(axes)
+
+
+def _end(model: CollisionModel, axes: Vector, m: int, begin: float, bound: float) -> tuple[float, Pair | None]:
+    """Return the last free value on the way from a free one to a bound, and what touches behind it."""
+    step = END if bound > begin else -END
+    free = begin
+    while True:
+        contact = _next_contact(model, axes, m, free, bound)
+        if contact is None:
+            return bound, None
+        free = float(contact.axes[m])
+        # A call so close may be a brush: go on in the smallest steps until it is a collision or opens again.
+        while True:
+            ahead = free + step
+            if (bound - ahead) * step <= 0.0:
+                return bound, None
+            if _touches(model, axes, m, ahead):
+                return free, _touching_pair(model, axes, m, ahead)
+            free = ahead
+            if _clearance(model, axes, m, free) > CONTACT:
+                break
+
+
+def _next_contact(model: CollisionModel, axes: Vector, m: int, start: float, bound: float) -> Contact | None:
+    path = np.array([axes, axes])
+    path[0, m], path[1, m] = start, bound
+    return first_contact(model, path)
+
+
+def _clearance(model: CollisionModel, axes: Vector, m: int, value: float) -> float:
+    axes[m] = value
+    nearest = model.nearest(axes)
+    return np.inf if nearest is None else nearest.distance
+
+
+def _touching_pair(model: CollisionModel, axes: Vector, m: int, value: float) -> Pair:
+    axes[m] = value
+    return model.distance_table(axes)[0].pair

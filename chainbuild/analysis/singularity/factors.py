@@ -1,0 +1,111 @@
+"""The functions that vanish at singularities of known form, from the joint lines of a position.
+
+Arm, W the wrist point, P the points of the joint lines, a their directions:
+
+    wrist      |a4 × a6|                              the lines of the first and last wrist axis are parallel
+    elbow      |(P3 − P2) × (W − P3)| across a2       upper arm and forearm are stretched or folded
+    shoulder   a2 · (a1 × (W − P1)) / L               W lies in the plane of axis 1 and a2: on axis 1, or with a
+                                                      sideways offset h on the cylinder of radius h about it
+
+Machine with three linear axes, d the tool direction, c the directions of the rotary axes:
+
+    pole       |c × d|                                the tool lies along a rotary axis
+    tilt_end   c1 · (c2 × d)                          the tool is at the end of its tilt: both axes move it one way
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.analysis.singularity.structure import Arm, Kind, Lines, Mill, Structure, Wrist, meeting_point
+from chainbuild.chain.elements import Task
+
+Vector = NDArray[np.float64]
+
+_ZERO_ARM: Final = 1e-9  # m
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Factor:
+    """One function that vanishes at a singularity.
+
+    Attributes:
+        kind: Its name.
+        value: 0 at the singularity, about 1 far from it; without unit.
+        joints: Joints it is made of.
+        offset: Shoulder: sideways offset of the wrist point from axis 1 [m].
+        distance: Shoulder: distance of the wrist point from its singular place [m].
+        folded: Elbow: True where the forearm lies back on the upper arm.
+    """
+
+    kind: Kind
+    value: float
+    joints: tuple[int, ...]
+    offset: float = 0.0
+    distance: float = 0.0
+    folded: bool = False
+
+
+def factors(structure: Structure, lines: Lines, task: Task, tool_direction: Vector) -> tuple[Factor, ...]:
+    """Return the factors of a position, the smallest first.
+
+    Args:
+        structure: The robot's structure.
+        lines: Its joint lines at the position, in the tool frame.
+        task: What the controller solves for.
+        tool_direction: (3,) tool direction in the tool frame.
+    """
+    form = structure.form
+    if isinstance(form, Arm):
+        found = list(_arm_factors(form, lines, structure.length))
+    elif isinstance(form, Mill):
+        found = list(_mill_factors(form, lines, task, tool_direction))
+    elif isinstance(form, Wrist):
+        found = [_wrist_factor(form.joints, lines)]
+    else:
+        found = []
+    return tuple(sorted(found, key=lambda factor: factor.value))
+
+
+def _arm_factors(arm: Arm, lines: Lines, length: float) -> Iterator[Factor]:
+    a2 = lines.directions[arm.upper]
+    if arm.wrist is not None:
+        yield _wrist_factor(arm.wrist, lines)
+    upper = lines.points[arm.elbow] - lines.points[arm.upper]
+    fore = meeting_point(lines, arm.tip) - lines.points[arm.elbow]
+    upper, fore = upper - a2 * (upper @ a2), fore - a2 * (fore @ a2)
+    size = float(np.linalg.norm(upper) * np.linalg.norm(fore))
+    if size > _ZERO_ARM**2:
+        sine = float(np.linalg.norm(np.cross(upper, fore))) / size
+        yield Factor("elbow", sine, (arm.upper, arm.elbow), folded=bool(upper @ fore < 0.0))
+    if arm.turn is not None:
+        a1 = lines.directions[arm.turn]
+        arm_to_head = meeting_point(lines, arm.head) - lines.points[arm.turn]
+        distance = abs(float(a2 @ np.cross(a1, arm_to_head)))
+        offset = abs(float(a2 @ arm_to_head))
+        yield Factor("shoulder", distance / length, (arm.turn, *arm.head[:1]), offset=offset, distance=distance)
+
+
+def _wrist_factor(joints: tuple[int, int, int], lines: Lines) -> Factor:
+    cross = np.cross(lines.directions[joints[0]], lines.directions[joints[2]])
+    return Factor("wrist", float(np.linalg.norm(cross)), joints)
+
+
+def _mill_factors(mill: Mill, lines: Lines, task: Task, d: Vector) -> Iterator[Factor]:
+    directions = [lines.directions[n] for n in mill.rotary]
+    if task == "direction" and len(mill.rotary) == 2:
+        swings = [np.cross(c, d) for c in directions]
+        sines = [float(np.linalg.norm(swing)) for swing in swings]
+        pole = int(np.argmin(sines))
+        yield Factor("pole", sines[pole], (mill.rotary[pole],))
+        across = float(np.linalg.norm(np.cross(swings[0], swings[1])))
+        # Both swings are across the tool: they are parallel where axes and tool lie in a plane.
+        if min(sines) > 0.0:
+            yield Factor("tilt_end", across / (sines[0] * sines[1]), mill.rotary)
+    elif task == "pose" and len(mill.rotary) == 3:
+        yield _wrist_factor((mill.rotary[0], mill.rotary[1], mill.rotary[2]), lines)

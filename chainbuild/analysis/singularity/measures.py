@@ -1,0 +1,211 @@
+"""How close axis values are to a singularity, in numbers: measures of the Jacobian in the controller's task.
+
+Metres and radians cannot be compared, so lengths are divided by a characteristic length L: the rows of J that are
+lengths are divided by it, the columns of linear axes multiplied. The scaled singular values have no unit.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild.analysis.singularity.jacobians import pose_jacobians
+from chainbuild.chain.elements import Chain
+from chainbuild.errors import ChainbuildError
+from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.screws import joints_between_tips
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+_SMALLEST_LENGTH: Final = 1e-6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measures:
+    """The Jacobian of a pose in numbers, all scaled by the characteristic length.
+
+    Attributes:
+        singular_values: In falling order; as many as the task has freedoms.
+        length: Characteristic length [m].
+        lost: (6,) unit motion of the tool that is lost first, in the tool frame: shift as a share of the length, then
+            turn [rad]. Rows that the task does not hold are 0.
+        runaway: (n_axes,) unit motion of the axes (rad; linear axes as a share of the length) that moves the tool
+            least.
+    """
+
+    singular_values: Vector
+    length: float
+    lost: Vector
+    runaway: Vector
+
+    @property
+    def smallest(self) -> float:
+        """Smallest singular value: the speed of the tool in the lost direction over the speed of the axes."""
+        return float(self.singular_values[-1])
+
+    @property
+    def manipulability(self) -> float:
+        """Product of the singular values (Yoshikawa)."""
+        return float(np.prod(self.singular_values))
+
+    @property
+    def condition(self) -> float:
+        """Largest over smallest singular value; inf at a singularity."""
+        smallest = self.smallest
+        return float(self.singular_values[0]) / smallest if smallest > 0.0 else float("inf")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scaling:
+    """What turns a Jacobian into that of the task without units.
+
+    Attributes:
+        rows: Rows of the 6×n Jacobian that the task holds.
+        columns: Axes that move; held ones are left out.
+        length: Characteristic length [m].
+        factors: (rows, columns) what each element is multiplied with.
+        whole: Whether it keeps all rows and columns.
+    """
+
+    rows: NDArray[np.intp]
+    columns: NDArray[np.intp]
+    length: float
+    factors: Matrix
+    whole: bool
+
+    def apply(self, J: Matrix) -> Matrix:
+        """Return the scaled Jacobian (…, rows, columns) of Jacobians (…, 6, n_axes)."""
+        if self.whole:
+            return np.multiply(J, self.factors)
+        picked: Matrix = J[..., self.rows[:, None], self.columns] * self.factors
+        return picked
+
+
+_scalings: WeakKeyDictionary[Robot, Scaling] = WeakKeyDictionary()
+
+
+def characteristic_length(chain: Chain) -> float:
+    """Return the length [m] that scales a chain by default: from its first joint to the tips, all offsets added up.
+
+    For an arm it is the length of the stretched arm with its tool, without the base it stands on. A chain of linear
+    axes without any offset has the length 1 m.
+    """
+    branches: dict[str, float] = {}
+    for n in joints_between_tips(chain):
+        joint = chain.joints[n]
+        before = branches.get(joint.parent)
+        # The offset of the first joint of a branch moves the whole machine and says nothing about its size.
+        branches[joint.child] = 0.0 if before is None else before + _norm(joint.T_parent_joint)
+    total = sum(
+        branches[frame.link] + _norm(frame.T_link_frame)
+        for frame in (chain.frame("tool"), chain.frame("workpiece"))
+        if frame.link in branches
+    )
+    return total if total > _SMALLEST_LENGTH else 1.0
+
+
+def _norm(T: Matrix) -> float:
+    return float(np.linalg.norm(T[:3, 3]))
+
+
+def task_rows(robot: Robot) -> tuple[int, ...]:
+    """Return the rows of the Jacobian, in the tool frame, that the controller's task holds."""
+    if robot.task == "pose":
+        return tuple(range(6))
+    if robot.task == "position":
+        return 0, 1, 2
+    return (0, 1, 2, 4, 5) if robot.chain.tool_axis == "x" else (0, 1, 2, 3, 4)
+
+
+def scaling_of(robot: Robot, length: float | None = None) -> Scaling:
+    """Return the scaling of a robot's task; that of the default length is prepared once.
+
+    Raises:
+        ChainbuildError: the length is not a finite number above 0.
+    """
+    if length is None:
+        found = _scalings.get(robot)
+        if found is None:
+            found = _scalings[robot] = scaling_of(robot, characteristic_length(robot.chain))
+        return found
+    if not (np.isfinite(length) and length > 0.0):
+        raise ChainbuildError(
+            "the characteristic length makes no scale", parameter="length", permitted="a finite number above 0 (m)"
+        )
+    rows = np.array(task_rows(robot))
+    columns = np.array([n for n, axis in enumerate(robot.axes) if not axis.held])
+    factors = np.ones((len(rows), len(columns)))
+    factors[rows < 3] /= length
+    factors[:, [robot.axes[n].kind == "linear" for n in columns]] *= length
+    return Scaling(rows, columns, length, factors, factors.shape == (6, len(robot.axes)))
+
+
+def measure(robot: Robot, axes: ArrayLike, length: float | None = None) -> Measures:
+    """Return the measures at axis values (n_axes,), mm and degrees.
+
+    Args:
+        robot: The robot.
+        axes: Axis values; limits are not looked at.
+        length: Characteristic length [m]; None: `characteristic_length`.
+
+    Raises:
+        AxisValueError: wrong count or not finite.
+    """
+    scaling = scaling_of(robot, length)
+    U, values, Vt = np.linalg.svd(scaling.apply(robot.jacobian(axes)), full_matrices=False)
+    lost, runaway = np.zeros(6), np.zeros(len(robot.axes))
+    lost[scaling.rows], runaway[scaling.columns] = U[:, -1], Vt[-1]
+    return Measures(values, scaling.length, lost, runaway)
+
+
+def smallest_value(robot: Robot, axes: ArrayLike) -> float:
+    """Return the smallest scaled singular value at axis values (n_axes,): the quick form of `measure`."""
+    values = np.asarray(axes, dtype=float)
+    if values.shape != robot.kinematics.si_factors.shape or not math.isfinite(values.sum()):
+        values = robot.axis_values(axes)  # which says what is wrong
+    J = scaling_of(robot).apply(robot.kinematics.pose_and_jacobian(values * robot.kinematics.si_factors)[1])
+    return float(np.linalg.svd(J, compute_uv=False)[-1])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasureTable:
+    """Measures of many poses.
+
+    Attributes:
+        positions: (N, 3) tool in the workpiece frame [m].
+        smallest: (N,) smallest scaled singular value.
+        manipulability: (N,) product of the scaled singular values.
+        condition: (N,) largest over smallest; inf at a singularity.
+    """
+
+    positions: Matrix
+    smallest: Vector
+    manipulability: Vector
+    condition: Vector
+
+
+def measure_batch(robot: Robot, axes: ArrayLike, length: float | None = None) -> MeasureTable:
+    """Return the measures at many axis values (N, n_axes), mm and degrees.
+
+    Memory beyond the result does not depend on N.
+    """
+    values = np.asarray(axes, dtype=float)
+    if values.ndim != 2 or values.shape[1] != len(robot.axes) or not np.isfinite(values).all():
+        raise ChainbuildError(f"axis values of shape (N, {len(robot.axes)}) are due, all finite")
+    scaling = scaling_of(robot, length)
+    count = len(values)
+    table = MeasureTable(np.empty((count, 3)), np.empty(count), np.empty(count), np.empty(count))
+    for part, positions, J in pose_jacobians(robot, values):
+        singular = np.linalg.svd(scaling.apply(J), compute_uv=False)
+        table.positions[part] = positions
+        table.smallest[part] = singular[:, -1]
+        table.manipulability[part] = singular.prod(axis=1)
+        with np.errstate(divide="ignore"):
+            table.condition[part] = singular[:, 0] / singular[:, -1]
+    return table

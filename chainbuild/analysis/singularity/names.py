@@ -1,0 +1,132 @@
+"""Singularities by name, each said as an engineer would say it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild.analysis.singularity import locks, words
+from chainbuild.analysis.singularity.factors import Factor, factors
+from chainbuild.analysis.singularity.measures import Measures, measure, measure_batch, smallest_value
+from chainbuild.analysis.singularity.singularity import Singularity
+from chainbuild.analysis.singularity.speeds import SpeedReport, speeds
+from chainbuild.analysis.singularity.structure import Kind, lines_at, structure_of
+from chainbuild.kinematics.mechanism import Robot
+
+Vector = NDArray[np.float64]
+
+# A name is given only where the smallest scaled singular value is below this …
+NEAR: Final = 0.05
+# … and the function that the name stands for is below this: 0.1 is a wrist axis within 5.7 degrees of the singularity.
+NEAR_FACTOR: Final = 0.1
+# A second name is given only where its function is small by itself.
+_SECOND: Final = 0.01
+# A singularity without a name is spoken of only this close to it.
+_NEAR_UNNAMED: Final = 0.005
+# Share of shifts in the lost motion below which the sentence speaks of the speed of turns.
+_NO_SHIFT: Final = 1e-3
+_ALIASES: Final = {"wrist": "alpha5", "elbow": "alpha2", "shoulder": "alpha1"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Report:
+    """All that is said about one position.
+
+    Attributes:
+        axes: (n_axes,) axis values, mm and degrees.
+        measures: The numbers.
+        names: Singularities at or close to it, the closest first.
+        notices: Gimbal lock and dead points: nothing is lost, yet programs or drives will notice.
+        speed: Axis speeds at the tool speed asked for.
+    """
+
+    axes: Vector
+    measures: Measures
+    names: tuple[Singularity, ...]
+    notices: tuple[Singularity, ...]
+    speed: SpeedReport
+
+
+def examine(robot: Robot, axes: ArrayLike, tool_speed_mm: float = 10.0, length: float | None = None) -> Report:
+    """Return measures, names and speeds at axis values (n_axes,), mm and degrees.
+
+    Args:
+        robot: The robot.
+        axes: Axis values; limits are not looked at.
+        tool_speed_mm: Speed of the tool that the sentences speak of [mm/s; deg/s where only turns are lost].
+        length: Characteristic length [m] of the measures; None: the default. Names always use the default.
+
+    Raises:
+        AxisValueError: wrong count or not finite.
+    """
+    values = robot.axis_values(axes)
+    measures = measure(robot, values, length)
+    gate = measures if length is None else measure(robot, values)
+    speed = speeds(robot, values, tool_speed_mm)
+    names = tuple(_names(robot, values, gate, speed)) if gate.smallest <= NEAR else ()
+    return Report(values, measures, names, tuple(locks.notices(robot, values)), speed)
+
+
+def names_at(robot: Robot, axes: ArrayLike) -> tuple[Singularity, ...]:
+    """Return the singularities at or close to axis values (n_axes,), the closest first."""
+    values = robot.axis_values(axes)
+    return examine(robot, values).names if smallest_value(robot, values) <= NEAR else ()
+
+
+def examine_path(robot: Robot, path: ArrayLike, tool_speed_mm: float = 10.0) -> Iterator[tuple[int, Report]]:
+    """Yield (row, report) of the rows (N, n_axes) of a path that are singular, nearly so, or deserve a notice.
+
+    The measures of all rows are computed at once; only rows below `NEAR` are examined by name.
+    """
+    values = np.atleast_2d(np.asarray(path, dtype=float))
+    smallest = measure_batch(robot, values).smallest
+    for row in np.flatnonzero(smallest <= NEAR).tolist():
+        report = examine(robot, values[row], tool_speed_mm)
+        if report.names or report.notices:
+            yield row, report
+
+
+def kinds(singularities: Iterable[Singularity]) -> tuple[Kind, ...]:
+    """Return the kinds of singularities, in their order."""
+    return tuple(found.kind for found in singularities)
+
+
+def _names(robot: Robot, axes: Vector, measures: Measures, speed: SpeedReport) -> Iterator[Singularity]:
+    direction = np.eye(3)[0 if robot.chain.tool_axis == "x" else 2]
+    near = [
+        factor
+        for factor in factors(structure_of(robot), lines_at(robot, axes), robot.task, direction)
+        if factor.value <= NEAR_FACTOR
+    ]
+    lost = words.lost_motion(robot, measures, turn_first=bool(near) and near[0].kind == "wrist")
+    # Where shifts cost nothing the turns do: the pole of a head.
+    turns = float(np.linalg.norm(measures.lost[:3])) < _NO_SHIFT
+    turning = speeds(robot, axes, speed.tool_speed, motion="turn") if turns else speed
+    cost = words.cost(turning, measures)
+    if not near:
+        if measures.smallest <= _NEAR_UNNAMED:
+            running = words.runaway_axes(robot, measures)
+            condition = f"{words.joined(running)} {'works' if len(running) == 1 else 'work'} against one another"
+            if len(running) == 1:
+                condition = f"{running[0]} hardly moves the tool"
+            sentence = f"{condition}: {lost}; {cost}"
+            yield Singularity("other", "", measures.smallest, running, condition, sentence)
+        return
+    for rank, factor in enumerate(near):
+        if rank and factor.value > _SECOND:
+            break
+        yield _named(robot, axes, factor, lost, cost)
+
+
+def _named(robot: Robot, axes: Vector, factor: Factor, lost: str, cost: str) -> Singularity:
+    condition, names = words.condition(robot, axes, factor)
+    is_arm = robot.chain.kinematic.endswith(" NR")
+    alias = _ALIASES.get(factor.kind, "") if is_arm and robot.chain.dialect.startswith("SINUMERIK") else ""
+    remark = words.elbow_remark(robot, axes, factor) if factor.kind == "elbow" else ""
+    value = 0.0 if math.isclose(factor.value, 0.0, abs_tol=1e-15) else factor.value
+    return Singularity(factor.kind, alias, value, names, condition, f"{condition}: {lost}; {cost}", remark)

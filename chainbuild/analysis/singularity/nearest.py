@@ -1,0 +1,133 @@
+"""The nearest singularity, by damped steps down the smallest singular value.
+
+With u, v its singular vectors, the derivative of the smallest singular value by axis i is uᵀ·(∂J/∂xᵢ)·v. A Newton step
+along it, −σ·g/(g·g), lands on the singular set but for second order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild.analysis.singularity.measures import Scaling, scaling_of
+from chainbuild.kinematics.mechanism import Robot
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+_STEPS: Final = 40
+_FOUND: Final = 1e-11  # smallest singular value that counts as singular
+_DIFFERENCE: Final = 1e-5  # of central differences of J: error 1e-10, by truncation and by rounding
+_LONGEST_STEP: Final = 0.3  # rad, or share of the length
+_FLAT: Final = 1e-14
+_HALVINGS: Final = 6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Nearest:
+    """Where the nearest singularity was found.
+
+    Attributes:
+        found: Whether the steps ended at a singularity; else `axes` is where they gave up.
+        axes: (n_axes,) axis values there, mm and degrees.
+        change: (n_axes,) what the axes have to move, mm and degrees.
+        distance: Length of that motion in rad, linear axes as a share of the characteristic length.
+        smallest: Smallest scaled singular value there.
+        steps: Steps taken.
+        inside: Whether the place is inside the limits.
+    """
+
+    found: bool
+    axes: Vector
+    change: Vector
+    distance: float
+    smallest: float
+    steps: int
+    inside: bool
+
+
+def nearest_singularity(robot: Robot, axes: ArrayLike, length: float | None = None) -> Nearest:
+    """Return the singularity that a descent from axis values (n_axes,), mm and degrees, ends at.
+
+    The descent follows the steepest fall of the smallest scaled singular value: a local search, which finds the
+    singularity that the position is already close to. Limits are not kept; the result says whether it is inside.
+
+    Args:
+        robot: The robot.
+        axes: Where to start.
+        length: Characteristic length [m]; None: the default.
+
+    Raises:
+        AxisValueError: wrong count or not finite.
+    """
+    descent = _Descent(robot, scaling_of(robot, length), robot.axis_values(axes))
+    return descent.run()
+
+
+class _Descent:
+    """One search in scaled coordinates z: radians, and linear axes as a share of the length."""
+
+    def __init__(self, robot: Robot, scaling: Scaling, axes: Vector) -> None:
+        self.robot, self.scaling = robot, scaling
+        linear = np.array([robot.axes[n].kind == "linear" for n in scaling.columns])
+        self.unit = np.where(linear, scaling.length, 1.0)
+        self.x0 = axes * robot.kinematics.si_factors
+
+    def x(self, z: Vector) -> Vector:
+        x: Vector = self.x0.copy()
+        x[self.scaling.columns] += z * self.unit
+        return x
+
+    def jacobian(self, z: Vector) -> Matrix:
+        return self.scaling.apply(self.robot.kinematics.pose_and_jacobian(self.x(z))[1])
+
+    def run(self) -> Nearest:
+        z = np.zeros(len(self.unit))
+        u, value, v = _smallest(self.jacobian(z))
+        steps = 0
+        while value > _FOUND and steps < _STEPS:
+            steps += 1
+            step = self._step(z, u, value, v)
+            if step is None:
+                break
+            for _ in range(_HALVINGS):
+                tried = _smallest(self.jacobian(z + step))
+                if tried[1] < value:
+                    break
+                step = step / 2.0
+            else:
+                break
+            z = z + step
+            u, value, v = tried
+        return self._result(z, value, steps)
+
+    def _step(self, z: Vector, u: Vector, value: float, v: Vector) -> Vector | None:
+        gradient = np.empty(len(z))
+        for n in range(len(z)):
+            h = np.zeros(len(z))
+            h[n] = _DIFFERENCE
+            change = self.jacobian(z + h) - self.jacobian(z - h)
+            gradient[n] = float(u @ change @ v) / (2.0 * _DIFFERENCE)
+        squared = float(gradient @ gradient)
+        if squared < _FLAT:
+            return None
+        step = -value * gradient / squared
+        size = float(np.linalg.norm(step))
+        shorter: Vector = step * min(1.0, _LONGEST_STEP / size)
+        return shorter
+
+    def _result(self, z: Vector, value: float, steps: int) -> Nearest:
+        factors = self.robot.kinematics.si_factors
+        axes = self.x(z) / factors
+        inside = not self.robot.violated_limits(axes)
+        change = axes - self.x0 / factors
+        # What counts as found must not hang on the last bit of a step.
+        return Nearest(value < 1e-7, axes, change, float(np.linalg.norm(z)), value, steps, inside)
+
+
+def _smallest(J: Matrix) -> tuple[Vector, float, Vector]:
+    U, values, Vt = np.linalg.svd(J, full_matrices=False)
+    return U[:, -1], float(values[-1]), Vt[-1]

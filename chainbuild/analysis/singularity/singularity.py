@@ -1,0 +1,31 @@
+"""What is said about one singularity."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from chainbuild.analysis.singularity.structure import Kind
+
+
+@dataclass(frozen=True, slots=True)
+class Singularity:
+    """A singularity at or close to a position.
+
+    Attributes:
+        kind: "wrist", "elbow", "shoulder", "pole", "tilt_end", "other"; "gimbal_lock" of the pose angles and
+            "dead_point" of a parallelogram lose no motion of the tool.
+        alias: The manual's name where it has one: "alpha5", …; else an empty string.
+        value: The function that vanishes there, without unit (`chainbuild.analysis.singularity.factors`).
+        axes: Names of the axes concerned.
+        condition: What lines up, in words.
+        sentence: Condition, what is lost, and what it costs.
+        remark: Where a manual describes it otherwise; else an empty string.
+    """
+
+    kind: Kind
+    alias: str
+    value: float
+    axes: tuple[str, ...]
+    condition: str
+    sentence: str
+    remark: str = ""

@@ -1,0 +1,166 @@
+"""What the ROBX transformation itself calls singular: SD41670, SD41671, ITERLIMIT (ROBX manual 10.2, 5.3, MD62968).
+
+The manual gives the two setting data numbers without unit and does not say which quantity they are held against. They
+are held against the smallest scaled singular value here, or, when asked, against the product of all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild.analysis.singularity.measures import measure_batch
+from chainbuild.errors import ChainbuildError
+from chainbuild.kinematics.mechanism import Robot
+from chainbuild.units import mm_from_m
+
+if TYPE_CHECKING:
+    from chainbuild.chain.elements import Chain
+    from chainbuild.formats.machine import Machine
+
+Vector = NDArray[np.float64]
+
+Level = Literal["singular", "watched", "clear"]
+Quantity = Literal["smallest", "product"]
+
+RECOMMENDED_THRESHOLD: Final = 2e-6  # SD41670, ROBX manual 10.2.2
+RECOMMENDED_CLEARANCE: Final = 1e-3  # SD41671, ROBX manual 10.2.3
+LONGEST_SINGULAR_MM: Final = 30.0  # ROBX manual 10.3: alarm 75327
+BLOCK_TOO_LONG_ALARM: Final = 75327
+
+
+@dataclass(frozen=True, slots=True)
+class Thresholds:
+    """Thresholds of a control.
+
+    Attributes:
+        threshold: SD41670: at and below it a position is singular.
+        clearance: SD41671: between the two a position is looked at more closely.
+        iter_limit_deg: MD62968: an angle of axis 5 below this counts as singular for the iterative inverse.
+        given: Which of the two setting data the file gives; the others are the manual's recommendations.
+    """
+
+    threshold: float = RECOMMENDED_THRESHOLD
+    clearance: float = RECOMMENDED_CLEARANCE
+    iter_limit_deg: float = 3.0
+    given: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """What a control would make of a position.
+
+    Attributes:
+        value: The quantity held against the thresholds.
+        level: "singular" (SD41670), "watched" (SD41671) or "clear".
+        hand_deg: How far axis 5 is from 0 or half a turn, by its mathematical angle; None where there is none.
+        hand_limit: Whether it is below ITERLIMIT.
+    """
+
+    value: float
+    level: Level
+    hand_deg: float | None
+    hand_limit: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """A run of rows of a path that a control calls singular or watches.
+
+    Attributes:
+        first: First row, from 0.
+        last: Last row.
+        level: The worst level in it.
+        length_mm: Way of the tool from the first to the last row [mm].
+        alarm: 75327 where it is singular all the way and too long, else None.
+    """
+
+    first: int
+    last: int
+    level: Level
+    length_mm: float
+    alarm: int | None
+
+
+def thresholds_of(machine: Machine, chain: Chain) -> Thresholds | None:
+    """Return the thresholds of a ROBX machine; None for another dialect.
+
+    Args:
+        machine: The machine.
+        chain: One of its chains.
+    """
+    from chainbuild.formats.sinumerik.machine import RobxMachine
+
+    if not isinstance(machine, RobxMachine) or chain.controller_solver is None:
+        return None
+    threshold = machine.table.shared("SINGULARITY_THRESHOLD", None)
+    clearance = machine.table.shared("MIN_DIST_TO_SINGULARITY", None)
+    rows = [row for row in (threshold, clearance) if row is not None]
+    return Thresholds(
+        RECOMMENDED_THRESHOLD if threshold is None else float(threshold.value),
+        RECOMMENDED_CLEARANCE if clearance is None else float(clearance.value),
+        chain.controller_solver.limit_deg,
+        tuple(row.datum.name for row in rows),
+    )
+
+
+def judge(robot: Robot, axes: ArrayLike, limits: Thresholds, quantity: Quantity = "smallest") -> Judgement:
+    """Return what a control would make of axis values (n_axes,), mm and degrees."""
+    values = robot.axis_values(axes)
+    value = float(_values(robot, values[None, :], quantity)[0])
+    angle = _hand_angle(robot, values)
+    return Judgement(value, _level(value, limits), angle, angle is not None and angle < limits.iter_limit_deg)
+
+
+def judge_path(robot: Robot, path: ArrayLike, limits: Thresholds, quantity: Quantity = "smallest") -> Iterator[Stretch]:
+    """Yield the stretches of a path (N, n_axes) that a control calls singular or watches.
+
+    Only the rows are looked at: give them as dense as the control's blocks are cut.
+    """
+    rows = np.atleast_2d(np.asarray(path, dtype=float))
+    table = measure_batch(robot, rows)
+    levels = [_level(value, limits) for value in _pick(table.smallest, table.manipulability, quantity).tolist()]
+    first = 0
+    while first < len(levels):
+        if levels[first] == "clear":
+            first += 1
+            continue
+        last = first
+        while last + 1 < len(levels) and levels[last + 1] != "clear":
+            last += 1
+        run = levels[first : last + 1]
+        way = np.linalg.norm(np.diff(table.positions[first : last + 1], axis=0), axis=1).sum()
+        length = mm_from_m(float(way))
+        singular = all(level == "singular" for level in run)
+        alarm = BLOCK_TOO_LONG_ALARM if singular and length >= LONGEST_SINGULAR_MM else None
+        yield Stretch(first, last, "singular" if "singular" in run else "watched", length, alarm)
+        first = last + 1
+
+
+def _values(robot: Robot, rows: NDArray[np.float64], quantity: Quantity) -> Vector:
+    table = measure_batch(robot, rows)
+    return _pick(table.smallest, table.manipulability, quantity)
+
+
+def _pick(smallest: Vector, product: Vector, quantity: Quantity) -> Vector:
+    if quantity not in ("smallest", "product"):
+        raise ChainbuildError(f"the quantity '{quantity}'", parameter="quantity", permitted="smallest, product")
+    return smallest if quantity == "smallest" else product
+
+
+def _level(value: float, limits: Thresholds) -> Level:
+    if value <= limits.threshold:
+        return "singular"
+    return "watched" if value < limits.clearance else "clear"
+
+
+def _hand_angle(robot: Robot, axes: Vector) -> float | None:
+    """Return how far axis 5 is from 0 or half a turn [deg], or None where there is no such axis."""
+    solver = robot.chain.controller_solver
+    if solver is None or solver.hand_angle is None:
+        return None
+    return abs((solver.hand_angle.value(axes) + 90.0) % 180.0 - 90.0)

@@ -1,0 +1,271 @@
+"""Workspace and singularity maps: many positions, all cores, constant memory, resumable.
+
+The work is cut into parts whose positions follow from the seed and the part's number alone. Each part is reduced to the
+cells it hit before it leaves its process, and the map is the sum of its parts in any order. What is done is written
+beside the map from time to time, so that a stopped run goes on where it was.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.analysis.singularity.measures import measure_batch
+from chainbuild.analysis.workspace.mapspec import Grid, MapSpec, check_spec, directions, grid_of, in_slab, random_axes
+from chainbuild.chain.bodies import shown_limits
+from chainbuild.chain.elements import Chain
+from chainbuild.collision.model import CollisionModel
+from chainbuild.errors import ChainbuildError, FileAccessError, Span
+from chainbuild.kinematics.mechanism import Robot
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+PART: Final = 20_000  # positions of a part: a fraction of a second
+_PARTS_BETWEEN_SAVES: Final = 16
+_AHEAD: Final = 2  # parts handed out for each process beyond the one it works on
+
+
+@dataclass(slots=True, eq=False)
+class Map:
+    """A map, finished or under way.
+
+    Attributes:
+        spec: What it shows.
+        grid: Its cells.
+        count: Free positions in each cell.
+        smallest: Largest of the smallest scaled singular values in each cell; NaN where none was free.
+        collided: Positions left out for self-collision.
+        done: (parts,) which parts are in it.
+    """
+
+    spec: MapSpec
+    grid: Grid
+    count: NDArray[np.int64]
+    smallest: Vector
+    collided: int
+    done: NDArray[np.bool_]
+
+    @property
+    def complete(self) -> bool:
+        """Whether every part is in it."""
+        return bool(self.done.all())
+
+    def save(self, path: Path) -> None:
+        """Write the map as NPZ, all or nothing.
+
+        Raises:
+            FileAccessError: the file cannot be written.
+        """
+        edges: dict[str, Any] = {f"edges_{n}": edge for n, edge in enumerate(self.grid.edges)}
+        text = json.dumps({"spec": self.spec.data(), "labels": self.grid.labels})
+        part = path.with_name(f".{path.name}.part")
+        try:
+            with part.open("wb") as stream:
+                np.savez_compressed(
+                    stream,
+                    header=np.array(text),
+                    count=self.count,
+                    smallest=self.smallest,
+                    collided=np.array(self.collided),
+                    done=self.done,
+                    **edges,
+                )
+            part.replace(path)
+        except OSError as error:
+            raise FileAccessError(f"the map cannot be written: {error.strerror or error}", span=_span(path)) from None
+
+
+def read_map(path: Path) -> Map:
+    """Read a map that `Map.save` wrote.
+
+    Raises:
+        FileAccessError: the file cannot be read or holds no map.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            header = json.loads(str(data["header"]))
+            labels = tuple(header["labels"])
+            given = header["spec"] | {"axes": tuple(header["spec"]["axes"]), "at": tuple(header["spec"]["at"])}
+            grid = Grid(labels, tuple(data[f"edges_{n}"] for n in range(len(labels))))
+            return Map(
+                MapSpec(**given),
+                grid,
+                data["count"],
+                data["smallest"],
+                int(data["collided"]),
+                data["done"].astype(bool),
+            )
+    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
+        raise FileAccessError(f"the map cannot be read: {error}", span=_span(path)) from None
+
+
+def _span(path: Path) -> Span:
+    return Span(str(path))
+
+
+def make_map(
+    robot: Robot,
+    spec: MapSpec,
+    path: Path | None = None,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Map:
+    """Return the map that a specification asks for.
+
+    Args:
+        robot: The robot.
+        spec: What to show.
+        path: NPZ file that the map is kept in; where it holds an unfinished map of the same specification, the work
+            goes on with that.
+        workers: Processes; None: one for each core.
+        progress: Called with the parts done and all parts.
+
+    Raises:
+        ChainbuildError: the specification asks for what cannot be drawn, or the file holds another map.
+        FileAccessError: the file cannot be read or written.
+    """
+    check_spec(robot, spec)
+    result = _begin(robot, spec, path)
+    todo = np.flatnonzero(~result.done).tolist()
+    for count, (part, found) in enumerate(_parts(robot.chain, spec, result.grid, todo, workers), start=1):
+        _merge(result, part, found)
+        if path is not None and count % _PARTS_BETWEEN_SAVES == 0:
+            result.save(path)
+        if progress is not None:
+            progress(int(result.done.sum()), len(result.done))
+    if path is not None:
+        result.save(path)
+    return result
+
+
+def _begin(robot: Robot, spec: MapSpec, path: Path | None) -> Map:
+    total = spec.cells**2 if spec.kind == "axes" else spec.samples
+    if path is not None and path.exists():
+        old = read_map(path)
+        if old.spec != spec:
+            raise ChainbuildError(
+                "the file holds another map", span=_span(path), permitted="the same map, or a file that does not exist"
+            )
+        return old
+    grid = grid_of(robot, spec)
+    cells = int(np.prod(grid.shape))
+    done = np.zeros(-(-total // PART), dtype=bool)
+    shape = grid.shape
+    smallest = np.full(cells, np.nan).reshape(shape)
+    return Map(spec, grid, np.zeros(cells, dtype=np.int64).reshape(shape), smallest, 0, done)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Part:
+    """Cells that a part hit, each once, with what it found there."""
+
+    cells: NDArray[np.int64]
+    count: NDArray[np.int64]
+    smallest: Vector
+    collided: int
+
+
+def _merge(result: Map, number: int, part: _Part) -> None:
+    result.count.reshape(-1)[part.cells] += part.count
+    flat = result.smallest.reshape(-1)
+    flat[part.cells] = np.fmax(flat[part.cells], part.smallest)
+    result.collided += part.collided
+    result.done[number] = True
+
+
+def _parts(
+    chain: Chain, spec: MapSpec, grid: Grid, todo: list[int], workers: int | None
+) -> Iterator[tuple[int, _Part]]:
+    """Yield the parts as they are done."""
+    processes = min(workers or os.cpu_count() or 1, max(len(todo), 1))
+    if processes == 1:
+        worker = _Worker(chain, spec, grid)
+        for number in todo:
+            yield number, worker.part(number)
+        return
+    with ProcessPoolExecutor(processes, initializer=_start, initargs=(chain, spec, grid)) as pool:
+        waiting: dict[Future[_Part], int] = {}
+        queue = iter(todo)
+        try:
+            while True:
+                # A bounded number is under way, so that results cannot pile up.
+                for number in queue:
+                    waiting[pool.submit(_work, number)] = number
+                    if len(waiting) >= processes * (1 + _AHEAD):
+                        break
+                if not waiting:
+                    return
+                finished, _ = wait(waiting, return_when=FIRST_COMPLETED)
+                for future in finished:
+                    yield waiting.pop(future), future.result()
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+class _Worker:
+    """Computes parts of one map."""
+
+    def __init__(self, chain: Chain, spec: MapSpec, grid: Grid) -> None:
+        self.robot, self.spec, self.grid = chain.build(), spec, grid
+        self.bodies = CollisionModel(self.robot) if spec.collisions else None
+
+    def part(self, number: int) -> _Part:
+        axes, cells = self._positions(number)
+        table = measure_batch(self.robot, axes)
+        smallest = table.smallest
+        if cells is None:
+            points = directions(self.spec.kind, table.positions)
+            cells = self.grid.cells_of(points)
+            edge = self.grid.edges[0]
+            cells[~in_slab(self.spec.kind, table.positions, float(edge[1] - edge[0]))] = -1
+        inside = cells >= 0
+        collided = 0
+        if self.bodies is not None:
+            for n in np.flatnonzero(inside).tolist():
+                if self.bodies.collides(axes[n]):
+                    inside[n] = False
+                    collided += 1
+        unique, places, count = np.unique(cells[inside], return_inverse=True, return_counts=True)
+        best = np.zeros(len(unique))
+        np.maximum.at(best, places, smallest[inside])
+        return _Part(unique, count.astype(np.int64), best, collided)
+
+    def _positions(self, number: int) -> tuple[Matrix, NDArray[np.int64] | None]:
+        """Return the axis values of a part, and their cells where these are known before the pose is."""
+        spec = self.spec
+        first = number * PART
+        if spec.kind != "axes":
+            count = min(PART, spec.samples - first)
+            return random_axes(self.robot, np.random.default_rng([spec.seed, number]), count), None
+        flat = np.arange(first, min(first + PART, spec.cells**2), dtype=np.int64)
+        lower, upper = shown_limits(self.robot.chain)
+        base = np.array(spec.at) if spec.at else (lower + upper) / 2.0
+        axes = np.repeat(base[None, :], len(flat), axis=0)
+        names = [axis.name for axis in self.robot.axes]
+        places = np.unravel_index(flat, self.grid.shape)
+        for name, edge, place in zip(spec.axes, self.grid.edges, places, strict=True):
+            axes[:, names.index(name)] = (edge[place] + edge[place + 1]) / 2.0
+        return axes, flat
+
+
+_worker: _Worker | None = None
+
+
+def _start(chain: Chain, spec: MapSpec, grid: Grid) -> None:
+    global _worker  # noqa: PLW0603 - one worker a process, built when the process starts
+    _worker = _Worker(chain, spec, grid)
+
+
+def _work(number: int) -> _Part:
+    assert _worker is not None, "the process was not started by make_map"
+    return _worker.part(number)

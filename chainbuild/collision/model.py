@@ -1,0 +1,205 @@
+"""Self-collision of a robot on coal: booleans, pairs, distances with witness points.
+
+The only place that knows coal's queries. Links that a joint connects never count as colliding, nor do pairs that touch
+at every position: the bodies are drawn so that they overlap there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+import coal
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild.chain.bodies import shown_limits
+from chainbuild.chain.elements import BASE_LINK
+from chainbuild.chain.rods import pinned_links
+from chainbuild.collision.solids import Solid, solids_of
+from chainbuild.errors import ChainbuildError
+from chainbuild.kinematics.mechanism import Robot
+
+Vector = NDArray[np.float64]
+Pair: TypeAlias = tuple[str, str]
+
+_PROBES: Final = 64  # positions at which a pair must touch to count as always touching
+_SEED: Final = 11
+_SLIDES: Final = 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Distance:
+    """The distance between two bodies.
+
+    Attributes:
+        pair: Names of the bodies.
+        distance: [m]; negative: how deep they overlap.
+        points: (2, 3) the nearest points, first body's first, in the base frame [m].
+    """
+
+    pair: Pair
+    distance: float
+    points: NDArray[np.float64]
+
+
+class CollisionModel:
+    """The bodies of a robot and the pairs that are watched.
+
+    Args:
+        robot: The robot.
+        watched: Pairs of links that are looked at; None: all but links that a joint connects, those that the overlay
+            ignores, and those that touch at every position.
+
+    Attributes:
+        robot: The robot.
+        solids: Its bodies.
+        pairs: The pairs watched, by index of the bodies.
+        always: Pairs of links left out because they touch at every position probed.
+
+    Raises:
+        FileAccessError: a mesh cannot be read.
+        ChainbuildError: a watched link does not exist.
+    """
+
+    def __init__(self, robot: Robot, watched: Iterable[Pair] | None = None) -> None:
+        self.robot = robot
+        self._shape = (len(robot.axes),)
+        self.solids = solids_of(robot.chain)
+        self._ids = {solid.name: n for n, solid in enumerate(self.solids)}
+        self._joint_of = {BASE_LINK: 0} | {joint.child: n + 1 for n, joint in enumerate(robot.chain.joints)}
+        self._data = robot.model.createData()
+        self.always: tuple[Pair, ...] = ()
+        if watched is not None:
+            self._watch(self._chosen(tuple(watched)))
+            return
+        self._watch(self._possible())
+        self.always = self._touching_everywhere()
+        touching = {frozenset(pair) for pair in self.always}
+        self._watch([pair for pair in self.pairs if frozenset(self.links_of(pair)) not in touching])
+
+    def links_of(self, pair: tuple[int, int]) -> Pair:
+        """Return the links of a pair of bodies."""
+        return self.solids[pair[0]].link, self.solids[pair[1]].link
+
+    def pairs_by_link(self) -> tuple[Pair, ...]:
+        """Return the pairs of links that are watched, each once."""
+        return tuple(dict.fromkeys(self.links_of(pair) for pair in self.pairs))
+
+    def collides(self, axes: ArrayLike) -> bool:
+        """Return whether any watched pair touches at axis values (n_axes,), mm and degrees."""
+        return bool(pin.computeCollisions(self.robot.model, self._data, self._model, self._found, self._q(axes), True))
+
+    def colliding_pairs(self, axes: ArrayLike) -> tuple[Pair, ...]:
+        """Return the names of the watched pairs of bodies that touch."""
+        pin.computeCollisions(self.robot.model, self._data, self._model, self._found, self._q(axes), False)
+        results = self._found.collisionResults
+        return tuple(self._names(n) for n in range(len(self.pairs)) if results[n].isCollision())
+
+    def nearest(self, axes: ArrayLike) -> Distance | None:
+        """Return the smallest distance of all watched pairs; None where none is watched."""
+        if not self.pairs:
+            return None
+        best = pin.computeDistances(self.robot.model, self._data, self._model, self._found, self._q(axes))
+        return self._distance(int(best))
+
+    def smallest_at(self, q: Vector) -> float:
+        """Return the smallest distance [m] at joint values (n_q,), SI: the quickest query; inf where no pair is."""
+        if not self.pairs:
+            return math.inf
+        best = pin.computeDistances(self.robot.model, self._data, self._model, self._found, q)
+        return float(self._found.distanceResults[best].min_distance)
+
+    def distances(self, axes: ArrayLike) -> Vector:
+        """Return the distances (n_pairs,) [m] of all watched pairs, in the order of `pairs`."""
+        pin.computeDistances(self.robot.model, self._data, self._model, self._found, self._q(axes))
+        return np.array([result.min_distance for result in self._found.distanceResults])
+
+    def distance_table(self, axes: ArrayLike) -> tuple[Distance, ...]:
+        """Return all watched pairs with their distances and nearest points, the smallest first."""
+        self.distances(axes)
+        return tuple(sorted((self._distance(n) for n in range(len(self.pairs))), key=lambda d: d.distance))
+
+    def _q(self, axes: ArrayLike) -> Vector:
+        values = np.asarray(axes, dtype=float)
+        if values.shape != self._shape or not math.isfinite(values.sum()):
+            return self.robot.q(axes)  # which says what is wrong
+        return self.robot.chain.axis_map.q(values)
+
+    def _names(self, n: int) -> Pair:
+        a, b = self.pairs[n]
+        return self.solids[a].name, self.solids[b].name
+
+    def _distance(self, n: int) -> Distance:
+        result = self._found.distanceResults[n]
+        points = np.array([result.getNearestPoint1(), result.getNearestPoint2()])
+        return Distance(self._names(n), float(result.min_distance), points)
+
+    def _watch(self, pairs: list[tuple[int, int]]) -> None:
+        self.pairs = tuple(pairs)
+        model = pin.GeometryModel()
+        for solid in self.solids:
+            placement = pin.SE3(solid.T_link_solid)
+            model.addGeometryObject(
+                pin.GeometryObject(solid.name, self._joint_of[solid.link], placement, solid.geometry)
+            )
+        for a, b in self.pairs:
+            model.addCollisionPair(pin.CollisionPair(a, b))
+        self._model = model
+        self._found = pin.GeometryData(model)
+
+    def _chosen(self, watched: tuple[Pair, ...]) -> list[tuple[int, int]]:
+        known = {link.name for link in self.robot.chain.links}
+        for name in {link for pair in watched for link in pair} - known:
+            raise ChainbuildError(f"the kinematic has no link '{name}'", permitted=", ".join(sorted(known)))
+        wanted = {frozenset(pair) for pair in watched}
+        return [pair for pair in self._all() if frozenset(self.links_of(pair)) in wanted]
+
+    def _all(self) -> list[tuple[int, int]]:
+        count = len(self.solids)
+        indices = [(a, b) for a in range(count) for b in range(a + 1, count)]
+        return [pair for pair in indices if len(set(self.links_of(pair))) == 2]
+
+    def _possible(self) -> list[tuple[int, int]]:
+        left_out = {frozenset((joint.parent, joint.child)) for joint in self.robot.chain.joints}
+        left_out |= {frozenset(pair) for pair in self.robot.chain.geometry.ignore}
+        left_out |= {frozenset(pair) for pair in pinned_links(self.robot.chain)}
+        left_out |= self._drawn_slides()
+        return [pair for pair in self._all() if frozenset(self.links_of(pair)) not in left_out]
+
+    def _drawn_slides(self) -> set[frozenset[str]]:
+        """Return the pairs of one branch of a machine on three slides whose bodies are both drawn by rule.
+
+        The rule draws lumps for slides and rams, which say nothing about how they pass one another.
+        """
+        chain = self.robot.chain
+        if sum(joint.kind == "prismatic" for joint in chain.joints) < _SLIDES:
+            return set()
+        carriers: dict[str, tuple[str, ...]] = {BASE_LINK: (BASE_LINK,)}
+        for joint in chain.joints:
+            carriers[joint.child] = (*carriers[joint.parent], joint.child)
+        drawn = carriers.keys() - set(chain.geometry.links)
+        return {frozenset((link, carrier)) for link in drawn for carrier in carriers[link] if carrier in drawn - {link}}
+
+    def _touching_everywhere(self) -> tuple[Pair, ...]:
+        lower, upper = shown_limits(self.robot.chain)
+        rng = np.random.default_rng(_SEED)
+        touching = np.ones(len(self.pairs), dtype=bool)
+        for _ in range(_PROBES):
+            self.colliding_pairs(lower + (upper - lower) * rng.random(len(lower)))
+            results = self._found.collisionResults
+            touching &= np.array([result.isCollision() for result in results], dtype=bool)
+        links = {self.links_of(self.pairs[n]): None for n in np.flatnonzero(touching)}
+        return tuple(links)
+
+
+def capsule_distance(a: Solid, T_a: NDArray[np.float64], b: Solid, T_b: NDArray[np.float64]) -> Distance:
+    """Return coal's distance between two bodies placed at T (4, 4) [m]: the single query."""
+    request, result = coal.DistanceRequest(), coal.DistanceResult()
+    placed = [coal.Transform3s(np.ascontiguousarray(T[:3, :3]), T[:3, 3].copy()) for T in (T_a, T_b)]
+    coal.distance(a.geometry, placed[0], b.geometry, placed[1], request, result)
+    points = np.array([result.getNearestPoint1(), result.getNearestPoint2()])
+    return Distance((a.name, b.name), float(result.min_distance), points)

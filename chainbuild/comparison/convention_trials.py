@@ -1,0 +1,126 @@
+"""Which choice of the conventions would make a recording agree: every open one is tried."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.comparison.comparison import forward_poses, pose_errors
+from chainbuild.errors import ChainbuildError
+
+if TYPE_CHECKING:
+    from chainbuild.chain.elements import Chain, Task
+    from chainbuild.formats.machine import Machine
+
+Vector = NDArray[np.float64]
+
+_MOST_PAIRS: Final = 400
+_MOST_POSES: Final = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """Which kinematic of a machine is meant; see `Machine.chain`."""
+
+    kinematic: int | str | None = None
+    channel: int | None = None
+    tool_length_mm: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """Choices of conventions and what they lead to.
+
+    Attributes:
+        choices: Convention name → choice; empty for those in force.
+        position_error: Worst distance [m]; infinite where the chain cannot be built.
+        rotation_error: Worst angle [rad].
+        agrees: Whether all poses are within tolerance.
+    """
+
+    choices: Mapping[str, str]
+    position_error: float
+    rotation_error: float
+    agrees: bool
+
+
+def try_conventions(
+    machine: Machine,
+    selection: Selection,
+    chosen: Mapping[str, str],
+    axes: Vector,
+    theirs: NDArray[np.float64],
+    judged: Task,
+    tolerance: tuple[float, float],
+) -> tuple[Trial, ...]:
+    """Return what each other choice of the machine's conventions leads to, the best first.
+
+    Where no single choice makes the poses agree, pairs are tried.
+
+    Args:
+        machine: The machine.
+        selection: Which kinematic.
+        chosen: Choices made by the user.
+        axes: (n, n_axes) axis values, mm and degrees.
+        theirs: (n, 4, 4) poses [m].
+        judged: What of the poses counts.
+        tolerance: Metres and radians within which poses agree.
+    """
+    some = np.unique(np.linspace(0, len(axes) - 1, min(len(axes), _MOST_POSES)).astype(int))
+    bench = _Bench(machine, selection, chosen, axes[some], theirs[some], judged, tolerance)
+    singles = [bench.trial(dict([choice])) for choice in bench.alternatives()]
+    if not any(trial.agrees for trial in singles):
+        singles += [bench.trial(dict(pair)) for pair in itertools.islice(bench.pairs(), _MOST_PAIRS)]
+    singles.sort(key=bench.score)
+    return tuple(singles)
+
+
+@dataclass(frozen=True, slots=True)
+class _Bench:
+    """What every trial has in common."""
+
+    machine: Machine
+    selection: Selection
+    chosen: Mapping[str, str]
+    axes: Vector
+    theirs: NDArray[np.float64]
+    judged: Task
+    tolerance: tuple[float, float]
+
+    def score(self, trial: Trial) -> float:
+        return max(trial.position_error / self.tolerance[0], trial.rotation_error / self.tolerance[1])
+
+    def alternatives(self) -> list[tuple[str, str]]:
+        """Return every (name, choice) that is not in force."""
+        used = self._chain({}).conventions
+        return [
+            (one.convention.name, choice) for one in used for choice in one.convention.choices if choice != one.choice
+        ]
+
+    def pairs(self) -> Iterator[tuple[tuple[str, str], tuple[str, str]]]:
+        """Yield pairs of alternatives of two different conventions."""
+        for one, other in itertools.combinations(self.alternatives(), 2):
+            if one[0] != other[0]:
+                yield one, other
+
+    def _chain(self, choices: Mapping[str, str]) -> Chain:
+        s = self.selection
+        return self.machine.chain(s.kinematic, s.channel, s.tool_length_mm, {**self.chosen, **choices})
+
+    def trial(self, choices: Mapping[str, str]) -> Trial:
+        """Return what a set of choices leads to."""
+        try:
+            robot = self._chain(choices).build()
+            ours = forward_poses(robot, self.axes)
+        except ChainbuildError:
+            return Trial(choices, np.inf, np.inf, False)
+        column = 0 if robot.chain.tool_axis == "x" else 2
+        distance, angle = pose_errors(ours, self.theirs, self.judged, column)
+        worst = [float(np.where(np.isfinite(e), e, np.inf).max()) for e in (distance, angle)]
+        agrees = worst[0] <= self.tolerance[0] and worst[1] <= self.tolerance[1]
+        return Trial(choices, worst[0], worst[1], agrees)

@@ -1,0 +1,251 @@
+"""Cross-check: chainbuild's model against another solver or against poses recorded on the controller."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.chain.elements import Task
+from chainbuild.comparison.comparison import (
+    POSITION_TOLERANCE_M,
+    ROTATION_TOLERANCE_RAD,
+    Forward,
+    Inverse,
+    compare_forward,
+    compare_inverse,
+)
+from chainbuild.comparison.convention_trials import Selection, Trial, try_conventions
+from chainbuild.comparison.diagnosis import Explanation, explain
+from chainbuild.comparison.judges import CallableKind, Judge, judge_by_name, judge_from_function
+from chainbuild.comparison.samples import MADE_KINDS, SampleKind, Samples, make_samples
+from chainbuild.errors import ChainbuildError
+from chainbuild.ik.branches.analytic import method_of
+
+if TYPE_CHECKING:
+    from chainbuild.formats.machine import Machine
+    from chainbuild.kinematics.mechanism import Robot
+
+Vector = NDArray[np.float64]
+Matrices = NDArray[np.float64]
+
+_RECORDED_POSITION_M: Final = 1e-5  # controllers show micrometres or tenths
+_RECORDED_ROTATION_RAD: Final = 1e-4
+_MOST_TRIALS: Final = 8  # of those that do not agree, in the result
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recording:
+    """Axis values and poses read on the controller.
+
+    Attributes:
+        axes: (n, n_axes) mm and degrees.
+        poses: (n, 4, 4) tool in the workpiece frame [m].
+        judged: What of the poses was recorded.
+        name: File name.
+    """
+
+    axes: Vector
+    poses: Matrices
+    judged: Task = "pose"
+    name: str = "recording"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CrossCheck:
+    """What a cross-check found.
+
+    Attributes:
+        title: The machine.
+        kinematic: "ROBX NR", "KIN_TYP 45", … .
+        axes: Axis names.
+        judge: Name of the other solver or recording.
+        note: What it was built from.
+        forward: Forward kinematics compared, or None.
+        inverse: Inverse kinematics compared, or None.
+        complete: Whether chainbuild's own branches come from a closed form.
+        explanation: Structure of the error, or None.
+        trials: Conventions tried, the best first; empty where nothing was to be decided.
+        conventions: Name → choice in force.
+    """
+
+    title: str
+    kinematic: str
+    axes: tuple[str, ...]
+    judge: str
+    note: str
+    forward: Forward | None = None
+    inverse: Inverse | None = None
+    complete: bool = True
+    explanation: Explanation | None = None
+    trials: tuple[Trial, ...] = ()
+    conventions: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def agrees(self) -> bool:
+        """Whether everything compared agrees."""
+        forward = self.forward is None or bool(self.forward.agrees.all())
+        return forward and (self.inverse is None or self.inverse.agrees)
+
+    @property
+    def deciding(self) -> tuple[Trial, ...]:
+        """The trials that would make everything agree."""
+        return tuple(trial for trial in self.trials if trial.agrees)
+
+
+@dataclass(frozen=True, slots=True)
+class CheckOptions:
+    """How to cross-check.
+
+    Attributes:
+        count: Number of poses, shared among the kinds.
+        samples: Of "random", "grid", "singular".
+        seed: Seed of what is drawn.
+        position_tolerance: [m]; None: 1e-6, for recordings 1e-5.
+        rotation_tolerance: [rad]; None: 1e-6, for recordings 1e-4.
+        kind: What a callable is: "fk", "ik" or "auto".
+    """
+
+    count: int = 300
+    samples: Sequence[str] = MADE_KINDS
+    seed: int = 0
+    position_tolerance: float | None = None
+    rotation_tolerance: float | None = None
+    kind: CallableKind = "auto"
+
+    def tolerance(self, recorded: bool) -> tuple[float, float]:
+        """Return metres and radians within which poses agree.
+
+        Raises:
+            ChainbuildError: one of them is no positive number.
+        """
+        defaults = (
+            (_RECORDED_POSITION_M, _RECORDED_ROTATION_RAD)
+            if recorded
+            else (POSITION_TOLERANCE_M, ROTATION_TOLERANCE_RAD)
+        )
+        given = (self.position_tolerance, self.rotation_tolerance)
+        distance, angle = (default if g is None else g for g, default in zip(given, defaults, strict=True))
+        if not (0.0 < distance < 1.0 and 0.0 < angle < 1.0):
+            raise ChainbuildError("a tolerance is no positive number", permitted="more than 0, less than 1 m or rad")
+        return distance, angle
+
+
+def crosscheck(
+    robot: Robot,
+    solver: str | Callable[..., Any] | Recording,
+    options: CheckOptions | None = None,
+    *,
+    machine: Machine | None = None,
+    selection: Selection | None = None,
+    conventions: Mapping[str, str] | None = None,
+) -> CrossCheck:
+    """Compare a robot with another solver or with a recording, and name the structure of what differs.
+
+    Args:
+        robot: The robot.
+        solver: "eaik", "opw", "roboticstoolbox", "module:function", a function (axis values (n,) in mm and degrees →
+            pose (4, 4) in metres, or pose → rows of axis values), or a `Recording`.
+        options: Samples and tolerances.
+        machine: The machine the robot was built from: its conventions are tried where poses differ.
+        selection: Which kinematic of it.
+        conventions: Choices made by the user when the robot was built.
+
+    Raises:
+        ChainbuildError: the solver is unknown, not installed, not made for this kinematic, or returns nonsense.
+    """
+    options = options or CheckOptions()
+    if isinstance(solver, Recording):
+        tolerance = options.tolerance(recorded=True)
+        samples = _recorded_samples(robot, solver)
+        forward = compare_forward(robot, samples, solver.poses, solver.judged, tolerance)
+        return _result(robot, solver.name, "recorded", forward, None, machine, selection, conventions)
+    judge = (
+        judge_by_name(robot, solver, options.kind)
+        if isinstance(solver, str)
+        else judge_from_function(robot, solver, kind=options.kind)
+    )
+    tolerance = options.tolerance(recorded=False)
+    samples = make_samples(robot, options.count, options.samples, options.seed)
+    forward_or_none = _forward(robot, samples, judge, tolerance)
+    inverse = compare_inverse(robot, samples, judge, tolerance) if judge.ik else None
+    return _result(robot, judge.name, judge.note, forward_or_none, inverse, machine, selection, conventions)
+
+
+def _recorded_samples(robot: Robot, recording: Recording) -> Samples:
+    if len(recording.axes) == 0:
+        raise ChainbuildError("the recording has no row", parameter=recording.name)
+    for row in recording.axes:
+        robot.axis_values(row)
+    kinds: list[SampleKind] = ["recorded" for _ in recording.axes]
+    return Samples(recording.axes, tuple(kinds))
+
+
+def _forward(robot: Robot, samples: Samples, judge: Judge, tolerance: tuple[float, float]) -> Forward | None:
+    if judge.fk is None:
+        return None
+    try:
+        theirs = np.array([judge.fk(row) for row in samples.axes])
+    except ChainbuildError:
+        raise
+    except Exception as error:
+        text = f"{judge.name} fails: {type(error).__name__}: {error}"
+        raise ChainbuildError(text, parameter="solver") from error
+    return compare_forward(robot, samples, theirs, "pose", tolerance)
+
+
+def _result(
+    robot: Robot,
+    judge: str,
+    note: str,
+    forward: Forward | None,
+    inverse: Inverse | None,
+    machine: Machine | None,
+    selection: Selection | None,
+    conventions: Mapping[str, str] | None,
+) -> CrossCheck:
+    """Return the result with the structure of what differs, and the conventions that would mend it."""
+    evidence = _evidence(robot, forward, inverse)
+    explanation: Explanation | None = None
+    trials: tuple[Trial, ...] = ()
+    if evidence is not None:
+        axes, theirs, judged, tolerance = evidence
+        explanation = explain(robot, axes, theirs, judged, tolerance)
+        if machine is not None:
+            tried = try_conventions(
+                machine, selection or Selection(), conventions or {}, axes, theirs, judged, tolerance
+            )
+            agreeing = [trial for trial in tried if trial.agrees]
+            trials = tuple(agreeing or tried[:_MOST_TRIALS])
+    return CrossCheck(
+        title=robot.chain.title,
+        kinematic=robot.chain.kinematic,
+        axes=tuple(axis.name for axis in robot.axes),
+        judge=judge,
+        note=note,
+        forward=forward,
+        inverse=inverse,
+        complete=inverse is None or method_of(robot) != "restarts",
+        explanation=explanation,
+        trials=trials,
+        conventions={used.convention.name: used.choice for used in robot.chain.conventions},
+    )
+
+
+def _evidence(
+    robot: Robot, forward: Forward | None, inverse: Inverse | None
+) -> tuple[Vector, Matrices, Task, tuple[float, float]] | None:
+    """Return axis values and foreign poses that disagree, or None where there are none."""
+    if forward is not None:
+        if forward.agrees.all():
+            return None
+        tolerance = (forward.position_tolerance, forward.rotation_tolerance)
+        return forward.samples.axes, forward.theirs, forward.judged, tolerance
+    if inverse is None or not inverse.wrong:
+        return None
+    # Wrong answers come first; right ones would only blur what they have in common.
+    axes, poses = (part[: inverse.wrong] for part in inverse.pairs)
+    return axes, poses, robot.task, (POSITION_TOLERANCE_M, ROTATION_TOLERANCE_RAD)

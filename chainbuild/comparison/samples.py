@@ -1,0 +1,123 @@
+"""Axis values to compare at: random ones, a grid, and those where arms and heads are singular on purpose."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.errors import ChainbuildError
+
+if TYPE_CHECKING:
+    from chainbuild.kinematics.mechanism import Robot
+
+Vector = NDArray[np.float64]
+SampleKind = Literal["random", "grid", "singular", "recorded"]
+MADE_KINDS: Final = tuple(kind for kind in get_args(SampleKind) if kind != "recorded")
+
+_WIDEST_LINEAR_MM: Final = 500.0  # of axes whose limits nobody gave
+_WIDEST_ROTARY_DEG: Final = 180.0
+_SPECIAL_DEG: Final = (0.0, 90.0, -90.0, 180.0, -180.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Samples:
+    """Axis values.
+
+    Attributes:
+        axes: (n, n_axes) mm and degrees.
+        kinds: (n,) what each was drawn for.
+    """
+
+    axes: Vector
+    kinds: tuple[SampleKind, ...]
+
+    def __len__(self) -> int:
+        return len(self.kinds)
+
+
+def make_samples(robot: Robot, count: int, kinds: Sequence[str] = MADE_KINDS, seed: int = 0) -> Samples:
+    """Return axis values inside the limits, the count shared among the kinds.
+
+    Args:
+        robot: The robot.
+        count: How many in all, at least one a kind.
+        kinds: Of "random", "grid", "singular".
+        seed: Seed of what is drawn.
+
+    Raises:
+        ChainbuildError: an unknown kind, or a count below 1.
+    """
+    unknown = [kind for kind in kinds if kind not in MADE_KINDS]
+    if unknown or not kinds or count < 1:
+        what = f"there are no samples '{unknown[0]}'" if unknown else "no samples are asked for"
+        raise ChainbuildError(what, parameter="samples", permitted=", ".join(MADE_KINDS))
+    rng = np.random.default_rng(seed)
+    share = max(1, count // len(kinds))
+    makers = {"random": random_samples, "grid": grid_samples, "singular": singular_samples}
+    rows: list[Vector] = []
+    names: list[SampleKind] = []
+    for kind in dict.fromkeys(kinds):
+        made = _with_pose(robot, makers[kind](robot, share, rng))
+        rows.append(made)
+        names += [kind] * len(made)  # type: ignore[list-item]
+    return Samples(np.vstack(rows), tuple(names))
+
+
+def _with_pose(robot: Robot, axes: Vector) -> Vector:
+    """Return the rows that have a finite pose."""
+    kinematics = robot.kinematics
+    finite = [bool(np.isfinite(kinematics.pose(robot.chain.axis_map.q(row)).homogeneous).all()) for row in axes]
+    kept: Vector = axes[np.array(finite, dtype=bool)]
+    return kept
+
+
+def _range(robot: Robot) -> tuple[Vector, Vector]:
+    """Return where samples are drawn from: the limits, or a usual range where nobody gave any."""
+    lower, upper = [], []
+    for axis in robot.axes:
+        wide = _WIDEST_LINEAR_MM if axis.kind == "linear" else _WIDEST_ROTARY_DEG
+        assumed = axis.assumed or axis.endless
+        lower.append(max(axis.lower, -wide) if assumed else axis.lower)
+        upper.append(min(axis.upper, wide) if assumed else axis.upper)
+    return np.array(lower), np.array(upper)
+
+
+def random_samples(robot: Robot, count: int, rng: np.random.Generator) -> Vector:
+    """Return axis values drawn evenly from the limits."""
+    lower, upper = _range(robot)
+    values: Vector = lower + (upper - lower) * rng.random((count, len(lower)))
+    return values
+
+
+def grid_samples(robot: Robot, count: int, rng: np.random.Generator) -> Vector:
+    """Return points of a regular grid over the limits; where it has more, an even choice of them."""
+    lower, upper = _range(robot)
+    points = max(2, round(count ** (1.0 / len(lower))))
+    steps = [np.linspace(low, high, points) for low, high in zip(lower, upper, strict=True)]
+    size = points ** len(lower)
+    chosen = np.arange(size) if size <= count else np.sort(rng.choice(size, count, replace=False))
+    places = np.unravel_index(chosen, (points,) * len(lower))
+    return np.column_stack([step[place] for step, place in zip(steps, places, strict=True)])
+
+
+def singular_samples(robot: Robot, count: int, rng: np.random.Generator) -> Vector:
+    """Return random values with one or two axes at 0, ±90, ±180 degrees or a limit."""
+    lower, upper = _range(robot)
+    special = []
+    for n, axis in enumerate(robot.axes):
+        places = [0.0] if axis.kind == "linear" else list(_SPECIAL_DEG)
+        inside = [place for place in places if lower[n] <= place <= upper[n]]
+        special += [(n, place) for place in dict.fromkeys([*inside, float(lower[n]), float(upper[n])])]
+    single = [[one] for one in special]
+    pairs = [[one, other] for one, other in itertools.combinations(special, 2) if one[0] != other[0]]
+    order = [*single, *(pairs[n] for n in rng.permutation(len(pairs)))]
+    rows = random_samples(robot, count, rng)
+    for row, settings in zip(rows, itertools.cycle(order), strict=False):
+        for n, place in settings:
+            row[n] = place
+    return rows

@@ -1,0 +1,177 @@
+"""The front door: from a path or a shipped machine's name to a Machine."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from chainbuild.chain.elements import Chain
+from chainbuild.closest import closest, listed
+from chainbuild.errors import (
+    ChainbuildError,
+    FileAccessError,
+    FileContentError,
+    ParseError,
+    Span,
+    UnsupportedKinematicError,
+)
+from chainbuild.findings import Collector, Finding
+from chainbuild.formats.machine import Machine
+from chainbuild.formats.overlay import Overlay, find_overlay
+from chainbuild.formats.text import SourceText, read_source
+from chainbuild.machines import shipped, shipped_path
+
+
+def load(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None = None) -> Machine:
+    """Read a machine file of either dialect; the dialect is told by its content.
+
+    Args:
+        path: A file, or the name of a shipped machine; an existing path wins.
+        overlay: An overlay file in place of the one beside the machine file.
+
+    Raises:
+        ChainbuildError: the file cannot be read, or holds a syntax or range error.
+    """
+    return _read(path, overlay, Collector(strict=True))
+
+
+def check(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None = None) -> tuple[Finding, ...]:
+    """Return every finding of a machine file, errors included; never raises on content.
+
+    The file is read to its end and every kinematic it configures is translated. A type that is not built is an error
+    where it is the default kinematic, else a warning: the file can be used without it.
+
+    Raises:
+        FileAccessError: the file is missing, a folder, or may not be read.
+    """
+    collector = Collector(strict=False)
+    try:
+        _check_kinematics(_read(path, overlay, collector), collector)
+    except FileContentError as error:
+        collector.add_error(error)
+    except FileAccessError:
+        raise
+    except ChainbuildError as error:
+        collector.add_error(error)
+    return tuple(dict.fromkeys(collector.findings))
+
+
+def _check_kinematics(machine: Machine, collector: Collector) -> None:
+    """Translate every kinematic of a file, the default as `Machine.chain` without arguments takes it."""
+    named = machine.overlay.kinematic is not None
+    entries = machine.kinematics()
+    if named and entries:
+        _note_assumed(machine, _try_chain(machine, None, None, collector), collector)
+    ids = [(entry.channel, entry.id) for entry in entries]
+    names: set[tuple[int, str]] = set()
+    for entry in entries:
+        # Without a name it is the file's default, to which a second transformation step may belong.
+        wanted: int | str | None = None
+        if named or not entry.default:
+            told_by_name = ids.count((entry.channel, entry.id)) > 1 and (entry.channel, entry.name) not in names
+            wanted = entry.name if told_by_name and entry.name else entry.id
+        names.add((entry.channel, entry.name))
+        first = wanted is None and entry.channel == entries[0].channel
+        # Without a channel, too: of several, the finding that one is taken is part of the file's.
+        chain = _try_chain(machine, wanted, None if first else entry.channel, collector)
+        if first:
+            _note_assumed(machine, chain, collector)
+
+
+def _note_assumed(machine: Machine, chain: Chain | None, collector: Collector) -> None:
+    """Note which axes of the default kinematic have no limits of their own."""
+    names = [axis.name for axis in chain.axes if axis.assumed and not axis.endless] if chain is not None else []
+    if names:
+        text = f"limits assumed for {', '.join(names)}: the file does not give both sides"
+        hint = "give them in the overlay: [limits] " + f"{names[0]} = [lower, upper]"
+        collector.add("CB501", text, span=Span(str(machine.path)), hint=hint)
+
+
+def _try_chain(
+    machine: Machine, kinematic: int | str | None, channel: int | None, collector: Collector
+) -> Chain | None:
+    """Translate a kinematic and build its model; what is refused becomes a finding, and None is returned."""
+    try:
+        chain = machine.chain(kinematic=kinematic, channel=channel)
+        collector.findings.extend(chain.findings)
+        chain.build()
+        return chain
+    except UnsupportedKinematicError as error:
+        if kinematic is None:
+            collector.add_error(error)
+        else:
+            collector.add("CB223", error.message, span=error.span)
+    except ChainbuildError as error:
+        collector.add_error(error)
+    return None
+
+
+def _read(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None, collector: Collector) -> Machine:
+    file = find_machine(path)
+    source = read_source(file)
+    beside: Overlay = find_overlay(file, _as_path(overlay) if overlay is not None else None)
+    # A dialect is imported when it is needed: most users have one. TwinCAT comes first: its container is XML, whose
+    # text could hold anything.
+    from chainbuild.formats import twincat
+
+    if twincat.is_twincat(source.text):
+        return twincat.read_machine(source, file, beside, collector)
+    from chainbuild.formats import sinumerik
+
+    if sinumerik.is_sinumerik(source.text):
+        return sinumerik.read_machine(source, file, beside, collector)
+    raise ParseError(
+        "neither SINUMERIK machine data nor a TwinCAT channel list",
+        span=_first_line(source),
+        permitted="lines like '$MC_ROBX_…=…' or 'trafo[0].param[6] 8300000'",
+    )
+
+
+def _first_line(source: SourceText) -> Span:
+    for number, line in enumerate(source.lines(), start=1):
+        if line.strip():
+            return Span(source.file, number, 1, line)
+    return Span(source.file)
+
+
+def _as_path(path: str | os.PathLike[str]) -> Path:
+    try:
+        return Path(path)
+    except TypeError as error:
+        raise FileAccessError(f"not a path: {error}") from None
+
+
+def find_machine(path: str | os.PathLike[str]) -> Path:
+    """Return the file that a path or a shipped machine's name means; an existing path wins.
+
+    Raises:
+        FileAccessError: there is neither.
+    """
+    file = _as_path(path)
+    try:
+        exists = file.exists()
+    except (ValueError, OSError) as error:
+        raise FileAccessError(f"not a path: {error}") from None
+    if exists:
+        return file
+    found = shipped_path(str(path))
+    if found is None:
+        raise _no_machine(file, str(path))
+    return found
+
+
+def _no_machine(file: Path, given: str) -> FileAccessError:
+    """Return the error for a name that means nothing: what looks like a path is not answered by shipped machines."""
+    if not (file.suffix or file.parent != Path()):
+        known = listed(file.stem, shipped())
+        return FileAccessError("no such file, nor a shipped machine of that name", span=Span(given), permitted=known)
+    if file.stem in shipped():
+        return FileAccessError("no such file", span=Span(given), hint=f"the shipped machine is called {file.stem}")
+    try:
+        entries = sorted(entry for entry in file.parent.iterdir() if entry.is_file())
+    except OSError:
+        text = "no such file" if file.parent.exists() else "no such file: there is no such folder"
+        return FileAccessError(text, span=Span(given))
+    near = closest(file.name, [one.name for one in entries if one.suffix == file.suffix or one.stem == file.stem])
+    hint = f"did you mean {file.parent / near}?" if near else None
+    return FileAccessError("no such file", span=Span(given), hint=hint)

@@ -1,0 +1,120 @@
+"""Translation of a ROBX transformation into a chain recipe (ROBX manual 5.3.1: the modular principle).
+
+    WO → TROWO → RO → TIRORO → IRO → A1 A2 A3 → P3 → TX3P3 → X3 → A4 A5 A6 → WP → TFLWP → FL
+       → flange axes → TTCFL → TC → TFL_EXT → lengths → tool rotation → TCP
+
+In gripper-referred motion the robot carries the workpiece and the tool stands in WO.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild import frames
+from chainbuild.chain.assemble import Element, Fixed, mark
+from chainbuild.convention import Choices
+from chainbuild.formats.sinumerik.geometry.extra_axes import base_axes, flange_axes, table
+from chainbuild.formats.sinumerik.geometry.internal_axes import InternalAxes, internal_axes
+from chainbuild.formats.sinumerik.geometry.main_axes import RECIPES, Arm
+from chainbuild.formats.sinumerik.geometry.tool import Tool, length_transform, turn_transform
+from chainbuild.formats.sinumerik.geometry.wrist import wrist
+from chainbuild.formats.sinumerik.reading.robx import FrameData, Robx
+
+Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Translation:
+    """A transformation as two branches of `assemble`, both from WO.
+
+    Attributes:
+        tool: Branch to the tool.
+        workpiece: Branch to the workpiece.
+        internal: The robot axes in the transformation's order.
+        basic: Elements of the basic axes, IRO to P3.
+    """
+
+    tool: tuple[Element, ...]
+    workpiece: tuple[Element, ...]
+    internal: InternalAxes
+    basic: tuple[Element, ...]
+
+
+def translate(robx: Robx, tool: Tool, tool_length_mm: float, gripper: bool, choose: Choices) -> Translation:
+    """Translate a transformation.
+
+    Args:
+        robx: The transformation, checked.
+        tool: The active tool.
+        tool_length_mm: Added to tool length 1.
+        gripper: True for gripper-referred motion (ROBX manual 9).
+        choose: Conventions.
+    """
+    internal = internal_axes(robx, choose)
+    basic = tuple(RECIPES[robx.main_axes](Arm(internal, *robx.lengths_mm, choose)))
+    arm = [
+        Fixed(robx.tiroro.T()),
+        *basic,
+        Fixed(robx.tx3p3.T()),
+        *wrist(robx, internal),
+        Fixed(flange_frame(robx, choose).T()),
+        mark("flange"),
+    ]
+    length, turn = length_transform(robx, tool, tool_length_mm, choose), turn_transform(robx, tool, choose)
+    if gripper:
+        return Translation(*_gripper(robx, arm, length, turn, choose), internal, basic)
+    tool_branch = [*base_axes(robx), Fixed(robx.trowo.T()), *arm, *_from_flange(robx, length, turn, choose)]
+    return Translation(tuple(tool_branch), tuple(table(robx, choose)), internal, basic)
+
+
+def flange_frame(robx: Robx, choose: Choices) -> FrameData:
+    """Return TFLWP with its third angle's default settled (convention `tflwp_default_c`)."""
+    if robx.tflwp_c_given:
+        return robx.tflwp
+    a, b, _ = robx.tflwp.rpy_deg
+    return FrameData(robx.tflwp.position_mm, (a, b, float(choose["tflwp_default_c"])))
+
+
+def _from_flange(robx: Robx, length: Matrix, turn: Matrix, choose: Choices) -> list[Element]:
+    """Return what follows on FL; where TFL_EXT stands is the convention `tfl_ext`."""
+    before, carrier, after = _carrier(robx, choose)
+    return [Fixed(before), *flange_axes(robx), Fixed(carrier), Fixed(length), Fixed(after), Fixed(turn)]
+
+
+def _carrier(robx: Robx, choose: Choices) -> tuple[Matrix, Matrix, Matrix]:
+    """Return what stands directly on FL, the carrier behind the flange axes, and what stands behind the lengths."""
+    ext = frames.f_frame((0.0, 0.0, 0.0), robx.tfl_ext_rpy_deg)
+    ttcfl = robx.ttcfl.T()
+    if not any(robx.tfl_ext_rpy_deg):
+        return np.eye(4), ttcfl, np.eye(4)
+    place = choose["tfl_ext"]
+    if place == "after_ttcfl":
+        return np.eye(4), ttcfl @ ext, np.eye(4)
+    if place == "after_fl":
+        return ext, ttcfl, np.eye(4)
+    return np.eye(4), ttcfl, ext
+
+
+def _gripper(
+    robx: Robx, arm: list[Element], length: Matrix, turn: Matrix, choose: Choices
+) -> tuple[tuple[Element, ...], tuple[Element, ...]]:
+    """Return both branches of gripper-referred motion: the robot carries the workpiece, WO the tool.
+
+    Conventions: `gripper_trowo` and `gripper_flange_data`, each where its data are not zero.
+    """
+    trowo = robx.trowo.T()
+    if not np.allclose(trowo, np.eye(4), atol=0.0) and choose["gripper_trowo"] == "inverse":
+        trowo = frames.inverse(trowo)
+    tool_side, robot_side, tip = np.eye(4), np.eye(4), length @ turn
+    if not np.allclose(robx.ttcfl.T(), np.eye(4), atol=0.0) or any(robx.tfl_ext_rpy_deg):
+        used = choose["gripper_flange_data"]
+        if used != "unused":
+            before, carrier, after = _carrier(robx, choose)
+            tip = length @ after @ turn
+            carrier = before @ carrier
+            tool_side, robot_side = (carrier, np.eye(4)) if used == "tool_side" else (np.eye(4), carrier)
+    robot = [*base_axes(robx), Fixed(trowo), *arm, Fixed(robot_side)]
+    return (Fixed(tool_side @ tip),), tuple(robot)

@@ -1,0 +1,85 @@
+"""Rows of `info`: every ROBX datum of a transformation with value, meaning and source."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+from chainbuild.convention import Choices
+from chainbuild.formats.machine import ParameterRow
+from chainbuild.formats.sinumerik.geometry.internal_axes import internal_axes
+from chainbuild.formats.sinumerik.geometry.main_axes import RECIPES, Arm, basic_moves
+from chainbuild.formats.sinumerik.geometry.tool import Tool
+from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum, catalogue
+from chainbuild.formats.sinumerik.reading.data_table import written_name
+from chainbuild.formats.sinumerik.reading.robx import Robx
+from chainbuild.units import m_s_from_mm_min, rad_s2_from_rev_s2, rad_s_from_rpm
+
+# What dynamics are counted in, with the SI unit and the way there.
+_SI: Mapping[str, tuple[str, Callable[[float], float]]] = {
+    "mm/min": ("m/s", m_s_from_mm_min),
+    "rpm": ("rad/s", rad_s_from_rpm),
+    "rev/s^2": ("rad/s²", rad_s2_from_rev_s2),
+}
+
+
+def parameter_rows(robx: Robx, tool: Tool, choose: Choices) -> tuple[ParameterRow, ...]:
+    """Return the data of the transformation set, every ROBX datum, then the active tool's lengths and angles."""
+    arm = Arm(internal_axes(robx, choose), *robx.lengths_mm, choose)
+    linear = [move.kind == "prismatic" for move in basic_moves(RECIPES[robx.main_axes](arm))]
+    general = [catalogue()[f"{name}_{robx.transformation}"] for name in ("TRAFO_TYPE", "TRAFO_AXES_IN")]
+    own = [datum for datum in catalogue().values() if datum.te4_name]
+    rows = [row for datum in (*general, *own) for row in _rows(robx, datum, linear)]
+    return (*rows, *_tool_rows(tool))
+
+
+def _unit(datum: MachineDatum, index: int, linear: Sequence[bool]) -> str:
+    """Return a datum's unit; a zero offset counts in the unit of its axis."""
+    if datum.unit == "mm_or_deg":
+        return "mm" if index < len(linear) and linear[index] else "deg"
+    return "" if datum.unit == "none" else datum.unit
+
+
+def _rows(robx: Robx, datum: MachineDatum, linear: Sequence[bool]) -> Iterator[ParameterRow]:
+    te4 = robx.package == "TE4" and datum.te4_name is not None
+    number = datum.te4_number if te4 else datum.number
+    for index in range(datum.dimension):
+        element = None if datum.dimension == 1 else index
+        row = robx.data.row(datum.name, element)
+        known = row is not None or index < len(datum.default or datum.default_known)
+        value = robx.data.number(datum.name, element) if known else None
+        if value is None and not datum.te4_name:
+            continue
+        whole = value is not None and datum.type != "float"
+        si_unit, to_si = _SI.get(datum.unit, ("", None))
+        yield ParameterRow(
+            name=written_name(datum, te4, element),
+            symbol=f"MD{number}" if number else "",
+            value=int(value) if whole and value is not None else value,
+            unit=_unit(datum, index, linear),
+            meaning=datum.meaning,
+            given=row is not None,
+            source=f"ROBX manual {datum.manual}" if datum.manual else "",
+            span=row.span if row is not None else None,
+            si=to_si(value) if to_si is not None and value is not None else None,
+            si_unit=si_unit,
+        )
+
+
+def _tool_rows(tool: Tool) -> Iterator[ParameterRow]:
+    if not tool.name:
+        return
+    lengths = zip((3, 4, 5), tool.lengths_mm, strict=True)
+    values = [(f"DP{n}", value, "mm") for n, value in lengths]
+    values += [(f"DPC{n}", value, "deg") for n, value in enumerate(tool.angles_deg, start=1) if value]
+    for name, value, unit in values:
+        datum = catalogue()[name]
+        yield ParameterRow(
+            name=f"$TC_{name}",
+            symbol=tool.name,
+            value=value,
+            unit=unit,
+            meaning=datum.meaning,
+            given=True,
+            source=f"ROBX manual {datum.manual}",
+            span=tool.span,
+        )

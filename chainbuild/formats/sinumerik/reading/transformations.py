@@ -1,0 +1,95 @@
+"""Finding the ROBX and TE4 transformations of a channel: TRAFO_TYPE_x, package and refusals (ROBX manual 5.1.3)."""
+
+from __future__ import annotations
+
+from chainbuild.errors import Span, UnsupportedKinematicError
+from chainbuild.findings import Collector
+from chainbuild.formats.sinumerik.reading.data_table import ChannelData, DataTable, written_name
+from chainbuild.formats.sinumerik.reading.robx import Robx, read_robx
+
+ROBX_TYPE = 4100
+TE4_TYPE = 4099
+_DATA_SETS = range(1, 11)
+
+
+def find_transformations(table: DataTable, collector: Collector) -> tuple[Robx, ...]:
+    """Return the transformations of all channels, in the order of channels and data sets.
+
+    Raises:
+        MachineDataError: a wrong TRAFO_TYPE (alarm 75312), or no transformation at all.
+    """
+    found: list[Robx] = []
+    blamed = False
+    for channel in sorted({row.channel for row in table.reading.assignments if row.datum.prefix == "MC"}):
+        here = [robx for n in _DATA_SETS if (robx := _transformation(table, channel, n)) is not None]
+        found += here
+        _warn_of_other_package(table, channel, here, collector)
+        blamed = _blame(table, channel, here, collector) or blamed
+    if not found and not blamed:
+        collector.add(
+            "CB303",
+            "the file configures no ROBX transformation",
+            span=Span(table.reading.file),
+            parameter="$MC_TRAFO_TYPE_1",
+            permitted=f"{ROBX_TYPE} with $MC_ROBX_… data, {TE4_TYPE} with $MC_TRAFO6_… data",
+            error=UnsupportedKinematicError,
+        )
+    return tuple(found)
+
+
+def _transformation(table: DataTable, channel: int, n: int) -> Robx | None:
+    """Return the transformation in data set n, or None where another kind or none stands there."""
+    data = table.channel(channel)
+    kind = int(data.number(f"TRAFO_TYPE_{n}"))
+    if kind == ROBX_TYPE and (data.package_rows(te4=False) or not data.package_rows(te4=True)):
+        return read_robx(data, n)
+    if kind == TE4_TYPE and data.package_rows(te4=True):
+        return read_robx(table.channel(channel, te4=True), n)
+    return None
+
+
+def _blame(table: DataTable, channel: int, found: list[Robx], collector: Collector) -> bool:
+    """Refuse a channel with data but no transformation of their type; tell whether anything was refused."""
+    if found:
+        return False
+    data = table.channel(channel)
+    blamed = False
+    for te4, wanted, package in ((False, ROBX_TYPE, "$MC_ROBX_…"), (True, TE4_TYPE, "$MC_TRAFO6_…")):
+        rows = data.package_rows(te4=te4)
+        if not rows:
+            continue
+        span, present = _type_span(data)
+        state = f"is {present}" if present is not None else "is missing"
+        collector.add(
+            "CB301",
+            f"channel {channel} holds {package} data, but $MC_TRAFO_TYPE_x {state}",
+            span=span or rows[0].span,
+            parameter="$MC_TRAFO_TYPE_1",
+            permitted=str(wanted),
+            alarm=75312,
+            hint=f"set $MC_TRAFO_TYPE_1={wanted}",
+        )
+        blamed = True
+    return blamed
+
+
+def _warn_of_other_package(table: DataTable, channel: int, here: list[Robx], collector: Collector) -> None:
+    """Warn of ROBX_* data in a channel whose transformations are TE4's, and the reverse: nothing reads them."""
+    packages = {robx.package for robx in here}
+    if len(packages) != 1:
+        return
+    te4 = "TE4" in packages
+    rows = table.channel(channel).package_rows(te4=not te4)
+    if rows:
+        first = written_name(rows[0].datum, not te4, rows[0].index)
+        names = "$MC_TRAFO6_…" if te4 else "$MC_ROBX_…"
+        text = f"channel {channel} has a {'TE4' if te4 else 'ROBX'} transformation, which reads {names} only"
+        more = f" and {len(rows) - 1} more" if len(rows) > 1 else ""
+        hint = f"TRAFO_TYPE_x {ROBX_TYPE} reads $MC_ROBX_…, {TE4_TYPE} reads $MC_TRAFO6_…"
+        collector.add("CB343", f"{text}: {first}{more} ignored", span=rows[0].span, parameter=first, hint=hint)
+
+
+def _type_span(data: ChannelData) -> tuple[Span | None, int | None]:
+    rows = (data.row(f"TRAFO_TYPE_{n}") for n in _DATA_SETS)
+    row = next((row for row in rows if row is not None), None)
+    return (row.span, int(row.value)) if row is not None and not isinstance(row.value, str) else (None, None)

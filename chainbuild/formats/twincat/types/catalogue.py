@@ -1,0 +1,138 @@
+"""The catalogue of KIN_TYPs: HD table, conventions and recipe of every type that is built."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+from typing import Final
+
+from chainbuild.convention import Convention, applying_to
+from chainbuild.errors import Span, UnsupportedKinematicError
+from chainbuild.formats.twincat import families
+from chainbuild.formats.twincat.lists.hdtable import AxisRow, HdRow, TypeData, type_data
+from chainbuild.formats.twincat.recipes.recipe import RecipeFunction
+
+# Types that are no serial chain, or are given as a list of axes; titles for messages and `kinematics()`.
+_OTHER_TITLES: Final[Mapping[int, str]] = {
+    12: "Tripod",
+    19: "Three columns carry the workpiece platform",
+    21: "Lambda kinematic",
+    37: "Delta robot",
+    91: "Universal kinematic",
+    209: "Tripod with a two-axis workpiece table",
+    210: "Coupling kinematic",
+}
+# Given as lists of axes or of kinematics, not by a table of head offsets: built without a recipe.
+_LISTS: Final = frozenset({91, 210})
+_PARALLEL: Final = frozenset({12, 19, 21, 37, 209})
+# Named in the KIN_TYP manual, described in a document of their own.
+_TUBE_PROCESSING: Final = frozenset({15, 78, 79, 90, 93})
+
+
+@dataclass(frozen=True, slots=True)
+class KinType:
+    """A KIN_TYP: what the manual's tables say, and how its chain is built.
+
+    Attributes:
+        data: Tables of the type.
+        recipe: Builds the branches of the chain.
+    """
+
+    data: TypeData
+    recipe: RecipeFunction
+
+    @property
+    def number(self) -> int:
+        """KIN_TYP."""
+        return self.data.number
+
+    @property
+    def title(self) -> str:
+        """English title."""
+        return self.data.title
+
+    @property
+    def family(self) -> str:
+        """Family: "head", "table", "arm" … ."""
+        return self.data.family
+
+    @property
+    def manual(self) -> str:
+        """Section of the manual."""
+        return self.data.manual
+
+    @property
+    def orientation(self) -> str:
+        """Orientation: "rtcp", machine angles are programmed, or "complete", a pose is."""
+        return self.data.orientation
+
+    @property
+    def summary(self) -> str:
+        """Structure and zero position in words."""
+        return self.data.summary
+
+    @property
+    def axes(self) -> tuple[AxisRow, ...]:
+        """Axes in channel order."""
+        return self.data.axes
+
+    @property
+    def hd(self) -> tuple[HdRow, ...]:
+        """HD table."""
+        return self.data.hd
+
+    @property
+    def conventions(self) -> tuple[Convention, ...]:
+        """What the manual leaves open about this type."""
+        return applying_to(["KIN", f"KIN {self.number}"])
+
+
+@cache
+def catalogue() -> Mapping[int, KinType]:
+    """Return the KIN_TYPs that are built, by number."""
+    recipes: dict[int, RecipeFunction] = {}
+    for module in pkgutil.iter_modules(families.__path__, families.__name__ + "."):
+        recipes.update(importlib.import_module(module.name).RECIPES)
+    data = type_data()
+    return MappingProxyType(
+        {number: KinType(data[number], recipes[number]) for number in sorted(recipes) if number in data}
+    )
+
+
+def title_of(kin_typ: int) -> str:
+    """Return the English title of any type, built or not."""
+    if kin_typ in type_data():
+        return type_data()[kin_typ].title
+    if kin_typ in _TUBE_PROCESSING:
+        return "Tube processing"
+    return _OTHER_TITLES.get(kin_typ, "unknown type")
+
+
+def why_unsupported(kin_typ: int) -> str | None:
+    """Return why a type is refused, or None where it is built."""
+    if kin_typ in catalogue() or kin_typ in _LISTS:
+        return None
+    if kin_typ in _TUBE_PROCESSING:
+        return f"KIN_TYP {kin_typ} (tube processing) is not supported: the KIN_TYP manual describes it elsewhere"
+    if kin_typ in _PARALLEL:
+        return f"KIN_TYP {kin_typ} ({title_of(kin_typ)}) is a parallel kinematic, which this version does not build yet"
+    if kin_typ in _OTHER_TITLES or kin_typ in type_data():
+        return f"KIN_TYP {kin_typ} ({title_of(kin_typ)}) is known, but this version does not build it yet"
+    return f"KIN_TYP {kin_typ} is unknown"
+
+
+def kin_type(kin_typ: int, span: Span | None = None) -> KinType:
+    """Return a type of the catalogue.
+
+    Raises:
+        UnsupportedKinematicError: the type is unknown or not built; the known ones are listed.
+    """
+    reason = why_unsupported(kin_typ)
+    if reason is None:
+        return catalogue()[kin_typ]
+    known = ", ".join(str(number) for number in sorted({*catalogue(), *_LISTS}))
+    raise UnsupportedKinematicError(reason, span=span, parameter="type", permitted=f"KIN_TYP {known}", code="CB410")

@@ -1,0 +1,155 @@
+"""KIN_TYP 91, the universal kinematic: a list of axes becomes a chain.
+
+    T = Π M(axis[chain[k]]),  M = t(q·o) or t(p)·Rot(o, q)·t(-p)
+    tool tip = T·(zero_position - L·zero_orientation),  tool vector = R(T)·zero_orientation
+
+Everything is entered in one coordinate system, that of the machine at zero. Axes met before the machine origin carry
+the workpiece; their directions are entered multiplied by -1, so that the product is the pose. The list does not tell
+which ones they are: the chain hangs, from the workpiece to the tool, on its own coordinate system.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from chainbuild.chain.assemble import Element, Fixed, Move, assemble, mark, shift, turn
+from chainbuild.chain.elements import Axis, Chain
+from chainbuild.convention import Choices
+from chainbuild.findings import Collector
+from chainbuild.formats.twincat.lists.source import DIALECT, Source
+from chainbuild.formats.twincat.lists.toollist import acting_params
+from chainbuild.formats.twincat.types.draft import angle_mode, draft_name
+from chainbuild.formats.twincat.universal.universal_data import (
+    Matrix,
+    UniversalAxis,
+    UniversalData,
+    Vector,
+    read_universal,
+)
+from chainbuild.frames import inverse, rot_about, unit
+from chainbuild.units import deg_from_rad
+
+UNIVERSAL: Final = 91
+
+_LETTERS: Final = {"linear": "XYZ", "rotary": "ABC"}
+_FIRST_SPECIAL_MODE: Final = 10
+
+
+def universal_draft(
+    source: Source, choose: Choices, collector: Collector, *, member: bool = False, table: bool = False
+) -> Chain:
+    """Return the chain of KIN_TYP 91, its axes without limits.
+
+    Args:
+        source: The kinematic, its channel and tool.
+        choose: Conventions.
+        collector: Takes findings.
+        member: True for a partial of a coupling.
+        table: True where the kinematic carries the workpiece of another: entered from the workpiece to the machine
+            origin, it is read backwards, so that the tool frame is the table's.
+
+    Raises:
+        MachineDataError: a value is not permitted, or the axes make no kinematic.
+    """
+    tool = acting_params(source.tool, source.trafo, collector)
+    data = read_universal(source.trafo, tool, collector, member=member)
+    axes = tuple(Axis.unlimited(name, axis.kind) for name, axis in zip(_axis_names(data.axes), data.axes, strict=True))
+    moves = [element for k in data.chain for element in _motion(data, axes, k, choose, collector)]
+    if table:
+        moves = [_reversed(element) for element in reversed(moves)]
+    end: list[Element] = [
+        shift(*data.zero_position_mm),
+        turn(_tool_frame(data.zero_orientation, choose)),
+        mark("flange"),
+        shift(z=-source.tool_length_mm),
+    ]
+    body = assemble(axes, [*moves, *end])
+    return Chain(
+        name=draft_name(source),
+        title=source.trafo.name or "Universal kinematic",
+        dialect=DIALECT,
+        kinematic=f"KIN_TYP {UNIVERSAL}",
+        links=body.links,
+        joints=body.joints,
+        frames=body.frames,
+        axes=axes,
+        axis_map=body.axis_map,
+        angle_mode=_angle_mode(source, choose, collector),
+    )
+
+
+def _motion(data: UniversalData, axes: Sequence[Axis], k: int, choose: Choices, collector: Collector) -> list[Element]:
+    """Return the elements of one axis, in the order from the workpiece."""
+    axis, name = data.axes[k], axes[k].name
+    x, y, z = unit(axis.orientation)
+    if axis.kind == "rotary":
+        move = Move(name, "revolute", (x, y, z), {name: 1.0})
+        return [shift(*axis.point_mm), move, shift(*-axis.point_mm)]
+    factor = _stretch(axis, name, choose, collector)
+    if data.linkage is None:
+        return [Move(name, "prismatic", (x, y, z), {name: factor})]
+    linear = [n for n, one in enumerate(data.axes) if one.kind == "linear"]
+    row = data.linkage[linear.index(k)] * factor
+    drive = {axes[n].name: float(value) for n, value in zip(linear, row[:3], strict=True)}
+    return [Move(name, "prismatic", (x, y, z), drive, float(row[3]))]
+
+
+def _reversed(element: Element) -> Element:
+    """Return the inverse of a constant transform or of an axis."""
+    if isinstance(element, Fixed):
+        return Fixed(inverse(element.T))
+    if isinstance(element, Move):
+        x, y, z = (-component + 0.0 for component in element.direction)
+        return Move(element.name, element.kind, (x, y, z), element.drive, element.offset)
+    return element
+
+
+def _stretch(axis: UniversalAxis, name: str, choose: Choices, collector: Collector) -> float:
+    """Return how far one millimetre of a linear axis goes: the length of its vector, or 1."""
+    length = float(np.linalg.norm(axis.orientation))
+    if abs(length - 1.0) < 1e-12:
+        return 1.0
+    scaled = choose["kin91_linear_length"] == "scales"
+    effect = f"the axis moves {length:.9g} mm a millimetre" if scaled else "its length does not count"
+    text = f"the direction of the linear axis {name} has the length {length:.9g}; {effect}"
+    collector.add("CB453", text, span=axis.span, hint="enter a vector of length 1, or decide kin91_linear_length")
+    return length if scaled else 1.0
+
+
+def _tool_frame(zero_orientation: Vector, choose: Choices) -> Matrix:
+    """Return the rotation whose z axis is the tool vector at zero."""
+    x, y, z = zero_orientation
+    if np.allclose(zero_orientation, (0.0, 0.0, 1.0), atol=1e-15):
+        return np.eye(3)
+    if choose["kin91_tool_frame"] == "x_in_zx_plane":
+        along_y = abs(y) > 1.0 - 1e-12
+        column_x = np.array([1.0, 0.0, 0.0]) if along_y else unit((z, 0.0, -x))
+        return np.column_stack([column_x, np.cross(zero_orientation, column_x), zero_orientation])
+    if np.hypot(x, y) < 1e-12:
+        return rot_about((1.0, 0.0, 0.0), 180.0)
+    return rot_about((-y, x, 0.0), deg_from_rad(float(np.arctan2(np.hypot(x, y), z))))
+
+
+def _axis_names(axes: Sequence[UniversalAxis]) -> list[str]:
+    """Return the axis letters: by the coordinate axis each is nearest to, numbered where one comes twice.
+
+    The list names no axes; the letters are those of the other types.
+    """
+    letters = [_LETTERS[axis.kind][int(np.argmax(np.round(np.abs(axis.orientation), 9)))] for axis in axes]
+    count, seen = Counter(letters), Counter[str]()
+    names = []
+    for letter in letters:
+        seen[letter] += 1
+        names.append(f"{letter}{seen[letter]}" if count[letter] > 1 else letter)
+    return names
+
+
+def _angle_mode(source: Source, choose: Choices, collector: Collector) -> str:
+    """Return how poses are shown; the special modes of 91 say how its angles are programmed, not that."""
+    given = source.channel.angle_mode
+    special = given is not None and given.value >= _FIRST_SPECIAL_MODE
+    return angle_mode(None if special else given, choose, collector)

@@ -1,0 +1,194 @@
+"""From joint values to axis values: through the axis map, with whole turns within the limits."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.chain.axismap import AffineMap
+from chainbuild.ik.branches.core.query import LIMIT_SLACK, Query
+from chainbuild.ik.branches.core.serial import Indices
+from chainbuild.ik.limits import periodic_axes
+
+if TYPE_CHECKING:
+    from chainbuild.kinematics.mechanism import Robot
+
+Vector = NDArray[np.float64]
+
+_MAP_STEPS: Final = 20  # Newton steps that bring a nonlinear axis map to given joint values
+_MAP_STARTS: Final = 12
+_MAP_STRIDE: Final = 1.0  # longest step [rad]
+_MAP_EXACT: Final = 1e-14
+_MAP_CLOSE: Final = 1e-9  # what rounding may leave; the pose is verified and polished afterwards
+_MOST_TURNS: Final = 4096  # bound on the combinations of whole turns that are looked at for one branch
+
+
+def axes_for(query: Query, joints: Indices, values: Vector, columns: Indices) -> list[Vector]:
+    """Return the SI axis values that give joint values, with the whole turns the query asks for, inside limits.
+
+    Args:
+        query: The query.
+        joints: Joints whose values are given; they determine the columns.
+        values: Their values, up to whole turns where revolute.
+        columns: Axes to be found; the others stay at the start.
+    """
+    if not len(columns):
+        return [query.x0.copy()]
+    axis_map = query.robot.chain.axis_map
+    if not isinstance(axis_map, AffineMap):
+        x = _through_nonlinear_map(query, joints, values, columns)
+        return [] if x is None else list(turned_axes(query, x, columns))
+    block = _block_of(query.robot, axis_map, joints, columns)
+    if block is None:
+        return []
+    x = query.x0.copy()
+    x[columns] = block.inverse @ (values[block.rows] - block.from_others @ x[block.others] - block.b)
+    if block.turns_per_axis:
+        return list(turned_axes(query, x, columns))
+    return _turned_joints(query, x, block, joints[block.rows], columns)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Block:
+    """The part of an affine map that leads from some axes to some joints, turned round.
+
+    Attributes:
+        rows: Which of the joints determine the axes.
+        inverse: (n, n) from their values to the axes.
+        others: The other axes.
+        from_others: (n, n_others) what these add to the joints.
+        b: (n,) constants of the joints.
+        turns_per_axis: Whether whole turns of single axes lead to all equivalent joint values.
+    """
+
+    rows: Indices
+    inverse: Vector
+    others: Indices
+    from_others: Vector
+    b: Vector
+    turns_per_axis: bool
+
+
+_blocks: WeakKeyDictionary[Robot, dict[bytes, _Block | None]] = WeakKeyDictionary()
+
+
+def _block_of(robot: Robot, axis_map: AffineMap, joints: Indices, columns: Indices) -> _Block | None:
+    """Return the block of some joints and axes, prepared at first use; None where they do not determine the axes."""
+    known = _blocks.setdefault(robot, {})
+    key = joints.tobytes() + b"|" + columns.tobytes()
+    if key not in known:
+        known[key] = _prepare_block(robot, axis_map, joints, columns)
+    return known[key]
+
+
+def _prepare_block(robot: Robot, axis_map: AffineMap, joints: Indices, columns: Indices) -> _Block | None:
+    rows = np.array(_independent_rows(axis_map.A[np.ix_(joints, columns)]), dtype=np.intp)
+    if len(rows) < len(columns):
+        return None
+    block = axis_map.A[np.ix_(joints[rows], columns)]
+    others = np.setdiff1d(np.arange(len(robot.axes)), columns)
+    rotary = [n for n in columns if robot.axes[n].kind == "rotary"]
+    per_axis = bool(periodic_axes(robot.chain)[rotary].all()) and abs(abs(np.linalg.det(block)) - 1.0) < 1e-9
+    from_others = axis_map.A[np.ix_(joints[rows], others)]
+    return _Block(
+        rows, np.asarray(np.linalg.inv(block), dtype=float), others, from_others, axis_map.b[joints[rows]], per_axis
+    )
+
+
+def _through_nonlinear_map(query: Query, joints: Indices, values: Vector, columns: Indices) -> Vector | None:
+    """Return SI axis values whose joints stand at the values, by Newton from the map's own inverse and around it.
+
+    A map that drives more axes than joints (a virtual axis) cannot know the inverse at the start's value of the others.
+    """
+    q = query.q0
+    q[joints] = values
+    x = query.x0.copy()
+    x[columns] = (query.robot.chain.axis_map.axes(q) * query.robot.kinematics.si_factors)[columns]
+    rng = np.random.default_rng(0)
+    for attempt in range(_MAP_STARTS):
+        found = _newton_on_map(query, joints, values, columns, x.copy())
+        if found is not None:
+            return found
+        x[columns] = query.x0[columns]
+        if attempt:
+            x[columns] += rng.uniform(-math.pi, math.pi, len(columns))
+    return None
+
+
+def _newton_on_map(query: Query, joints: Indices, values: Vector, columns: Indices, x: Vector) -> Vector | None:
+    kinematics = query.robot.kinematics
+    turns = np.array([query.robot.chain.joints[n].kind == "revolute" for n in joints])
+    for _ in range(_MAP_STEPS):
+        error = values - kinematics.q(x)[joints]
+        if not np.isfinite(error).all():
+            return None
+        error[turns] = [math.remainder(e, math.tau) for e in error[turns]]
+        if float(np.abs(error).max(initial=0.0)) < _MAP_EXACT:
+            return x
+        J = kinematics.dq_dx(x)[np.ix_(joints, columns)]
+        step = np.linalg.lstsq(J, error, rcond=None)[0]
+        x[columns] += step / max(1.0, float(np.abs(step).max()) / _MAP_STRIDE)
+    return x if float(np.abs(error).max(initial=0.0)) < _MAP_CLOSE else None
+
+
+def turned_axes(query: Query, x: Vector, columns: Indices) -> Iterator[Vector]:
+    """Yield x moved by whole turns of single axes, nearest first: all within limits, or the nearest only."""
+    choices = []
+    for n in columns:
+        places = _places(query, float(x[n]), int(n)) if query.periodic[n] else [float(x[n])]
+        choices.append(places if query.windings else places[:1])
+    for combination in itertools.islice(itertools.product(*choices), _MOST_TURNS):
+        turned = x.copy()
+        turned[columns] = combination
+        yield turned
+
+
+def _places(query: Query, value: float, n: int) -> list[float]:
+    """Return value + whole turns within the limits of axis n, nearest to the start first; [value] if none is."""
+    lower, upper, wanted = float(query.lower[n]), float(query.upper[n]), float(query.x0[n])
+    nearest = round((wanted - value) / math.tau)
+    first = nearest - 1 if math.isinf(lower) else math.ceil((lower - LIMIT_SLACK - value) / math.tau)
+    last = nearest + 1 if math.isinf(upper) else math.floor((upper + LIMIT_SLACK - value) / math.tau)
+    places = [value + k * math.tau for k in range(first, last + 1)]
+    places.sort(key=lambda place: abs(place - wanted))
+    return places or [value]
+
+
+def _turned_joints(query: Query, x: Vector, block: _Block, joints: Indices, columns: Indices) -> list[Vector]:
+    """Return the axis values of joint values moved by whole turns: where a gear makes a turn of no axis whole."""
+    chain = query.robot.chain
+    low = np.where(np.isfinite(query.lower), query.lower, query.x0 - math.tau)
+    high = np.where(np.isfinite(query.upper), query.upper, query.x0 + math.tau)
+    factors = query.robot.kinematics.si_factors
+    q_low, q_high = chain.axis_map.q_bounds(low / factors, high / factors)
+    q = query.robot.kinematics.q(x)
+    ranges = []
+    for n in joints:
+        turns = chain.joints[n].kind == "revolute"
+        first = math.ceil((q_low[n] - q[n]) / math.tau - LIMIT_SLACK) if turns else 0
+        last = math.floor((q_high[n] - q[n]) / math.tau + LIMIT_SLACK) if turns else 0
+        ranges.append(range(first, last + 1))
+    found = []
+    for turns_of_joints in itertools.islice(itertools.product(*ranges), _MOST_TURNS):
+        turned = x.copy()
+        turned[columns] += block.inverse @ (math.tau * np.array(turns_of_joints, dtype=float))
+        if not query.outside(turned, columns):
+            found.append(turned)
+    found.sort(key=query.distance)
+    return found if query.windings else found[:1]
+
+
+def _independent_rows(A: Vector) -> Sequence[int]:
+    """Return the first rows of A that determine all columns."""
+    rows: list[int] = []
+    for n in range(A.shape[0]):
+        if len(rows) < A.shape[1] and np.linalg.matrix_rank(A[[*rows, n]]) > len(rows):
+            rows.append(n)
+    return rows

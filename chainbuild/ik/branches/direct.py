@@ -1,0 +1,174 @@
+"""The direct solution of machines with three linear axes and up to three rotary ones, whatever carries them.
+
+The rotary axes alone decide the orientation; the linear axes then bring the tip into place, exactly, because the
+position is an affine function of them. One solver for heads, tables and mixed machines: it reads the chain, not a type.
+
+    tool direction d:   Rot(w1)·Rot(w2)·z0 = d          two pairs of angles, or one and a free axis (singular)
+    full pose R:        Rot(w1)·Rot(w2)·Rot(w3) = R·R0ᵀ  the same for w3, then the last angle
+
+w are the rotary axes and z0 the tool direction, both seen from the workpiece where all rotary joints are 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild import tolerances
+from chainbuild.errors import ChainbuildError
+from chainbuild.frames import transform
+from chainbuild.ik.branches.arms.orientation import Turns, for_direction, for_rotation
+from chainbuild.ik.branches.core.axis_values import axes_for
+from chainbuild.ik.branches.core.branches import Found, collect, verified
+from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.result import IkResult
+from chainbuild.ik.start import Held
+from chainbuild.kinematics.mechanism import as_pose
+
+if TYPE_CHECKING:
+    from chainbuild.kinematics.mechanism import Robot
+
+Vector = NDArray[np.float64]
+
+_LINEAR_STEPS: Final = 2  # the second one only cleans the last digits
+_MOST_ROTARY: Final = 3
+
+
+def is_direct(robot: Robot, held: Held | None = None) -> bool:
+    """Tell whether a robot has three independent linear axes, up to three rotary ones, and so a direct solution.
+
+    Args:
+        robot: The robot.
+        held: Axes that are held; see `Robot.ik`.
+    """
+    return query_is_direct(Query.of(robot, as_pose(np.eye(4)), None, held))
+
+
+def query_is_direct(query: Query) -> bool:
+    """Tell whether the direct solver answers a query."""
+    structure, chain = query.structure, query.robot.chain
+    if chain.loops or len(structure.linear) != 3 or len(structure.revolute) > _MOST_ROTARY:
+        return False
+    if len(structure.rotary) < len(structure.revolute):
+        return False
+    _, J = query.robot.kinematics.pose_and_jacobian(query.x0)
+    block = J[:3, structure.linear]
+    return bool(np.isfinite(block).all()) and abs(float(np.linalg.det(block))) > tolerances.RANK
+
+
+def solve_direct(
+    robot: Robot, T: ArrayLike, start: ArrayLike | None = None, held: Held | None = None, *, windings: bool = False
+) -> tuple[IkResult, ...]:
+    """Return every solution inside the limits, nearest to the start first, each verified by forward kinematics.
+
+    Args:
+        robot: A robot for which `is_direct` holds.
+        T: Tool in the workpiece frame [m]: `pin.SE3` or (4, 4).
+        start: Axis values (n_axes,), mm and degrees; free rotary axes of a singular pose keep theirs.
+        held: See `Robot.ik`.
+        windings: True: every whole turn within the limits counts as a solution, not only the nearest.
+
+    Raises:
+        ChainbuildError: the robot has no direct solution, or T is no rigid transform.
+    """
+    query = Query.of(robot, as_pose(T), start, held, windings)
+    if not query_is_direct(query):
+        raise ChainbuildError(
+            "this kinematic has no direct solution",
+            permitted="three independent linear axes and up to three rotary ones",
+        )
+    return find_direct(query).branches
+
+
+def find_direct(query: Query) -> Found:
+    """Return the direct solutions of a query for which `query_is_direct` holds."""
+    return collect(query, _candidates(query))
+
+
+def linear_axes_for(robot: Robot, position: ArrayLike, axes: ArrayLike) -> IkResult:
+    """Return axis values that bring the tip to a position with the rotary axes where they are: RTCP programming.
+
+    Args:
+        robot: A robot for which `is_direct` holds.
+        position: (3,) tip in the workpiece frame [m].
+        axes: (n_axes,) mm and degrees; rotary values count, linear ones are replaced.
+
+    Raises:
+        ChainbuildError: the robot has no direct solution, or the values are not finite.
+    """
+    values = robot.axis_values(axes)
+    T = robot.fk(values)
+    query = Query.of(robot, as_pose(transform(T.rotation, np.asarray(position, dtype=float))), values, None)
+    if not query_is_direct(query):
+        raise ChainbuildError("this kinematic has no direct solution")
+    x = _with_linear_axes(query, query.x0.copy())
+    branch = None if x is None else verified(query, x)
+    if x is None or branch is None:
+        return IkResult(
+            False, values, "unreachable", np.inf, np.inf, 1, 0, "position", "no pose at these rotary angles"
+        )
+    outside = query.outside(x)
+    if outside:
+        reason = f"only reached outside the limits of {', '.join(outside)}"
+        return IkResult(False, branch.axes, "limits", branch.position_error, 0.0, 1, 0, "position", reason)
+    return branch
+
+
+def _candidates(query: Query) -> Iterator[tuple[Vector, tuple[str, ...]]]:
+    """Yield SI axis values that may be solutions, with the names of their free axes."""
+    structure = query.structure
+    columns = structure.rotary[: len(structure.revolute)]  # axes beyond these (a virtual one) stay at the start
+    for turns, joints in _rotary_solutions(query):
+        free = query.loose_axes(joints, turns.free, columns)
+        for x in axes_for(query, joints, np.array(turns.angles), columns):
+            for full in _placed(query, x, free):
+                yield full, query.axis_names(free)
+
+
+def _placed(query: Query, x: Vector, free: list[int]) -> Iterator[Vector]:
+    """Yield x with its linear axes in place; free axes are put back to exactly their start first."""
+    if free:
+        kept = x.copy()
+        kept[free] = query.x0[free]
+        placed = _with_linear_axes(query, kept)
+        if placed is not None and verified(query, placed) is not None:
+            yield placed
+            return
+    placed = _with_linear_axes(query, x)
+    if placed is not None:
+        yield placed
+
+
+def _with_linear_axes(query: Query, x: Vector) -> Vector | None:
+    """Return x with the linear axes that bring the tip to the target's position."""
+    linear, target = query.structure.linear, query.target
+    for _ in range(_LINEAR_STEPS):
+        T, J = query.robot.kinematics.pose_and_jacobian(x)
+        error = T.rotation.T @ (target.translation - T.translation)
+        if not np.isfinite(error).all():
+            return None
+        x[linear] += np.linalg.solve(J[:3, linear], error)
+    return x
+
+
+def _rotary_solutions(query: Query) -> Iterator[tuple[Turns, NDArray[np.intp]]]:
+    """Yield the angles of the rotary joints that give the target's orientation, and those joints' indices."""
+    serial = query.serial()
+    screws = [screw for screw in serial.screws if screw.kind == "revolute"]
+    joints = np.array([screw.joint for screw in screws], dtype=np.intp)
+    keep = tuple(float(value) for value in query.q0[joints])
+    axes = [screw.direction for screw in screws]
+    R = query.target.rotation @ serial.M[:3, :3].T
+    task = query.robot.task
+    column = 0 if query.robot.chain.tool_axis == "x" else 2
+    if task == "position":
+        found = [Turns(keep, (True,) * len(axes))] if axes else [Turns((), ())]
+    elif task == "direction":
+        found = for_direction(axes, serial.M[:3, column], query.target.rotation[:, column], keep)
+    else:
+        found = for_rotation(axes, R, keep)
+    for turns in found:
+        yield turns, joints

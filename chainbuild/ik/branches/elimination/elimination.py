@@ -1,0 +1,193 @@
+"""Six joints of any kind in any arrangement: all solutions, by eliminating all joints but one.
+
+The row of joints closes to a loop (`loop`) whose equations become an eigenvalue problem for one of them (`eliminant`).
+The loop may be opened before any joint: where it opens best depends on which axes meet or are parallel, and is found by
+trial. At a pose whose equations are singular in themselves — solutions coincide, or are curves — a pose a hair's
+breadth beside it is solved, and its solutions are brought to the pose by Newton steps.
+
+References: Raghavan and Roth 1990, "Kinematic analysis of the 6R manipulator of general geometry"; Manocha and Canny
+1994, "Efficient inverse kinematics for general 6R manipulators".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.frames import inverse, transform
+from chainbuild.ik.branches.core.serial import Screw, Serial, image
+from chainbuild.ik.branches.core.subproblems import cross, rotation
+from chainbuild.ik.branches.elimination.conformal import arrow, coefficients, motion
+from chainbuild.ik.branches.elimination.eliminant import SINGULAR
+from chainbuild.ik.branches.elimination.loop import Loop, closed, eliminant, equations, inner_order
+
+if TYPE_CHECKING:
+    from chainbuild.ik.branches.arms.arms import Solution
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+Opening = tuple[int, int]  # the joint before which the loop is opened, and which of the inner joints is solved for
+
+JOINTS: Final = 6
+_TRIED: Final = 4  # the best openings, of which those that leave no doubt are preferred
+_TRIALS: Final = 2  # poses on which the openings of the loop are tried
+_GOOD: Final = 1e5  # condition up to which one opening of the loop is enough
+_MOST_OPENINGS: Final = 3
+_BESIDE: Final = 1e-4  # how far beside a singular pose another one is solved [arm lengths, rad]
+_NO_SOLUTION: Final = 1e-2  # values that miss by more are none
+_DEPENDENT: Final = 1e-9  # singular values below this share of the largest are rounding
+_STEPS: Final = 8
+_FARTHEST_STEP: Final = 0.3
+
+
+class Elimination:
+    """All solutions of one row of six joints.
+
+    Args:
+        serial: Six screws.
+    """
+
+    def __init__(self, serial: Serial) -> None:
+        points = np.array([screw.point for screw in serial.screws if screw.kind == "revolute"])
+        self.centre = points.mean(axis=0) if len(points) else np.zeros(3)
+        ends = [*points, serial.M[:3, 3]]
+        self.size = max([float(np.linalg.norm(point - self.centre)) for point in ends]) or 1.0
+        self.screws = [Screw(s.kind, s.direction, (s.point - self.centre) / self.size, s.joint) for s in serial.screws]
+        self.parts = [coefficients(screw) for screw in self.screws]
+        self.back = inverse(serial.M)
+        self.openings = self._openings()
+
+    def solve(self, target: Matrix, _keep: Sequence[float]) -> list[Solution]:
+        """Return the joint values of a pose (4, 4); some of them may be off, or there twice."""
+        G = self._scaled(target @ self.back)
+        found, settled = self._solved(G)
+        if not settled:
+            beside, _ = self._solved(_beside(G))
+            found += [self._brought_to(G, values) for values in beside]
+        # The most exact first: the caller keeps the first of those that are one.
+        ranked = sorted(((self._miss(G, values), n) for n, values in enumerate(found)))
+        return [(self._unscaled(found[n]), (False,) * JOINTS) for miss, n in ranked if miss < _NO_SOLUTION]
+
+    def _miss(self, G: Matrix, values: Vector) -> float:
+        """Return how far values miss a pose [arm lengths, rad]."""
+        return float(np.abs(self._pose_and_jacobian(values)[0] - G).max())
+
+    def _solved(self, G: Matrix) -> tuple[list[Vector], bool]:
+        """Return the values (6,) of a loop, by one opening or several, and whether these are certainly all."""
+        found: list[Vector] = []
+        opened = 0
+        for first, hidden in self.openings:
+            loop = self._opened(G, first)
+            problem = eliminant(loop, equations(loop), hidden)
+            if problem.condition > SINGULAR:
+                continue
+            inner, settled = problem.solutions()
+            found += _values(loop, inner, (first, hidden), G)
+            if settled and problem.condition < _GOOD:
+                return found, True
+            opened += 1
+            if opened == _MOST_OPENINGS:
+                break
+        return found, False
+
+    def _brought_to(self, G: Matrix, values: Vector) -> Vector:
+        """Return values near a solution brought nearer by Newton steps; where axes have no bearing they stay."""
+        for _ in range(_STEPS):
+            T, J = self._pose_and_jacobian(values)
+            rest = G @ inverse(T)
+            turn = np.array([rest[2, 1] - rest[1, 2], rest[0, 2] - rest[2, 0], rest[1, 0] - rest[0, 1]]) / 2.0
+            step = np.linalg.lstsq(J, np.concatenate([rest[:3, 3], turn]), rcond=_DEPENDENT)[0]
+            values = values + step / max(1.0, float(np.abs(step).max()) / _FARTHEST_STEP)
+        return values
+
+    def _pose_and_jacobian(self, values: Vector) -> tuple[Matrix, Matrix]:
+        """Return the loop's motion (4, 4) and the screws (6, 6) of its joints there, one a column."""
+        T, columns = np.eye(4), []
+        for screw, value in zip(self.screws, values, strict=True):
+            k = T[:3, :3] @ screw.direction
+            point = image(T, screw.point)
+            turns = screw.kind == "revolute"
+            columns.append(np.concatenate([cross(point, k), k] if turns else [k, np.zeros(3)]))
+            T = T @ screw.T(float(value))
+        return T, np.column_stack(columns)
+
+    def _scaled(self, T: Matrix) -> Matrix:
+        """Return a motion as seen from the middle of the axes, in units of the arm."""
+        shift = transform(None, self.centre)
+        seen = inverse(shift) @ T @ shift
+        seen[:3, 3] /= self.size
+        return seen
+
+    def _unscaled(self, values: Vector) -> Vector:
+        factors = np.array([self.size if screw.kind == "prismatic" else 1.0 for screw in self.screws])
+        unscaled: Vector = values * factors
+        return unscaled
+
+    def _opened(self, G: Matrix, first: int) -> Loop:
+        """Return the loop opened before a joint: those before it follow after the last, carried there by G⁻¹."""
+        back = inverse(G)
+        there, here = motion(G), motion(back)
+        row = [*self.screws[first:], *(screw.carried(back) for screw in self.screws[:first])]
+        parts = [*self.parts[first:], *(here @ part @ there for part in self.parts[:first])]
+        end = arrow(row[-1].point, row[-1].direction)
+        return Loop(row, parts, end, there @ end)
+
+    def _openings(self) -> list[Opening]:
+        """Return where the loop may be opened and for which joint solved, the best conditioned leading."""
+        rng = np.random.default_rng(20240229)
+        poses = []
+        for _ in range(_TRIALS):
+            G, J = self._pose_and_jacobian(rng.uniform(-2.0, 2.0, JOINTS))
+            if np.linalg.cond(J) * _DEPENDENT > 1.0:
+                return []  # these joints do not move the tool in all six freedoms
+            poses.append(G)
+        ranked: list[tuple[float, Opening]] = []
+        for first in range(JOINTS):
+            if self.screws[first - 1].kind == "prismatic":
+                continue
+            loops = [self._opened(G, first) for G in poses]
+            trials = [(loop, equations(loop)) for loop in loops]
+            for hidden in range(3):
+                worst = max(eliminant(loop, blocks, hidden).condition for loop, blocks in trials)
+                if worst < SINGULAR:
+                    ranked.append((worst, (first, hidden)))
+        ranked.sort()
+        order = [opening for _, opening in ranked]
+        # Those whose solutions never share a value of the joint solved for are the quickest.
+        return sorted(order, key=lambda opening: opening in order[:_TRIED] and not self._settles(opening, poses[0]))
+
+    def _settles(self, opening: Opening, G: Matrix) -> bool:
+        """Tell whether one opening is enough for a pose."""
+        loop = self._opened(G, opening[0])
+        return eliminant(loop, equations(loop), opening[1]).solutions()[1]
+
+
+def _values(loop: Loop, solutions: list[tuple[float, float, float]], opening: Opening, G: Matrix) -> list[Vector]:
+    """Return all joint values (6,) that solutions of the inner joints, the one solved for leading, go with."""
+    first, hidden = opening
+    found = []
+    for solution in solutions:
+        inner = [0.0, 0.0, 0.0]
+        for place, value in zip(inner_order(hidden), solution, strict=True):
+            inner[place] = value
+        found += [np.roll(np.array(values), first) for values in closed(loop, (inner[0], inner[1], inner[2]), G)]
+    return found
+
+
+def elimination(serial: Serial) -> Elimination | None:
+    """Return the solver of a row of six joints, or None where the equations never tell solutions apart."""
+    if len(serial.screws) != JOINTS:
+        return None
+    solver = Elimination(serial)
+    return solver if solver.openings else None
+
+
+def _beside(G: Matrix) -> Matrix:
+    """Return a pose a hair's breadth beside another, in no direction that an axis might have."""
+    rng = np.random.default_rng(20240229)
+    axis = rng.normal(size=3)
+    R = rotation(axis / float(np.linalg.norm(axis)), _BESIDE)
+    return np.asarray(transform(R, _BESIDE * rng.normal(size=3)) @ G, dtype=float)

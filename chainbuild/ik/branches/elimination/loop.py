@@ -1,0 +1,158 @@
+"""A loop of six joints, opened before one of them: its equations, and its outer joints once the inner are known.
+
+E1·E2·E3·E4·E5·E6 = G. An arrow on the axis of joint 6 does not see it turn: E3·E4·E5·arrow = E2⁻¹·E1⁻¹·G·arrow are
+fourteen equations. Without the eight products of joints 1 and 2 on the right, six are left for joints 3, 4 and 5.
+"""
+
+from __future__ import annotations
+
+import cmath
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.ik.branches.arms.orientation import across
+from chainbuild.ik.branches.arms.positioner import parallel
+from chainbuild.ik.branches.arms.two_joints import reach_by_two
+from chainbuild.ik.branches.core.serial import Screw, image
+from chainbuild.ik.branches.core.subproblems import rotate, subproblem_1, subproblem_2
+from chainbuild.ik.branches.elimination.conformal import ONE, SIZE, backwards, motion
+from chainbuild.ik.branches.elimination.eliminant import Eliminant
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Pair = tuple[float, float]
+
+_EQUATIONS: Final = np.array([n for n in range(SIZE) if n != ONE])
+_PRODUCTS: Final = 8
+_DEPENDENT: Final = 1e-7  # singular values below this share of the largest leave the outer joints open
+_MET: Final = 1e-5  # an arrow that misses its goal by less [arm lengths, rad] meets it
+_NEAR: Final = 1e-2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Loop:
+    """The loop opened before one of its joints.
+
+    Attributes:
+        row: The six joints in the order of the loop.
+        parts: Their coefficients, (3, 15, 15) each; see `conformal.coefficients`.
+        end: (15,) the arrow on the last joint.
+        goal: (15,) where the loop wants it.
+    """
+
+    row: list[Screw]
+    parts: list[Complex]
+    end: Vector
+    goal: Vector
+
+
+def _right_side(loop: Loop) -> tuple[Complex, Complex]:
+    """Return the right side of the equations: of the eight products of joints 1 and 2 (14, 8), and constant (14,)."""
+    one, two = (backwards(loop.row[n], loop.parts[n]) for n in (0, 1))
+    inner = one @ loop.goal
+    products = np.einsum("aij,bj->iab", two, inner).reshape(SIZE, -1)[_EQUATIONS]
+    constant = _constant(loop.row[1]) * 3 + _constant(loop.row[0])
+    return np.delete(products, constant, axis=1), products[:, constant]
+
+
+def _constant(screw: Screw) -> int:
+    """Return which coefficient of a joint stands for 1."""
+    return 0 if screw.kind == "prismatic" else 1
+
+
+def equations(loop: Loop) -> Complex:
+    """Return the six equations for joints 3, 4, 5: (6, 3, 3, 3), the coefficients of their products."""
+    products, constant = _right_side(loop)
+    three, four, five = loop.parts[2:5]
+    left = np.einsum("cij,j->ci", five, loop.end)
+    left = np.einsum("bij,cj->bci", four, left)
+    left = np.einsum("aij,bcj->iabc", three, left)[_EQUATIONS]
+    a, b, c = (_constant(screw) for screw in loop.row[2:5])
+    left[:, a, b, c] -= constant
+    u, _, _ = np.linalg.svd(products)
+    return np.asarray(np.einsum("ni,iabc->nabc", u[:, _PRODUCTS:].conj().T, left), dtype=complex)
+
+
+def eliminant(loop: Loop, blocks: Complex, hidden: int) -> Eliminant:
+    """Return the eigenvalue problem for one of the joints 3, 4, 5.
+
+    Args:
+        loop: The opened loop.
+        blocks: What `equations` returns.
+        hidden: 0, 1 or 2.
+    """
+    order = inner_order(hidden)
+    kinds = [screw.kind for screw in loop.row[2:5]]
+    axes = (order[0] + 1, 0, order[1] + 1, order[2] + 1)
+    return Eliminant.of(blocks.transpose(axes), (kinds[order[0]], kinds[order[1]], kinds[order[2]]))
+
+
+def inner_order(hidden: int) -> tuple[int, int, int]:
+    """Return the inner joints, the hidden one first."""
+    others = [n for n in range(3) if n != hidden]
+    return hidden, others[0], others[1]
+
+
+def closed(loop: Loop, inner: tuple[float, float, float], G: Matrix) -> list[list[float]]:
+    """Return all six values, given those of joints 3, 4, 5: once, or more often where several outer joints fit."""
+    middle = np.eye(4)
+    for screw, value in zip(loop.row[2:5], inner, strict=True):
+        middle = middle @ screw.T(value)
+    last = loop.row[5]
+    aside = across(last.direction)
+    found = []
+    for first, second in _outer_pairs(loop, middle, G):
+        R = (loop.row[0].T(first) @ loop.row[1].T(second) @ middle)[:3, :3].T @ G[:3, :3]
+        found.append([first, second, *inner, subproblem_1(last.direction, aside, R @ aside).angle])
+    return found
+
+
+def _outer_pairs(loop: Loop, middle: Matrix, G: Matrix) -> list[Pair]:
+    """Return the values of joints 1 and 2 that bring the arrow behind them to its goal."""
+    products, constant = _right_side(loop)
+    reached = (motion(middle) @ loop.end)[_EQUATIONS]
+    solved, _, _, sizes = np.linalg.lstsq(products, reached - constant, rcond=None)
+    table = np.insert(solved, _constant(loop.row[1]) * 3 + _constant(loop.row[0]), 1.0).reshape(3, 3)
+    second = _value(loop.row[1], table[:2].ravel(), table[1:].ravel())
+    first = _value(loop.row[0], table[:, :2].ravel(), table[:, 1:].ravel())
+    if sizes[-1] > _DEPENDENT * sizes[0] and _miss(loop, (first, second), middle, G) < _MET:
+        return [(first, second)]
+    # At this pose the products do not tell the two joints apart: by geometry then.
+    candidates = [(first, second), *_by_geometry(loop, middle, G)]
+    return [pair for pair in candidates if _miss(loop, pair, middle, G) < _NEAR]
+
+
+def _by_geometry(loop: Loop, middle: Matrix, G: Matrix) -> list[Pair]:
+    one, two, last = loop.row[0], loop.row[1], loop.row[5]
+    direction, wanted = middle[:3, :3] @ last.direction, G[:3, :3] @ last.direction
+    pairs: list[Pair] = []
+    if one.kind == two.kind == "revolute" and not parallel(one.direction, two.direction):
+        turns = subproblem_2(one.direction, two.direction, direction, wanted)
+        pairs += [(turn.first, turn.second) for turn in turns]
+    for along in (0.0, 1.0):
+        point = last.point + along * last.direction
+        pairs += reach_by_two(one, two, image(middle, point), image(G, point), (0.0, 0.0))
+    return pairs
+
+
+def _miss(loop: Loop, pair: Pair, middle: Matrix, G: Matrix) -> float:
+    """Return how far the arrow misses its goal [arm lengths, rad]."""
+    one, two, last = loop.row[0], loop.row[1], loop.row[5]
+    place = one.move(pair[0], two.move(pair[1], image(middle, last.point))) - image(G, last.point)
+    direction = middle[:3, :3] @ last.direction
+    for screw, value in ((two, pair[1]), (one, pair[0])):
+        if screw.kind == "revolute":
+            direction = rotate(screw.direction, value, direction)
+    off = direction - G[:3, :3] @ last.direction
+    return float(np.abs(place).max() + np.abs(off).max())
+
+
+def _value(screw: Screw, low: Complex, high: Complex) -> float:
+    """Return a joint's value from products without and with it."""
+    length = np.vdot(low, low).real
+    share = complex(np.vdot(low, high) / length) if length else 0j
+    return share.real if screw.kind == "prismatic" else cmath.phase(share)

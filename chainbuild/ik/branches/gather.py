@@ -1,0 +1,84 @@
+"""Branches by damped descent from many starts: for chains that have no closed form here.
+
+What this finds is found by luck, however good the odds: the search ends when a number of starts in a row brought
+nothing new. A closed form is complete, this is not; `Branch.method` says which one answered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.ik.branches.core.axis_values import turned_axes
+from chainbuild.ik.branches.core.query import Query
+from chainbuild.kinematics.evaluation import damped_step
+
+Vector = NDArray[np.float64]
+
+_MOST_STARTS: Final = 400
+_IDLE_STARTS: Final = 60  # starts in a row without a new branch that end the search
+_STEPS: Final = 40
+_STALL: Final = 5
+_SAME: Final = 1e-5
+_FOUND: Final = 1e-16  # squared residual
+_DAMPING: Final = 1e-3
+_FLOOR: Final = 1e-12
+
+
+def gather(query: Query) -> Iterator[Vector]:
+    """Yield SI axis values of distinct branches, the one near the start first."""
+    rng = np.random.default_rng(20240229)
+    free = query.structure.free
+    lower = np.where(np.isfinite(query.lower), query.lower, -np.pi)[free]
+    upper = np.where(np.isfinite(query.upper), query.upper, np.pi)[free]
+    # One turn is enough: whole turns are added to what is found.
+    rotary = np.array([query.robot.axes[n].kind == "rotary" for n in free], dtype=bool)
+    lower[rotary] = np.maximum(lower[rotary], -np.pi)
+    upper[rotary] = np.minimum(upper[rotary], np.pi)
+    known: list[Vector] = []
+    idle = 0
+    start = query.x0
+    for _ in range(_MOST_STARTS):
+        found = _descend(query, start)
+        fresh = found is not None and all(_apart(found, other, query) > _SAME for other in known)
+        if found is not None and fresh:
+            known.append(found)
+            yield from turned_axes(query, found, free)
+        idle = 0 if fresh else idle + 1
+        if idle >= _IDLE_STARTS:
+            return
+        start = query.x0.copy()
+        start[free] = lower + (upper - lower) * rng.random(len(free))
+
+
+def _apart(a: Vector, b: Vector, query: Query) -> float:
+    """Return the largest difference, whole turns of periodic axes not counted."""
+    difference = a - b
+    turns = query.periodic
+    difference[turns] = np.remainder(difference[turns] + np.pi, 2.0 * np.pi) - np.pi
+    return float(np.abs(difference).max())
+
+
+def _descend(query: Query, start: Vector) -> Vector | None:
+    """Return the axis values where the residual vanishes, or None."""
+    residual = query.robot.kinematics.residual(query.target, query.robot.task)
+    free, x = query.structure.free, start.copy()
+    mark, since = np.inf, 0
+    for _ in range(_STEPS):
+        error, J = residual(x)
+        squared = float(error @ error)
+        if squared < _FOUND:
+            return x
+        if not np.isfinite(squared):
+            return None
+        if squared > 0.9 * mark:
+            since += 1
+            if since >= _STALL:
+                return None
+        else:
+            mark, since = squared, 0
+        x[free] += damped_step(J[:, free], error, _DAMPING * squared + _FLOOR)
+    return None

@@ -1,0 +1,123 @@
+"""All branches of many poses at once: ortho-parallel arms with a spherical wrist."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Final
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild import tolerances
+from chainbuild.errors import ChainbuildError
+from chainbuild.ik.branches.core.query import LIMIT_SLACK
+from chainbuild.ik.branches.opw.constants import opw_constants
+from chainbuild.ik.branches.opw.formulas import BRANCHES, finished, flipped, rows_of, upper_branches
+from chainbuild.ik.search.batch import at_row, pose_array
+from chainbuild.ik.search.compiled import packing as door
+from chainbuild.ik.search.solver import refusal
+
+if TYPE_CHECKING:
+    import pinocchio as pin
+
+    from chainbuild.kinematics.mechanism import Robot
+
+Array = NDArray[np.float64]
+
+_CHUNK: Final = 2048  # poses at a time: what they need stays in the processor's cache
+_LAST_ROW: Final = (0.0, 0.0, 0.0, 1.0)
+
+_known: WeakKeyDictionary[Robot, dict[bool, Array | None]] = WeakKeyDictionary()
+
+
+def ik_all_batch(
+    robot: Robot, poses: Sequence[pin.SE3] | ArrayLike, *, limits: bool = True, compiled: bool = True
+) -> Array:
+    """Return all branches (n, 8, 6) of poses, mm and degrees; not a number where a branch does not exist.
+
+    They are the branches of `ik_all` without a start: whole turns end near the middle of the limits, where an axis
+    without bearing on a pose also stands. Every row of numbers was confirmed by forward kinematics to 1e-6 m and
+    1e-6 rad. Slot 4·flip + 2·shoulder + elbow is the same branch in every pose: flip 0 has θ5 ≥ 0 (the wrist turned
+    from straight in the one sense), shoulder 0 the arm in front of axis 1, elbow 0 and 1 its two bends. Branches that
+    coincide fill the first of their slots.
+
+    Args:
+        robot: A six-axis arm whose axes stand at right angles or parallel, with a spherical wrist.
+        poses: (n, 4, 4) tool in the workpiece frame [m], or `pin.SE3`.
+        limits: True: axes are moved by whole turns into their limits, and branches outside them left out; False:
+            every branch, whatever the limits.
+        compiled: False: NumPy, even where numba is installed.
+
+    Raises:
+        ChainbuildError: the robot is no such arm, or a pose is no rigid transform.
+    """
+    targets = pose_array(poses)
+    constants = _constants(robot, limits)
+    axes, doubtful = np.empty((len(targets), BRANCHES, 6)), np.empty(len(targets), dtype=bool)
+    if compiled and door.available():
+        from chainbuild.ik.branches.opw.compiled import write_branches
+
+        write_branches(targets, constants, axes.reshape(-1, BRANCHES * 6), doubtful)
+    else:
+        _write_branches(targets, constants, axes, doubtful)
+    _refuse_what_is_not_rigid(targets, np.flatnonzero(doubtful))
+    if limits and robot.chain.constraints:
+        for chunk in _chunks(len(targets)):
+            _keep_sums(robot, axes[chunk])
+    return axes
+
+
+def _constants(robot: Robot, limits: bool) -> Array:
+    """Return the constants of a robot, prepared at first use."""
+    known = _known.setdefault(robot, {})
+    if limits not in known:
+        known[limits] = opw_constants(robot, limits=limits)
+    constants = known[limits]
+    if constants is None:
+        raise ChainbuildError(
+            "there is no closed form over arrays for this kinematic",
+            permitted="six-axis arms with axes at right angles or parallel and a spherical wrist",
+        )
+    return constants
+
+
+def _chunks(count: int) -> Iterator[slice]:
+    for first in range(0, count, _CHUNK):
+        yield slice(first, first + _CHUNK)
+
+
+def _write_branches(targets: Array, constants: Array, axes: Array, doubtful: NDArray[np.bool_]) -> None:
+    """Write the branches of poses by NumPy; see `compiled_opw.write_branches`."""
+    rows = rows_of(constants)
+    for chunk in _chunks(len(targets)):
+        T = np.ascontiguousarray(targets[chunk, :3].transpose(1, 2, 0)).reshape(12, -1)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            M, *upper = upper_branches(T, rows)
+            branches = np.array([branch[:6] for branch in (*upper, *map(flipped, upper))])  # (8, 6, m)
+            found = finished(branches.swapaxes(0, 1), M, rows)
+        axes[chunk] = np.array(found).transpose(2, 1, 0)
+        doubtful[chunk] = np.isnan(found[0]).all(axis=0) | (targets[chunk, 3] != _LAST_ROW).any(axis=1)
+
+
+def _keep_sums(robot: Robot, axes: Array) -> None:
+    """Leave out branches (m, 8, 6) that break a limit on a sum of axes."""
+    for constraint in robot.chain.constraints:
+        total = axes @ np.array(constraint.sum.coefficients) + constraint.sum.offset
+        kept = (total >= constraint.lower - LIMIT_SLACK) & (total <= constraint.upper + LIMIT_SLACK)
+        axes[~kept] = np.nan
+
+
+def _refuse_what_is_not_rigid(targets: Array, doubtful: NDArray[np.intp]) -> None:
+    """Raise for the first pose that is no rigid transform; only those are looked at that have no confirmed branch."""
+    for first in range(0, len(doubtful), _CHUNK):
+        rows = doubtful[first : first + _CHUNK]
+        T = targets[rows]
+        R = T[:, :3, :3]
+        with np.errstate(invalid="ignore", over="ignore"):
+            off = np.abs(R.transpose(0, 2, 1) @ R - np.eye(3)).max(axis=(1, 2))
+            good = (off < tolerances.ROTATION_MATRIX) & (np.linalg.det(R) > 0.0) & (T[:, 3] == _LAST_ROW).all(axis=1)
+        good &= (np.abs(T[:, :3, 3]) < tolerances.HUGE_POSITION_M).all(axis=1)
+        if not good.all():
+            row = int(rows[np.argmin(good)])
+            raise at_row(refusal(targets[row]), row)

@@ -1,0 +1,93 @@
+"""The constants that `opw_branches` works with, measured on a robot and confirmed against its forward kinematics."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild import tolerances
+from chainbuild.chain.axismap import AffineMap
+from chainbuild.frames import inverse
+from chainbuild.ik.branches.core.query import LIMIT_SLACK, Query
+from chainbuild.ik.branches.opw.formulas import CONSTANTS, confirmed, product, rows_of
+from chainbuild.ik.branches.opw.parameters import OpwArm, opw_arm
+from chainbuild.kinematics.mechanism import as_pose
+
+if TYPE_CHECKING:
+    from chainbuild.kinematics.mechanism import Robot
+
+Matrix = NDArray[np.float64]
+
+_NO_LIMIT: Final = 1e300  # infinity times zero turns would be no number
+_SHORTEST: Final = 1e-6  # upper arm and forearm of at least this [m]
+_WHOLE: Final = 1e-9
+_SAMPLES: Final = 16
+_EXACT: Final = 1e-9  # what samples may miss [m, rad]
+
+
+def opw_constants(robot: Robot, *, limits: bool) -> Matrix | None:
+    """Return the constants (n, 6) of a robot, see `opw_branches.CONSTANTS`; None where the closed form is not its own.
+
+    Args:
+        robot: The robot.
+        limits: False: as if no axis had any.
+    """
+    axis_map = robot.chain.axis_map
+    if not isinstance(axis_map, AffineMap) or len(robot.axes) != 6 or robot.chain.loops:
+        return None
+    query = Query.of(robot, as_pose(np.eye(4)), None, None)
+    serial = query.serial()
+    arm = opw_arm(serial)
+    if arm is None or not query.periodic.all():
+        return None
+    joints = [screw.joint for screw in serial.screws]
+    A, b, factors = axis_map.A[joints], axis_map.b[joints], axis_map.si_factors
+    forearm = math.hypot(arm.parameters["a2"], arm.parameters["c3"])
+    # With a gear, whole turns of joints are no whole turns of axes.
+    if abs(abs(float(np.linalg.det(A))) - 1.0) > _WHOLE or min(arm.parameters["c2"], forearm) < _SHORTEST:
+        return None
+    parts = _filled(arm, arm.signs[:, None] * A * factors, arm.signs * b + arm.offsets, query, limits)
+    constants = np.concatenate([np.asarray(parts[name], dtype=float).reshape(-1, 6) for name in CONSTANTS])
+    return constants if _confirmed(robot, constants) else None
+
+
+def _filled(arm: OpwArm, back: Matrix, zero: Matrix, query: Query, limits: bool) -> dict[str, object]:
+    """Return the constants by name; back and zero lead from axis values to angles."""
+    p, factors = arm.parameters, query.robot.kinematics.si_factors
+    forearm, bend = math.hypot(p["a2"], p["c3"]), math.atan2(p["a2"], p["c3"])
+    wanted = query.x0 / factors
+    first, _, _, fourth, _, _ = back @ wanted + zero
+    turn = np.linalg.inv(back)
+    near = (tolerances.IK_POSITION_M**2, tolerances.IK_ROTATION_RAD**2)
+    lower, upper = (np.clip(values / factors, -_NO_LIMIT, _NO_LIMIT) for values in (query.lower, query.upper))
+    return {
+        "base": inverse(arm.T_base_arm)[:3],
+        "flange": inverse(arm.T_flange_tool)[:3],
+        "lengths": (p["a1"], p["b"], p["c1"], p["c2"], forearm, forearm * forearm),
+        "bend": (bend, math.cos(bend), math.sin(bend), p["a2"], p["c3"], 0.0),
+        "keep": (math.cos(first), math.sin(first), math.cos(fourth), math.sin(fourth), 0.0, 0.0),
+        "tip": (*arm.T_flange_tool[:3, 3], *near, 0.0),
+        "turn": turn,
+        "shift": -turn @ zero,
+        "back": back,
+        "zero": zero,
+        "wanted": wanted,
+        "period": math.tau / factors,
+        "per_turn": factors / math.tau,
+        "lower": lower if limits else np.full(6, -_NO_LIMIT),
+        "upper": upper if limits else np.full(6, _NO_LIMIT),
+        "slack": LIMIT_SLACK / factors,
+    }
+
+
+def _confirmed(robot: Robot, constants: Matrix) -> bool:
+    """Return whether what branches are confirmed by is the robot's own forward kinematics, on random axis values."""
+    base, flange, arm, _, backward, _ = rows_of(constants)
+    axes = np.random.default_rng(0).uniform(-170.0, 170.0, (_SAMPLES, 6))
+    T = robot.fk_batch(axes)[:, :3].reshape(_SAMPLES, 12).T
+    M = product(product(base, T), flange)
+    strict = (*arm[:3], (*arm[3][:3], _EXACT**2, _EXACT**2))
+    return bool(np.all(confirmed(axes.T, M, strict, backward)))

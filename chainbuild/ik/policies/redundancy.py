@@ -1,0 +1,203 @@
+"""Which of infinitely many axis values: a preference followed in the null space of a solution.
+
+A robot with more axes than its task needs can move without moving the tool. From a solution the search goes down a
+preference in those directions alone, mends what curvature does to the pose after every step, and keeps the limits.
+The last point that was verified is returned; it is never worse than the solution it started from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final, Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild import tolerances
+from chainbuild.errors import ChainbuildError
+from chainbuild.ik.limits import freedoms_of
+from chainbuild.ik.result import IkResult
+from chainbuild.ik.start import Held, start_point
+from chainbuild.kinematics.evaluation import Residual, damped_step
+
+if TYPE_CHECKING:
+    import pinocchio as pin
+
+    from chainbuild.kinematics.mechanism import Robot
+
+Vector = NDArray[np.float64]
+Preference = Literal["near", "middle", "dexterous"]
+Cost = Callable[[Vector], float]
+
+_STEPS: Final = 200
+_MENDING_STEPS: Final = 8
+_DAMPING: Final = 1e-12
+_FIRST_STRIDE: Final = 0.3  # [m, rad], over the free axes together
+_LAST_STRIDE: Final = 1e-6
+_GROWTH: Final = 2.0
+_DIFFERENCE: Final = 1e-6
+_RANK: Final = 1e-9
+_WORTH: Final = 1e-12  # share of the cost that a step must gain
+_SLACK: Final = 1e-9
+
+
+def preferred(
+    robot: Robot,
+    found: IkResult,
+    target: pin.SE3,
+    prefer: Preference,
+    start: ArrayLike | None = None,
+    held: Held | None = None,
+) -> IkResult:
+    """Return a solution moved to where a preference is best, the tool staying where it is.
+
+    Args:
+        robot: The robot.
+        found: A solution; a failure is returned as it is.
+        target: Tool in the workpiece frame [m].
+        prefer: "near": as near to the start as the pose allows [m and rad alike]; "middle": every axis as near to the
+            middle of its limits as it gets, as a share of their range; "dexterous": away from singular positions, where
+            the product of the singular values of the Jacobian (metres, radians) is large.
+        start: Axis values (n_axes,), mm and degrees; None: near the middle of the limits.
+        held: See `Robot.ik`.
+
+    Raises:
+        AxisValueError: start or held of wrong count, unknown name or not finite.
+        ChainbuildError: an unknown preference.
+    """
+    if prefer not in get_args(Preference):
+        raise ChainbuildError(
+            f"unknown preference {prefer!r}", parameter="prefer", permitted=", ".join(get_args(Preference))
+        )
+    x0, fixed = start_point(robot, start, held)
+    if not found.success:
+        return found
+    free = np.flatnonzero(~fixed)
+    x = found.axes * robot.kinematics.si_factors
+    search = _Search(robot, target, robot.kinematics.residual(target, found.task), found.task, free)
+    cost = search.costs(x0)[prefer]
+    return search.run(found, x, cost)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Search:
+    """One descent.
+
+    Attributes:
+        robot: The robot.
+        target: Tool in the workpiece frame [m].
+        residual: Error and Jacobian of the task.
+        task: The task.
+        free: Indices of the axes that may move.
+    """
+
+    robot: Robot
+    target: pin.SE3
+    residual: Residual
+    task: str
+    free: NDArray[np.intp]
+
+    def costs(self, x0: Vector) -> dict[str, Cost]:
+        """Return what each preference makes small."""
+        axes, factors = self.robot.axes, self.robot.kinematics.si_factors
+        middle = np.array([0.5 * (axis.lower + axis.upper) for axis in axes]) * factors
+        half = np.array([0.5 * (axis.upper - axis.lower) for axis in axes]) * factors
+
+        def near(x: Vector) -> float:
+            return float(((x - x0) ** 2).sum())
+
+        def centred(x: Vector) -> float:
+            return float((((x - middle) / half) ** 2).sum())
+
+        def clumsy(x: Vector) -> float:
+            values = np.linalg.svd(self.residual(x)[1][:, self.free], compute_uv=False)
+            return -float(np.prod(values))
+
+        return {"near": near, "middle": centred, "dexterous": clumsy}
+
+    def run(self, found: IkResult, x: Vector, cost: Cost) -> IkResult:
+        best, stride = cost(x), _FIRST_STRIDE
+        begin = best
+        steps = 0
+        while steps < _STEPS and stride > _LAST_STRIDE:
+            steps += 1
+            direction = self.downhill(x, cost)
+            if direction is None:
+                break
+            there = self.mended(self.clamped(x + stride * direction))
+            if there is not None and cost(there) < best - _WORTH * max(1.0, abs(best)):
+                x, best, stride = there, cost(there), stride * _GROWTH
+            else:
+                stride /= _GROWTH
+        if best >= begin:
+            return found
+        distance, angle = self.robot.kinematics.errors(x, self.target, found.task)
+        return replace(
+            found,
+            axes=x / self.robot.kinematics.si_factors,
+            position_error=distance,
+            rotation_error=angle,
+            iterations=found.iterations + steps,
+        )
+
+    def downhill(self, x: Vector, cost: Cost) -> Vector | None:
+        """Return the direction of length 1 that lowers the cost fastest without moving the tool, or None.
+
+        Axes that stand at a limit and would leave it are taken out.
+        """
+        gradient = np.zeros(len(x))
+        for n in self.free:
+            step = np.zeros(len(x))
+            step[n] = _DIFFERENCE
+            gradient[n] = (cost(x + step) - cost(x - step)) / (2.0 * _DIFFERENCE)
+        lower, upper = self.limits()
+        moving = list(self.free)
+        for _ in range(len(self.free)):
+            J = self.residual(x)[1][:, moving]
+            slope = gradient[moving]
+            N = _null_space(J)
+            step = -(N @ (N.T @ slope))
+            blocked = [
+                k for k, n in enumerate(moving)
+                if (x[n] <= lower[n] + _SLACK and step[k] < 0.0) or (x[n] >= upper[n] - _SLACK and step[k] > 0.0)
+            ]  # fmt: skip
+            if not blocked:
+                length = float(np.linalg.norm(step))
+                if length < tolerances.ZERO_VECTOR:
+                    return None
+                direction = np.zeros(len(x))
+                direction[moving] = step / length
+                return direction
+            moving = [n for k, n in enumerate(moving) if k not in blocked]
+            if not moving:
+                return None
+        return None
+
+    def mended(self, x: Vector) -> Vector | None:
+        """Return a point near x where the tool is on the target and all limits are kept, or None."""
+        for _ in range(_MENDING_STEPS):
+            error, J = self.residual(x)
+            if float(error @ error) < tolerances.IK_RESIDUAL_SQUARED:
+                return None if self.robot.violated_limits(x / self.robot.kinematics.si_factors) else x
+            x = x.copy()
+            x[self.free] += damped_step(J[:, self.free], error, _DAMPING)
+        return None
+
+    def clamped(self, x: Vector) -> Vector:
+        lower, upper = self.limits()
+        moved = x.copy()
+        moved[self.free] = np.clip(x[self.free], lower[self.free], upper[self.free])
+        return moved
+
+    def limits(self) -> tuple[Vector, Vector]:
+        box = freedoms_of(self.robot).box
+        return box.lower, box.upper
+
+
+def _null_space(J: Vector) -> Vector:
+    """Return orthonormal columns that J maps to zero."""
+    _, values, Vt = np.linalg.svd(J)
+    rank = int((values > _RANK * values[0]).sum()) if values.size else 0
+    null: Vector = Vt[rank:].T
+    return null

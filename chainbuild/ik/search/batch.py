@@ -1,0 +1,212 @@
+"""Inverse kinematics of many poses that have nothing to do with each other: on all cores where compiled."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild import tolerances
+from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.ik.options import DEFAULT, IkOptions
+from chainbuild.ik.search import rules
+from chainbuild.ik.search.compiled import packing as compiled
+from chainbuild.ik.search.problem import Problem, problem_of
+from chainbuild.ik.search.solver import find, matrix_of, refusal, solve
+from chainbuild.ik.search.table import STATUSES, IkTable, Words
+from chainbuild.ik.search.words import Failures, Said
+from chainbuild.ik.start import Held
+
+if TYPE_CHECKING:
+    import pinocchio as pin
+
+    from chainbuild.kinematics.mechanism import Robot
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+_ALONE: Final = 512  # fewer poses are left to one core: waking another that is busy can take milliseconds
+_CHUNK: Final = 8192  # poses between two looks at the progress bar and the keyboard
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Columns:
+    """The arrays that rows are written to: free axes in SI, outcome, steps and starts, distance and angle left."""
+
+    y: Matrix
+    counts: NDArray[np.int64]
+    misses: Matrix
+
+    @classmethod
+    def of(cls, rows: int, axes: int) -> Columns:
+        """Return room for so many poses and free axes."""
+        return cls(np.zeros((rows, axes)), np.zeros((rows, 3), np.int64), np.zeros((rows, 2)))
+
+    def table(self, problem: Problem, targets: Matrix, starts: Matrix | None, options: IkOptions) -> IkTable:
+        """Return the columns as a result that can say why rows failed.
+
+        Args:
+            problem: What was asked.
+            targets: (N, 4, 4) of which poses.
+            starts: (N or 1, n_free) SI values that rows started from, NaN for none; None: none had any.
+            options: Tolerances and budget.
+        """
+        axes = np.repeat(problem.axes[None], len(self.y), axis=0)
+        axes[:, problem.free] = self.y / problem.factors
+        failed = np.flatnonzero(self.counts[:, 0] != rules.OK)
+        explain = None
+        if len(failed):
+            begun = starts[failed] if starts is not None and len(starts) > 1 else starts
+            explain = Failures(failed, targets[failed], begun, problem, options).explain
+        return IkTable(axes, self.counts, self.misses, problem.task, explain)
+
+
+def solve_many(
+    robot: Robot,
+    poses: Sequence[pin.SE3] | ArrayLike,
+    starts: ArrayLike | None = None,
+    held: Held | None = None,
+    progress: bool = False,
+    options: IkOptions | None = None,
+) -> IkTable:
+    """Find axis values for many poses; see `Robot.ik_batch`."""
+    options = options or DEFAULT
+    targets, begin = pose_array(poses), start_array(robot, starts)
+    if begin is not None and len(begin) not in {1, len(targets)}:
+        raise AxisValueError(
+            f"{len(begin)} rows of start values for {len(targets)} poses", permitted="one, or one a pose"
+        )
+    with bar(len(targets), progress) as advance:
+        if begin is not None and len(begin) > 1 and robot.kinematics.has_input_axes:
+            return _row_by_row(robot, targets, begin, held, options, advance)
+        problem = problem_of(robot, None if begin is None else begin[0], held, options)
+        first = None if problem.home is None else problem.home[None]
+        if begin is not None:
+            first = np.ascontiguousarray(begin[:, problem.free] * problem.factors)
+        columns = Columns.of(len(targets), len(problem.free))
+        packed = compiled.packed(problem) if options.compiled and compiled.available() else None
+        if packed is None or len(targets) < _ALONE:
+            _one_by_one(problem, targets, first, columns, options, advance)
+        else:
+            _compiled(problem, packed, targets, first, columns, options, advance)
+    return columns.table(problem, targets, first, options)
+
+
+def _compiled(
+    problem: Problem,
+    packed: compiled.Packed,
+    targets: Matrix,
+    first: Matrix | None,
+    columns: Columns,
+    options: IkOptions,
+    advance: Any,
+) -> None:
+    task = (problem.middle, options.accuracy, options.max_restarts)
+    starts = problem.middle[None] if first is None else first
+    for begin in range(0, len(targets), _CHUNK):
+        part = slice(begin, begin + _CHUNK)
+        own = starts if len(starts) == 1 else starts[part]
+        rows = (columns.y[part], columns.counts[part], columns.misses[part])
+        compiled.entries().search_many(*packed.arrays, targets[part], own, first is not None, *task, *rows)
+        bad = np.flatnonzero(rows[1][:, 0] == rules.NOT_RIGID)
+        if len(bad):
+            raise at_row(refusal(targets[begin + bad[0]]), begin + int(bad[0]))
+        if problem.held_beyond:
+            rows[1][rows[1][:, 0] == rules.OK, 0] = rules.LIMITS
+        advance(len(rows[0]))
+
+
+def _one_by_one(
+    problem: Problem, targets: Matrix, first: Matrix | None, columns: Columns, options: IkOptions, advance: Any
+) -> None:
+    for row, target in enumerate(targets):
+        start = None if first is None else first[row if len(first) > 1 else 0]
+        try:
+            found = find(problem, target, start, options)
+        except ChainbuildError as error:
+            raise at_row(error, row) from None
+        columns.y[row] = found.y
+        columns.counts[row] = found.outcome, found.iterations, found.restarts
+        columns.misses[row] = found.distance, found.angle
+        advance(1)
+
+
+def _row_by_row(
+    robot: Robot, targets: Matrix, begin: Matrix, held: Held | None, options: IkOptions, advance: Any
+) -> IkTable:
+    """Solve where input axes stand elsewhere in each row: each row is a problem of its own."""
+    axes, errors = np.empty(begin.shape), np.empty((len(targets), 2))
+    counts = np.empty((len(targets), 3), np.int64)
+    words: dict[int, Words] = {}
+    for row, (target, start) in enumerate(zip(targets, begin, strict=True)):
+        found = solve(robot, target, start, held, options)
+        axes[row] = found.axes
+        counts[row] = STATUSES.index(found.status), found.iterations, found.restarts
+        errors[row] = found.position_error, found.rotation_error
+        if not found.success:
+            words[row] = Words(found.reason, found.violated)
+        advance(1)
+    return IkTable(axes, counts, errors, robot.task, Said(words).explain)
+
+
+def pose_array(poses: Sequence[pin.SE3] | ArrayLike) -> Matrix:
+    """Return poses as an array (N, 4, 4) of floats.
+
+    Raises:
+        ChainbuildError: not a sequence of 4×4 arrays or `pin.SE3`.
+    """
+    if isinstance(poses, np.ndarray) and poses.dtype == np.float64 and poses.shape[1:] == (4, 4) and poses.ndim == 3:
+        return np.ascontiguousarray(poses)
+    try:
+        rows = list(poses)  # type: ignore[arg-type]
+    except TypeError:
+        raise ChainbuildError("poses must be an array (N, 4, 4) or a sequence of poses") from None
+    result = np.empty((len(rows), 4, 4))
+    for row, pose in enumerate(rows):
+        try:
+            result[row] = matrix_of(pose)
+        except ChainbuildError as error:
+            raise at_row(error, row) from None
+    return result
+
+
+def start_array(robot: Robot, starts: ArrayLike | None) -> Matrix | None:
+    """Return start values as an array (1 or N, n_axes), mm and degrees, or None.
+
+    Raises:
+        AxisValueError: of another shape, not numbers, or not finite.
+    """
+    if starts is None:
+        return None
+    try:
+        values = np.atleast_2d(np.asarray(starts, dtype=float))
+    except (TypeError, ValueError):
+        raise AxisValueError("start values must be numbers") from None
+    n = len(robot.axes)
+    if values.ndim != 2 or values.shape[1] != n or not (np.abs(values) < tolerances.HUGE_AXIS_VALUE).all():
+        permitted = f"finite numbers of shape ({n},) or (N, {n})"
+        raise AxisValueError("bad start values", parameter="starts", permitted=permitted)
+    return values
+
+
+def at_row(error: ChainbuildError, row: int) -> ChainbuildError:
+    """Return an error on a pose as one on that row of an array."""
+    return ChainbuildError(f"pose {row}: {error.message}", permitted=error.permitted)
+
+
+@contextmanager
+def bar(total: int, shown: bool) -> Iterator[Any]:
+    """Give a function that counts poses done, with a progress bar on standard error where it is wanted."""
+    if not shown:
+        yield lambda _: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("inverse kinematics", total=total)
+        yield lambda done: progress.advance(task, done)

@@ -1,0 +1,92 @@
+"""The damped search as compiled code: limits, coupled limits, whole turns. See `freedoms.Box` for the same in NumPy."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from chainbuild.ik.search import rules
+from chainbuild.ik.search.compiled.kernels import jit
+
+_TURN: Final = 2.0 * math.pi
+
+
+@jit
+def turned_inside(problem, n, value):
+    """Return the value moved by whole turns to the nearest place inside the limits, or as it is where there is none."""
+    lower, upper = problem.lower[n], problem.upper[n]
+    if problem.periodic[n] == 0.0 or (lower <= value <= upper):
+        return value
+    gap = lower - value if value < lower else upper - value
+    moved = value + math.copysign(math.ceil(abs(gap) / _TURN) * _TURN, gap)
+    return moved if lower <= moved <= upper else value
+
+
+@jit
+def turn_inside(problem, y):
+    """Move what is outside its limits by whole turns where that helps; return whether anything was outside."""
+    outside = False
+    for n in range(len(y)):
+        if not problem.lower[n] <= y[n] <= problem.upper[n]:
+            y[n] = turned_inside(problem, n, y[n])
+            outside = True
+    return outside
+
+
+@jit
+def onto_sums(problem, y):
+    """Move y onto each coupled limit it violates, by axes that their own limits leave room to move."""
+    lower, upper = problem.lower, problem.upper
+    for c in range(len(problem.sums)):
+        g = problem.sums[c]
+        for _ in range(len(y)):
+            value, length = 0.0, 0.0
+            for n in range(len(y)):
+                value += g[n] * y[n]
+            gap = min(max(value, problem.sum_lower[c]), problem.sum_upper[c]) - value
+            for n in range(len(y)):
+                if (y[n] < upper[n] and gap * g[n] > 0.0) or (y[n] > lower[n] and gap * g[n] < 0.0):
+                    length += g[n] * g[n]
+            if length == 0.0:
+                break
+            for n in range(len(y)):
+                if (y[n] < upper[n] and gap * g[n] > 0.0) or (y[n] > lower[n] and gap * g[n] < 0.0):
+                    y[n] = min(max(y[n] + gap / length * g[n], lower[n]), upper[n])
+
+
+@jit
+def excess(problem, y):
+    """Return by how much y violates its limits, coupled ones included; 0 inside."""
+    total, lower, upper = 0.0, problem.lower, problem.upper
+    for n in range(len(y)):
+        total += max(lower[n] - y[n], y[n] - upper[n], 0.0)
+    for c in range(len(problem.sums)):
+        value = 0.0
+        for n in range(len(y)):
+            value += problem.sums[c, n] * y[n]
+        total += max(problem.sum_lower[c] - value, value - problem.sum_upper[c], 0.0)
+    return total
+
+
+@jit
+def near(problem, y, wanted):
+    """Move periodic axes by whole turns as near to `wanted` as all limits allow; return whether any moved."""
+    lower, upper, periodic, any_turned = problem.lower, problem.upper, problem.periodic, False
+    for n in range(len(y)):
+        any_turned |= periodic[n] != 0.0 and abs(wanted[n] - y[n]) > math.pi
+    if not any_turned:
+        return False
+    moved = y.copy()
+    for n in range(len(y)):
+        if periodic[n] != 0.0:
+            turns = np.round((wanted[n] - y[n]) / _TURN)
+            back = -1.0 if turns > 0.0 else 1.0
+            while turns != 0.0 and not (lower[n] <= y[n] + turns * _TURN <= upper[n]):
+                turns += back
+            moved[n] += turns * _TURN
+    if len(problem.sums) > 0 and excess(problem, moved) > rules.INSIDE_SLACK:
+        return False
+    y[:] = moved
+    return True

@@ -1,0 +1,96 @@
+"""The door to the compiled path: is it there, and problems as its arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild.ik.options import IkOptions
+from chainbuild.ik.search.found import Found
+
+if TYPE_CHECKING:
+    from chainbuild.ik.search.problem import Problem
+    from chainbuild.ik.search.starts.turned import TurnedStarts
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+
+@cache
+def available() -> bool:
+    """Return whether numba is installed (extra `fast`) and goes with the NumPy there is."""
+    try:
+        import_module("numba")
+    except ImportError:
+        return False
+    return True
+
+
+def search(packed: Packed, target: Matrix, start: Vector | None, wanted: Vector, options: IkOptions) -> Found:
+    """Search by compiled code; see `plain.search`. The outcome may be NOT_RIGID."""
+    answer = np.empty((2, len(wanted)))
+    begin = wanted if start is None else start
+    ended: tuple[int, int, int, float, float] = entries().search_one(
+        *packed.arrays, target, begin, start is not None, wanted, options.accuracy, options.max_restarts, answer
+    )
+    return Found(*ended, answer[0], answer[1])
+
+
+@cache
+def entries() -> Any:
+    """Return the module of compiled entry points; numba is imported here, not before it is needed."""
+    from chainbuild.ik.search.compiled import entries as compiled_entries
+
+    return compiled_entries
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Packed:
+    """A problem in few arrays, as `compiled_kernels.unpack` takes it apart."""
+
+    arrays: tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.int64]]
+
+
+def packed(problem: Problem) -> Packed | None:
+    """Return a problem in few arrays, or None where its axis map is not affine."""
+    if not problem.compiled:
+        problem.compiled.append(_pack(problem))
+    found: Packed | None = problem.compiled[0]
+    return found
+
+
+def _pack(problem: Problem) -> Packed | None:
+    row = problem.row
+    if row is None:
+        return None
+    box, starts, weights = problem.box, problem.starts, problem.weights
+    reach = problem.arm
+    arm = (np.eye(4), np.eye(4), (np.inf,)) if reach is None else (reach.before, reach.after, (reach.length,))
+    own, rows, turned = _turned(problem.turned_starts(), row.A.shape[1])
+    parts = (
+        row.fixed[:, :3], row.prismatic, row.A, row.b,
+        box.lower, box.upper, box.periodic, box.sums, box.sum_lower, box.sum_upper,
+        weights, starts.points, starts.features, starts.scale, *arm, *turned,
+    )  # fmt: skip
+    flat = [np.asarray(part, dtype=float).ravel() for part in parts]
+    task = (problem.axis, problem.shown_axis, np.count_nonzero(weights), (weights != 1.0).any())
+    sizes = (*row.A.shape, len(box.sums), len(starts.points), *task, *own, *np.cumsum([len(part) for part in flat]))
+    return Packed((np.concatenate(flat), rows, np.array(sizes, dtype=np.int64)))
+
+
+def _turned(
+    starts: TurnedStarts | None, n: int
+) -> tuple[tuple[int, int, int], NDArray[np.float32], tuple[ArrayLike, ...]]:
+    """Return sizes, what is in single precision, and what is not of turned starts, empty where there are none."""
+    if starts is None:
+        parts = (np.empty((0, n)), np.empty((0, n + 2, 12)), np.eye(4), np.eye(4), (1.0, 1.0), (1.0,))
+        return (0, 0, 0), np.empty((8, 0), np.float32), parts
+    points = starts.points
+    rows = np.ascontiguousarray(np.vstack([points.rows, points.offsets, points.edges]))
+    parts = (points.values, points.maps, starts.before, starts.after, starts.signs, (points.scale,))
+    return (len(points.values), starts.first, starts.last), rows, parts

@@ -1,0 +1,234 @@
+"""The damped search on Pinocchio, without compiled code; it works with every axis map.
+
+Each step solves (JᵀJ + λ·1)·dy = Jᵀ·e with λ proportional to the squared error (Sugihara 2011): far away the step is
+short and safe, close by it is Newton's. Axes that would leave their limits are turned back by whole turns; where that
+does not help they stop at the limit and the others take over what is left of the step. A descent that stops getting
+better is left for another start.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild import tolerances
+from chainbuild.errors import ChainbuildError
+from chainbuild.ik.search import rules
+from chainbuild.ik.search.found import Found
+from chainbuild.kinematics.task_error import Task
+
+if TYPE_CHECKING:
+    from chainbuild.ik.options import IkOptions
+    from chainbuild.ik.search.problem import Problem
+    from chainbuild.ik.search.starts.turned import Query
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+
+def search(problem: Problem, target: Matrix, start: Vector | None, wanted: Vector, options: IkOptions) -> Found:
+    """Search from the start, then from the table of starts.
+
+    Args:
+        problem: What is asked.
+        target: (4, 4) tool in the workpiece frame [m].
+        start: (n_free,) first point, or None.
+        wanted: (n_free,) where whole turns shall end near to.
+        options: Tolerances and budget.
+    """
+    return _Search(problem, target, wanted, options).run(start, options.max_restarts)
+
+
+def is_rigid(target: Matrix) -> bool:
+    """Return whether a (4, 4) array has a right-handed rotation and finite numbers; plain floats, it is few of them."""
+    (a, b, c, x), (d, e, f, y), (g, h, i, z), last = target.tolist()
+    most = tolerances.ROTATION_MATRIX
+    rigid: bool = (
+        abs(a * a + d * d + g * g - 1.0) < most
+        and abs(b * b + e * e + h * h - 1.0) < most
+        and abs(c * c + f * f + i * i - 1.0) < most
+        and abs(a * b + d * e + g * h) < most
+        and abs(a * c + d * f + g * i) < most
+        and abs(b * c + e * f + h * i) < most
+        and a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) > 0.0
+        and max(abs(x), abs(y), abs(z)) < tolerances.HUGE_POSITION_M
+        and last == [0.0, 0.0, 0.0, 1.0]
+    )
+    return rigid
+
+
+class _Search:
+    """One search: what its descents share."""
+
+    def __init__(self, problem: Problem, target: Matrix, wanted: Vector, options: IkOptions) -> None:
+        self.problem, self.box, self.target, self.wanted = problem, problem.box, target, wanted
+        self.task = task_of(problem)
+        self.error, self.damping = self.task.error_of(target), self.task.damping
+        self.coupled = len(self.box.sums) > 0
+        self.goal, self.position_tolerance, self.rotation_tolerance, _ = options.accuracy.tolist()
+        self.close_enough = min(self.position_tolerance, self.rotation_tolerance) ** 2
+        self.iterations = 0
+        self.last: Vector | None = None
+
+    def run(self, start: Vector | None, restarts: int) -> Found:
+        """Search until a descent ends inside the limits, the starts are used up or hope is lost."""
+        nearest, least = math.inf, math.inf
+        best = outside = self.wanted
+        starts = None
+        for attempt in range(restarts + 1):
+            if attempt == 0 and start is not None:
+                y = start
+            else:
+                starts = starts or _Starts(self.problem, self.target, self.wanted)
+                y = starts.next(attempt)
+            inside = attempt % rules.FREE_EVERY != rules.FREE_EVERY - 1
+            met, y, squared = self.descend(y, inside, rules.MAX_STEPS, rules.STALL_SHARE)
+            if met:
+                found, y = y, self.box.into(y)
+                beyond = 0.0 if y is found and not self.coupled and inside else self.box.excess(y)
+                if beyond <= rules.INSIDE_SLACK:
+                    # To the last digit: a free descent may end a rounding beyond a limit.
+                    y = self.box.nearest(y if inside else self.box.clamp(y), self.wanted)
+                    # The last step was forward kinematics at `found`; what whole turns moved is looked at again.
+                    distance, angle = self.task.misses(y, self.target, self.last if y is found else None)
+                    if self.verified(distance, angle):
+                        return Found(rules.OK, self.iterations, attempt, distance, angle, y, y)
+                if beyond < least:
+                    least, outside = beyond, y
+            elif inside and squared < nearest:
+                nearest, best = squared, y
+            if least == math.inf and (
+                attempt + 1 >= rules.HOPELESS or (attempt == 0 and self.problem.arm_too_short(self.target) is not None)
+            ):
+                break
+        if start is not None and least < math.inf:
+            # The branch that the start is on tells best what is in the way.
+            met, y, _ = self.descend(start, False, rules.MAX_STEPS, rules.STALL_SHARE)
+            outside = self.box.into(y) if met else outside
+        best, nearest = self.approach(best)
+        outcome = rules.STALLED if nearest < rules.CLOSE**2 else rules.UNREACHABLE
+        if least < math.inf:
+            outcome = rules.LIMITS
+        return Found(outcome, self.iterations, attempt, *self.task.misses(best, self.target, None), best, outside)
+
+    def descend(self, y: Vector, inside: bool, steps: int, stall_share: float) -> tuple[bool, Vector, float]:
+        """Iterate from one start; return whether the pose is met, where, and the squared error."""
+        mark, since, before, step = math.inf, 0, math.inf, y
+        for taken in range(1, steps + 1):
+            try:
+                error, J = self.error(y)
+            except ChainbuildError:  # a nonlinear axis map without joint values there
+                return False, y, math.inf
+            self.last = error
+            squared = float(error.dot(error))
+            self.iterations += 1
+            if squared < self.goal and (before < self.goal or _is_sharp(step, squared / before)):
+                return True, y, squared
+            if squared > stall_share * mark:
+                since += 1
+            else:
+                mark, since = squared, 0
+            if since >= rules.STALL_STEPS or taken == steps or not squared < math.inf:
+                break
+            before, damping = squared, rules.DAMPING * squared + rules.DAMPING_FLOOR
+            step = self.damping.step(J, error, damping)
+            moved = y + step
+            if inside and self.box.leaves(moved):
+                moved = self._stop_at_limits(y, step, J, error, damping)
+            y = self.box.onto_sums(moved) if inside and self.coupled else moved
+        return squared < self.close_enough, y, squared
+
+    def approach(self, y: Vector) -> tuple[Vector, float]:
+        """Return where the error is smallest near by, and the squared error there."""
+        error, J = self.error(y)
+        squared, damping = float(error.dot(error)), rules.NEAREST_DAMPING
+        for _ in range(rules.NEAREST_STEPS):
+            self.iterations += 1
+            step = self.damping.step(J, error, damping)
+            moved = self.box.onto_sums(self._stop_at_limits(y, step, J, error, damping))
+            try:
+                error_there, J_there = self.error(moved)
+            except ChainbuildError:
+                break
+            squared_there = float(error_there.dot(error_there))
+            if squared_there < squared:
+                gain, squared, damping = squared - squared_there, squared_there, damping * rules.NEAREST_SHRINK
+                y, error, J = moved, error_there, J_there
+                if gain <= rules.NEAREST_GAIN * squared:
+                    break
+            elif damping < 1.0 / rules.DAMPING_FLOOR:
+                damping *= rules.NEAREST_GROWTH
+            else:
+                break
+        return y, squared
+
+    def _stop_at_limits(self, y: Vector, step: Vector, J: Matrix, error: Vector, damping: float) -> Vector:
+        """Return y moved by the step; axes that would leave their limits stop there, the others take over the rest."""
+        y, J, error, box = y.copy(), J.copy(), error.copy(), self.box
+        for _ in range(len(y)):
+            moved = box.into(y + step)
+            beyond = box.outside(moved)
+            if not beyond:
+                break
+            for n in beyond:
+                limit = min(max(moved[n], box.lower[n]), box.upper[n])
+                error -= J[:, n] * (limit - y[n])
+                J[:, n] = 0.0
+                y[n] = limit
+            step = self.damping.step(J, error, damping)
+        return box.clamp(box.into(y + step))
+
+    def verified(self, distance: float, angle: float) -> bool:
+        """Return whether an answer is within tolerance."""
+        return distance <= self.position_tolerance and (angle <= self.rotation_tolerance or not self.problem.turns)
+
+
+def task_of(problem: Problem) -> Task:
+    """Return a problem's task, prepared at first use."""
+    if not problem.plain:
+        weights = (problem.weights, problem.axis, problem.shown_axis)
+        problem.plain.append(Task(problem.robot.kinematics, problem.free, problem.x, *weights))
+    return problem.plain[0]
+
+
+def _is_sharp(step: Vector, share: float) -> bool:
+    """Return whether the axes are settled: the last step, shrunk as the squared error did, is short."""
+    return float(step.dot(step)) * share <= rules.SHARP**2
+
+
+class _Starts:
+    """Hands out the starts of the table: the nearest in turn, later on any in turns with them."""
+
+    def __init__(self, problem: Problem, target: Matrix, wanted: Vector) -> None:
+        self.problem, self.wanted, self.turned = problem, wanted, problem.turned_starts()
+        self.query: Query | None = None
+        self.edges: NDArray[np.floating] | None = None
+        self.left: NDArray[np.floating]
+        if self.turned is None:
+            self.left = problem.starts.distances(target)
+        else:
+            self.query = self.turned.query(target)
+            self.left = self.turned.distances(self.query)
+            self.edges = self.turned.points.edges
+
+    def next(self, attempt: int) -> Vector:
+        """Return a start not yet taken."""
+        left, points = self.left, self.problem.starts.points
+        edges, self.edges = self.edges, None  # they are for the first start alone
+        if not len(left):
+            return self.wanted
+        for _ in range(rules.TURN_TRIES):
+            n = attempt % len(left)
+            if attempt < rules.NEAREST_FIRST or attempt % 2 == 0 or left[n] == math.inf:
+                n = int((left if edges is None else left + edges).argmin())
+            left[n] = math.inf
+            if self.turned is None or self.query is None:
+                break
+            start = self.turned.start(n, self.query, self.problem.box, self.wanted)
+            if start is not None:
+                return start
+        point: Vector = points[n % len(points)]
+        return point

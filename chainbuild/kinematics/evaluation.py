@@ -1,0 +1,169 @@
+"""Pose, Jacobian and residuals of a model in SI axis coordinates: the maths that solvers iterate on.
+
+`x` are the controller's axes in SI (metres, radians); `q = map(x)` are Pinocchio's. The solvers see only `x`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import eigenpy
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.elements import Chain, Task
+from chainbuild.kinematics.model import build_model
+from chainbuild.kinematics.product import product_of
+from chainbuild.units import si_factor
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+Residual = Callable[[Vector], tuple[Vector, Matrix]]
+
+_LOCAL = pin.ReferenceFrame.LOCAL
+_AXES = {"x": 0, "y": 1, "z": 2}
+
+
+class Kinematics:
+    """Evaluates one chain; holds Pinocchio's model and scratch data.
+
+    Args:
+        chain: A checked chain.
+    """
+
+    def __init__(self, chain: Chain) -> None:
+        self.chain = chain
+        self.model = build_model(chain)
+        self.data = self.model.createData()
+        self.si_factors = np.array([si_factor(axis.kind) for axis in chain.axes])
+        self.tool_id = self.model.getFrameId("tool")
+        self.workpiece_id = self.model.getFrameId("workpiece")
+        self.workpiece_fixed = self.model.frames[self.workpiece_id].parentJoint == 0
+        self.T_base_workpiece = self.model.frames[self.workpiece_id].placement.copy()
+        self._map = chain.axis_map
+        self.tool_axis = _AXES[chain.tool_axis]
+        self.has_input_axes = any(axis.held for axis in chain.axes)
+        self.product = product_of(chain)
+        self.affine = self._map if isinstance(self._map, AffineMap) else None
+
+    def q(self, x: Vector) -> Vector:
+        """Return Pinocchio's joint values of SI axis values."""
+        if self.affine is not None:
+            result: Vector = self.affine.A @ x + self.affine.b
+            return result
+        return self._map.q(x / self.si_factors)
+
+    def dq_dx(self, x: Vector) -> Matrix:
+        """Return the derivative of the joint values by the SI axis values."""
+        return self.affine.A if self.affine is not None else self._map.dq_daxes(x / self.si_factors)
+
+    def pose(self, q: Vector) -> pin.SE3:
+        """Return the tool in the workpiece frame [m] at joint values."""
+        pin.forwardKinematics(self.model, self.data, q)
+        tool = pin.updateFramePlacement(self.model, self.data, self.tool_id)
+        if self.workpiece_fixed:
+            return self.T_base_workpiece.actInv(tool)
+        workpiece = pin.updateFramePlacement(self.model, self.data, self.workpiece_id)
+        return workpiece.actInv(tool)
+
+    def pose_and_jacobian(self, x: Vector) -> tuple[pin.SE3, Matrix]:
+        """Return pose and Jacobian (6, n_axes), linear rows first, tool frame, by SI axis values."""
+        model, data = self.model, self.data
+        pin.computeJointJacobians(model, data, self.q(x))
+        tool = pin.updateFramePlacement(model, data, self.tool_id)
+        J = pin.getFrameJacobian(model, data, self.tool_id, _LOCAL)
+        if self.workpiece_fixed:
+            return self.T_base_workpiece.actInv(tool), J @ self.dq_dx(x)
+        workpiece = pin.updateFramePlacement(model, data, self.workpiece_id)
+        T = workpiece.actInv(tool)
+        J = J - T.toActionMatrixInverse() @ pin.getFrameJacobian(model, data, self.workpiece_id, _LOCAL)
+        return T, J @ self.dq_dx(x)
+
+    def residual(self, target: pin.SE3, task: Task) -> Residual:
+        """Return the function x → (error, Jacobian) of a task.
+
+        The error is expressed in the tool frame: what the tool still has to move.
+
+        Args:
+            target: Tool in the workpiece frame [m].
+            task: "pose" (6 rows), "direction" (position and tool vector, 5 rows) or "position" (3 rows).
+        """
+        if task == "pose":
+            return self._pose_residual(target)
+        if task == "direction":
+            return self._direction_residual(target)
+        return self._position_residual(target)
+
+    def _pose_residual(self, target: pin.SE3) -> Residual:
+        def residual(x: Vector) -> tuple[Vector, Matrix]:
+            T, J = self.pose_and_jacobian(x)
+            return pin.log6(T.actInv(target)).vector, J
+
+        return residual
+
+    def _direction_residual(self, target: pin.SE3) -> Residual:
+        axis, position = self.tool_axis, target.translation.copy()
+        direction, rows = target.rotation[:, axis].copy(), [n for n in range(6) if n != 3 + axis]
+
+        def residual(x: Vector) -> tuple[Vector, Matrix]:
+            T, J = self.pose_and_jacobian(x)
+            back = T.rotation.T
+            error = np.concatenate([back @ (position - T.translation), tilt(back @ direction, axis)])
+            return error[rows], J[rows]
+
+        return residual
+
+    def _position_residual(self, target: pin.SE3) -> Residual:
+        position = target.translation.copy()
+
+        def residual(x: Vector) -> tuple[Vector, Matrix]:
+            T, J = self.pose_and_jacobian(x)
+            return T.rotation.T @ (position - T.translation), J[:3]
+
+        return residual
+
+    def errors(self, x: Vector, target: pin.SE3, task: Task) -> tuple[float, float]:
+        """Return the distance [m] and angle [rad] that a solution misses the target by.
+
+        The angle is that of the whole rotation for a full pose, else that of the tool vector.
+        """
+        T = self.pose(self.q(x))
+        distance = float(np.linalg.norm(T.translation - target.translation))
+        if task == "pose":
+            return distance, float(np.linalg.norm(pin.log3(T.rotation.T @ target.rotation)))
+        direction = T.rotation.T @ target.rotation[:, self.tool_axis]
+        return distance, float(np.linalg.norm(tilt(direction, self.tool_axis)))
+
+
+def tilt(direction: Vector, axis: int) -> Vector:
+    """Return the smallest turn, as a rotation vector (3,), that brings a coordinate axis to a direction of length 1."""
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    sine = math.hypot(direction[i], direction[j])
+    turn = np.zeros(3)
+    if sine < 1e-15:
+        # Exactly opposite: any turn by 180° will do.
+        turn[i] = 0.0 if direction[axis] > 0.0 else math.pi
+        return turn
+    scale = math.atan2(sine, direction[axis]) / sine
+    turn[i], turn[j] = -direction[j] * scale, direction[i] * scale
+    return turn
+
+
+def damped_step(J: Matrix, error: Vector, damping: float) -> Vector:
+    """Return the damped least-squares step (JᵀJ + damping·1)⁻¹·Jᵀ·error."""
+    rows, columns = J.shape
+    if rows == 1 or columns == 1:  # eigenpy gives solutions of one number a shape of their own
+        single: Vector = J.T @ error / (float((J * J).sum()) + damping)
+        return single
+    if rows < columns:
+        H = J @ J.T
+        H.flat[:: rows + 1] += damping
+        short: Vector = J.T @ eigenpy.LLT(H).solve(error)
+        return short
+    H = J.T @ J
+    H.flat[:: columns + 1] += damping
+    step: Vector = eigenpy.LLT(H).solve(J.T @ error)
+    return step

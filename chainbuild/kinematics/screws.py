@@ -1,0 +1,54 @@
+"""The screws of the single joints: how each moves the tool against the workpiece."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild.chain.elements import BASE_LINK, Chain
+
+if TYPE_CHECKING:
+    from chainbuild.kinematics.mechanism import Robot
+
+Matrix = NDArray[np.float64]
+
+_LOCAL = pin.ReferenceFrame.LOCAL
+
+
+def joint_screws(robot: Robot, axes: ArrayLike) -> Matrix:
+    """Return the Jacobian (6, n_q) by joint values at axis values (n_axes,), mm and degrees.
+
+    Linear rows [m], then angular; tool relative to workpiece, expressed in the tool frame. Where axes are coupled, as
+    in a parallelogram, these columns still show the lines that the joints turn about.
+
+    Raises:
+        AxisValueError: wrong count or not finite.
+    """
+    model, data = robot.model, robot.kinematics.data
+    pin.computeJointJacobians(model, data, robot.q(axes))
+    tool, workpiece = model.getFrameId("tool"), model.getFrameId("workpiece")
+    T_tool, T_workpiece = (pin.updateFramePlacement(model, data, frame).copy() for frame in (tool, workpiece))
+    back = T_tool.actInv(T_workpiece).toActionMatrix()
+    J: Matrix = pin.getFrameJacobian(model, data, tool, _LOCAL)
+    return J - back @ pin.getFrameJacobian(model, data, workpiece, _LOCAL)
+
+
+def joints_between_tips(chain: Chain) -> tuple[int, ...]:
+    """Return the indices of the joints that move the tool against the workpiece, from the workpiece to the tool."""
+    carrier = {joint.child: n for n, joint in enumerate(chain.joints)}
+
+    def way(link: str) -> list[int]:
+        found: list[int] = []
+        while link != BASE_LINK:
+            n = carrier[link]
+            found.insert(0, n)
+            link = chain.joints[n].parent
+        return found
+
+    down, up = way(chain.frame("workpiece").link), way(chain.frame("tool").link)
+    while down and up and down[0] == up[0]:  # what carries both tips moves neither against the other
+        del down[0], up[0]
+    return (*reversed(down), *up)

@@ -1,1 +1,0 @@
-"""What every solver is asked and answers: limits, starts, results, options."""

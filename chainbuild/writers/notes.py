@@ -1,0 +1,127 @@
+"""What the head of a written file says: where it comes from, what was assumed, what it cannot express."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.elements import Axis, Chain, Joint
+from chainbuild.chain.rods import rod_masters
+from chainbuild.files import number_text
+from chainbuild.units import deg_from_rad, mm_from_m
+
+_SLIGHT = 1e-12
+
+
+def urdf_limitations(chain: Chain) -> tuple[str, ...]:
+    """Return what the chain says and a URDF of revolute and prismatic joints cannot, one sentence each."""
+    notes = [
+        f"loop {loop.name} ({loop.kind} between {loop.frame_a} and {loop.frame_b}) is left open: URDF knows trees only"
+        for loop in chain.loops
+    ]
+    if not isinstance(chain.axis_map, AffineMap):
+        notes.append("the joint values depend on the axis values by a nonlinear map that URDF cannot hold")
+    else:
+        notes += _coupling(chain, chain.axis_map)
+    for axis in chain.axes:
+        if axis.endless:
+            notes.append(f"axis {axis.name} turns without end; its joint is written with the limits of the chain")
+    assumed = [axis.name for axis in chain.axes if axis.assumed]
+    if assumed:
+        names = f"ax{'es' if len(assumed) > 1 else 'is'} {', '.join(assumed)}"
+        notes.append(f"the limits of {names} are assumed: neither machine data nor overlay give any")
+    return tuple(notes)
+
+
+def _coupling(chain: Chain, axis_map: AffineMap) -> list[str]:
+    notes = []
+    driven = np.abs(axis_map.A) > _SLIGHT
+    # What a mimic joint expresses is no limitation.
+    masters = rod_masters(chain)
+    driven[[joint.name in masters for joint in chain.joints]] = False
+    for row, joint in enumerate(chain.joints):
+        names = [axis.name for axis, on in zip(chain.axes, driven[row], strict=True) if on]
+        if len(names) > 1:
+            notes.append(f"joint {joint.name} is driven by axes {', '.join(names)}; its limits are those of their box")
+        if not names and joint.name not in masters:
+            notes.append(f"joint {joint.name} stands at a fixed value; in the file it can only be held there")
+    for column, axis in enumerate(chain.axes):
+        names = [joint.name for joint, on in zip(chain.joints, driven[:, column], strict=True) if on]
+        if len(names) > 1:
+            notes.append(f"axis {axis.name} drives joints {', '.join(names)} together; the file moves them singly")
+    return notes
+
+
+def axis_map_in_words(chain: Chain) -> tuple[str, ...]:
+    """Return one equation a joint: joint value q (SI) from the axis values (mm, degrees) of the controller.
+
+    Signs and zero offsets read as on the controller: ``q[A1] = (-A1 + 90)*pi/180``.
+    """
+    if not isinstance(chain.axis_map, AffineMap):
+        return ("q depends on the axis values by a nonlinear map: use robot.q(axes) of chainbuild",)
+    rows = zip(chain.joints, chain.axis_map.A, chain.axis_map.b, strict=True)
+    return tuple(f"q[{joint.name}] = {_equation(joint, factors, b, chain.axes)}" for joint, factors, b in rows)
+
+
+def _equation(joint: Joint, factors: np.ndarray, b: float, axes: tuple[Axis, ...]) -> str:
+    rotary = joint.kind == "revolute"
+    driving = [(axis, float(f)) for axis, f in zip(axes, factors, strict=True) if abs(f) > _SLIGHT]
+    unit = "*pi/180" if rotary else "/1000"
+    if any((axis.kind == "rotary") != rotary for axis, _ in driving):
+        # A gear between a turn and a shift: only SI says it without a second factor.
+        return _sum([(_in_si(axis), f) for axis, f in driving], float(b))
+    offset = deg_from_rad(float(b)) if rotary else mm_from_m(float(b))
+    text = _sum([(axis.name, f) for axis, f in driving], offset)
+    return f"({text}){unit}" if " " in text else f"{text}{unit}"
+
+
+def _in_si(axis: Axis) -> str:
+    return f"{axis.name}/1000" if axis.kind == "linear" else f"{axis.name}*pi/180"
+
+
+def _sum(terms: list[tuple[str, float]], offset: float) -> str:
+    parts = []
+    for name, factor in terms:
+        size = number_text(abs(factor))
+        parts.append(("-" if factor < 0 else "+", name if size == "1" else f"{size}*{name}"))
+    shown = number_text(round(abs(offset), 9))
+    if shown != "0" or not parts:
+        parts.append(("-" if offset < 0 else "+", shown))
+    first_sign, first = parts[0]
+    head = f"-{first}" if first_sign == "-" else first
+    return " ".join([head, *(f"{sign} {text}" for sign, text in parts[1:])])
+
+
+def header(chain: Chain) -> str:
+    """Return the head comment of a URDF as lines of plain text.
+
+    It names no folder and no date, so that the same chain gives the same file anywhere.
+    """
+    lines = [
+        f"{chain.title}: {chain.kinematic} ({chain.dialect}), written by chainbuild.",
+        "",
+        "Metres and radians. The links tool and workpiece are the tips: a programmed pose is tool seen from workpiece.",
+        "The joint values of this file are Pinocchio's q. From the controller's axis values (mm, degrees):",
+        *(f"  {line}" for line in axis_map_in_words(chain)),
+        "Readers order joints differently: map them by name.",
+        "Bodies are primitives drawn by rule; machine data hold neither shapes nor masses. Effort limits, and velocity",
+        "limits of axes whose speed is not known, are placeholders.",
+    ]
+    if chain.conventions:
+        lines += ["", "Conventions used where the manuals leave a choice ([I] inferred, [?] open):"]
+        for used in chain.conventions:
+            meaning = used.convention.choices.get(used.choice, "")
+            chosen = "chosen" if used.by_user else "default"
+            lines.append(f"  {used.convention.name}={used.choice} [{used.convention.mark}] ({chosen}): {meaning}")
+    limitations = urdf_limitations(chain)
+    if limitations:
+        lines += ["", "Not expressed by this file:", *(f"  {line}" for line in limitations)]
+    return "\n".join(_safe(line) for line in lines)
+
+
+def _safe(line: str) -> str:
+    """Return a line that may stand in an XML comment: printable, no double hyphen, no hyphen at its end."""
+    printable = "".join(c if c.isprintable() else " " for c in line)
+    while "--" in printable:
+        printable = printable.replace("--", "- -")
+    return f"{printable} " if printable.endswith("-") else printable

@@ -1,0 +1,216 @@
+"""A cross-check as text for people and as data for programs."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from chainbuild.comparison.comparison import Forward, Inverse
+from chainbuild.comparison.convention_trials import Trial
+from chainbuild.comparison.crosscheck import CrossCheck
+from chainbuild.comparison.diagnosis import Explanation
+from chainbuild.units import deg_from_rad, mm_from_m
+
+_SHOWN_ROWS: Final = 12
+_LEAST_ROWS: Final = 3  # the diagnosis wants as many
+
+
+def crosscheck_text(check: CrossCheck) -> str:
+    """Return a cross-check in words, one finding a line."""
+    lines = [f"Cross-check of {check.title} ({check.kinematic}) with {check.judge}"]
+    if check.note and check.note != "recorded":
+        lines.append(f"  {check.note}")
+    if check.forward is not None:
+        lines += _forward_lines(check.forward, check.axes)
+    if check.inverse is not None:
+        lines += _inverse_lines(check.inverse, check.complete)
+    lines += _structure_lines(check)
+    lines.append("Result: agrees" if check.agrees else "Result: differs")
+    return "\n".join(lines) + "\n"
+
+
+def _forward_lines(forward: Forward, axes: Sequence[str]) -> list[str]:
+    total, agree = len(forward.samples), int(forward.agrees.sum())
+    worst = forward.worst
+    within = f"{distance_text(forward.position_tolerance)}, {angle_text(forward.rotation_tolerance)}"
+    kinds = Counter(forward.samples.kinds)
+    lines = [
+        f"Forward: {agree} of {total} poses agree within {within}"
+        f" ({', '.join(f'{count} {kind}' for kind, count in kinds.items())}); compared: {forward.judged}",
+        f"  worst: {distance_text(float(forward.position_error[worst]))},"
+        f" {angle_text(float(forward.rotation_error[worst]))}"
+        f" at {'row ' + str(worst + 1) + ': ' if _recorded(forward) else ''}"
+        f"{axes_text(axes, forward.samples.axes[worst].tolist())}",
+    ]
+    if 0 < agree < total and _recorded(forward):
+        lines.append(f"  differing: {_rows_text(np.flatnonzero(~forward.agrees).tolist())}")
+    elif agree < total:
+        failed = Counter(kind for kind, ok in zip(forward.samples.kinds, forward.agrees, strict=True) if not ok)
+        lines.append("  differing: " + ", ".join(f"{count} {kind}" for kind, count in failed.items()))
+    return lines
+
+
+def _recorded(forward: Forward) -> bool:
+    """Return whether the samples are the rows of a recording, in its order."""
+    return set(forward.samples.kinds) == {"recorded"}
+
+
+def _rows_text(rows: Sequence[int]) -> str:
+    """Return rows, counted from 0, as people count them below the header, the first ones only where they are many."""
+    more = f", … ({len(rows)} in all)" if len(rows) > _SHOWN_ROWS else ""
+    return f"row{'s' * (len(rows) > 1)} {', '.join(str(row + 1) for row in rows[:_SHOWN_ROWS])}{more}"
+
+
+def _inverse_lines(inverse: Inverse, complete: bool) -> list[str]:
+    missing = str(inverse.missing) if inverse.complete else "not counted: it gives one answer a pose"
+    lines = [
+        f"Inverse: {inverse.theirs} answers to {len(inverse.samples)} poses, {inverse.wrong} wrong,"
+        f" {inverse.unanswered} poses without a right answer",
+        f"  worst answer: {distance_text(inverse.worst_position_error)}, {angle_text(inverse.worst_rotation_error)}",
+        f"  branches: {inverse.ours} of ours inside the limits; missing in theirs: {missing}; extra in theirs:"
+        f" {inverse.extra}",
+        f"  limits ignored: {inverse.outside} right answers outside the limits",
+    ]
+    if inverse.singular:
+        lines.append(f"  {inverse.singular} singular poses, where branches are not told apart")
+    if not complete:
+        lines.append("  our branches come from many starts, not from a closed form: an extra one may be one of these")
+    return lines
+
+
+def _structure_lines(check: CrossCheck) -> list[str]:
+    if check.agrees:
+        return []
+    lines = []
+    if check.explanation is not None:
+        left = check.explanation
+        rest = f"{distance_text(left.remaining_position_error)}, {angle_text(left.remaining_rotation_error)}"
+        lines.append(f"Structure: {left.kind}: {left.text} (leaves {rest})")
+        lines += [f"  these poses cannot tell it from: {other}" for other in left.others]
+    elif check.forward is not None and len(check.forward.samples) < _LEAST_ROWS:
+        lines.append(f"Structure: not sought in fewer than {_LEAST_ROWS} poses: record more")
+    elif check.forward is not None and 2 * int(check.forward.agrees.sum()) > len(check.forward.samples):
+        lines.append("Structure: none found: most poses agree, so look at those that differ")
+    elif check.forward is not None or (check.inverse is not None and check.inverse.wrong):
+        lines.append("Structure: none found: no single change, nor two, would make the poses agree")
+    if check.trials:
+        deciding = check.deciding
+        lines.append("Conventions that would make it agree:" if deciding else "Conventions tried, none agrees:")
+        lines += [f"  {_trial_text(trial)}" for trial in (deciding or check.trials)]
+    return lines
+
+
+def _trial_text(trial: Trial) -> str:
+    named = ", ".join(f"{name}={choice}" for name, choice in trial.choices.items())
+    if math.isinf(trial.position_error):
+        return f"{named}: cannot be built"
+    return f"{named}: {distance_text(trial.position_error)}, {angle_text(trial.rotation_error)}"
+
+
+def distance_text(metres: float) -> str:
+    """Return a distance in mm with three digits."""
+    return f"{mm_from_m(metres):.3g} mm" if math.isfinite(metres) else "no pose"
+
+
+def angle_text(radians: float) -> str:
+    """Return an angle in degrees with three digits."""
+    return f"{deg_from_rad(radians):.3g} deg" if math.isfinite(radians) else "no rotation"
+
+
+def axes_text(names: Sequence[str], values: Sequence[float]) -> str:
+    """Return axis values with their names."""
+    return ", ".join(f"{name} {value:.6g}" for name, value in zip(names, values, strict=True))
+
+
+def crosscheck_data(check: CrossCheck) -> dict[str, Any]:
+    """Return a cross-check for JSON: mm and degrees, null where there is no number."""
+    return {
+        "machine": check.title,
+        "kinematic": check.kinematic,
+        "axes": list(check.axes),
+        "judge": check.judge,
+        "note": check.note,
+        "agrees": check.agrees,
+        "conventions": dict(check.conventions),
+        "forward": None if check.forward is None else _forward_data(check.forward),
+        "inverse": None if check.inverse is None else _inverse_data(check.inverse, check.complete),
+        "structure": None if check.explanation is None else _explanation_data(check.explanation),
+        "trials": [_trial_data(trial) for trial in check.trials],
+    }
+
+
+def _forward_data(forward: Forward) -> dict[str, Any]:
+    worst = forward.worst
+    return {
+        "poses": len(forward.samples),
+        "agree": int(forward.agrees.sum()),
+        "compared": forward.judged,
+        "position_tolerance_mm": mm_from_m(forward.position_tolerance),
+        "rotation_tolerance_deg": deg_from_rad(forward.rotation_tolerance),
+        "worst": {
+            "axes": forward.samples.axes[worst].tolist(),
+            "kind": forward.samples.kinds[worst],
+            "position_error_mm": _finite(mm_from_m(float(forward.position_error[worst]))),
+            "rotation_error_deg": _finite(deg_from_rad(float(forward.rotation_error[worst]))),
+        },
+        "rows": [
+            {
+                "axes": axes,
+                "kind": kind,
+                "position_error_mm": _finite(mm_from_m(distance)),
+                "rotation_error_deg": _finite(deg_from_rad(angle)),
+            }
+            for axes, kind, distance, angle in zip(
+                forward.samples.axes.tolist(),
+                forward.samples.kinds,
+                forward.position_error.tolist(),
+                forward.rotation_error.tolist(),
+                strict=True,
+            )
+        ],
+    }
+
+
+def _inverse_data(inverse: Inverse, complete: bool) -> dict[str, Any]:
+    return {
+        "poses": len(inverse.samples),
+        "answers": inverse.theirs,
+        "our_branches": inverse.ours,
+        "our_branches_complete": complete,
+        "wrong": inverse.wrong,
+        "unanswered": inverse.unanswered,
+        "missing": inverse.missing if inverse.complete else None,
+        "extra": inverse.extra,
+        "outside_limits": inverse.outside,
+        "singular": inverse.singular,
+        "worst_position_error_mm": _finite(mm_from_m(inverse.worst_position_error)),
+        "worst_rotation_error_deg": _finite(deg_from_rad(inverse.worst_rotation_error)),
+    }
+
+
+def _explanation_data(found: Explanation) -> dict[str, Any]:
+    return {
+        "kind": found.kind,
+        "text": found.text,
+        "axes": list(found.axes),
+        "others": list(found.others),
+        "remaining_position_error_mm": _finite(mm_from_m(found.remaining_position_error)),
+        "remaining_rotation_error_deg": _finite(deg_from_rad(found.remaining_rotation_error)),
+    }
+
+
+def _trial_data(trial: Trial) -> dict[str, Any]:
+    return {
+        "choices": dict(trial.choices),
+        "agrees": trial.agrees,
+        "position_error_mm": _finite(mm_from_m(trial.position_error)),
+        "rotation_error_deg": _finite(deg_from_rad(trial.rotation_error)),
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,47 @@
+"""SRDF: which pairs of links need no collision check, for MoveIt and whoever else reads it."""
+
+from __future__ import annotations
+
+import io
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from chainbuild.files import make_folder, write_text
+
+if TYPE_CHECKING:
+    from chainbuild.analysis.collision.pairs import PairTable, Verdict
+    from chainbuild.kinematics.mechanism import Robot
+
+_REASONS: Final[tuple[tuple[Verdict, str], ...]] = (("adjacent", "Adjacent"), ("always", "Always"), ("never", "Never"))
+
+
+def srdf_text(robot: Robot, table: PairTable) -> str:
+    """Return the SRDF of a robot with the pairs that need no check."""
+    root = ET.Element("robot", name=robot.name)
+    root.append(
+        ET.Comment(
+            f" Pairs by {table.samples} positions drawn evenly from the axis limits. With {table.confidence:.0%} "
+            f"confidence a pair listed as Never touches at less than {table.bound:.2g} of all positions. "
+        )
+    )
+    for verdict, reason in _REASONS:
+        for first, second in table.of(verdict):
+            ET.SubElement(root, "disable_collisions", link1=first, link2=second, reason=reason)
+    ET.indent(root, "  ")
+    buffer = io.BytesIO()
+    ET.ElementTree(root).write(buffer, encoding="utf-8", xml_declaration=True)
+    return buffer.getvalue().decode("utf-8") + "\n"
+
+
+def write_srdf(robot: Robot, table: PairTable, folder: Path | str = "urdf_out") -> Path:
+    """Write a robot's SRDF beside its URDF, folder/NAME/NAME.srdf, and return that path.
+
+    Raises:
+        FileAccessError: the file cannot be written.
+    """
+    place = Path(folder) / robot.name
+    make_folder(place)
+    path = place / f"{robot.name}.srdf"
+    write_text(path, srdf_text(robot, table))
+    return path

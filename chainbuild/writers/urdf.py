@@ -1,0 +1,198 @@
+"""URDF: the tree of a chain with limits and primitive bodies; joint values are Pinocchio's q."""
+
+from __future__ import annotations
+
+import io
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from chainbuild import tolerances
+from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.bodies import (
+    BASE_COLOUR,
+    TOOL_COLOUR,
+    WORKPIECE_SIDE,
+    Body,
+    detail_bodies,
+    link_bodies,
+    machine_size,
+)
+from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint, Matrix
+from chainbuild.chain.rods import rod_masters
+from chainbuild.errors import ChainbuildError, ChainError
+from chainbuild.files import angle_text, as_folder, make_folder, number_text, numbers_text, write_text
+from chainbuild.frames import inverse, shift, urdf_rpy
+from chainbuild.units import m_from_mm, rad_from_deg, si_factor
+from chainbuild.writers import notes
+from chainbuild.writers.notes import urdf_limitations
+
+if TYPE_CHECKING:
+    from chainbuild.kinematics.mechanism import Robot
+
+__all__ = ["urdf_limitations", "urdf_text", "write_urdf"]
+
+# Machine data hold no drive data. Readers demand the numbers, and 0 would stop a simulated joint.
+_DEFAULT_SPEED: Final = {"revolute": math.pi, "prismatic": 1.0}  # rad/s, m/s
+_DEFAULT_EFFORT: Final = {"revolute": 1000.0, "prismatic": 10_000.0}  # N·m, N
+# Which of the drawn details is the body of which tip, and how large the mark is where a drawing shows nothing.
+_TIPS: Final = {"flange": "flange", "tool": "tool", "table": "workpiece"}
+_MARK_SHARE: Final = 0.01
+
+
+def write_urdf(robot: Robot, folder: Path | str = "urdf_out") -> Path:
+    """Write a robot as folder/NAME/NAME.urdf and return that path.
+
+    The same robot gives the same bytes on every machine. Links and joints carry the names of the chain, fixed joints
+    carry the tips `flange`, `tool` and `workpiece`. What the file cannot express, `urdf_limitations` returns and the
+    head comment says.
+
+    Args:
+        robot: The robot.
+        folder: Where the folder NAME is made.
+
+    Raises:
+        ChainbuildError: this is no robot.
+        FileAccessError: the folder is no path, or the file cannot be written.
+    """
+    from chainbuild.kinematics.mechanism import Robot
+
+    if not isinstance(robot, Robot):
+        raise ChainbuildError(f"{type(robot).__name__} is no robot", permitted="what Chain.build() returns")
+    text = urdf_text(robot)
+    place = as_folder(folder) / robot.name
+    make_folder(place)
+    path = place / f"{robot.name}.urdf"
+    write_text(path, text)
+    return path
+
+
+def urdf_text(robot: Robot) -> str:
+    """Return the URDF of a robot."""
+    chain = robot.chain
+    root = ET.Element("robot", name=chain.name)
+    root.append(ET.Comment(f"\n{notes.header(chain)}\n"))
+    for body in link_bodies(chain):
+        _add_link(root, body.link, body)
+    lower, upper = robot.model.lowerPositionLimit, robot.model.upperPositionLimit
+    masters = rod_masters(chain)
+    for n, (joint, speed) in enumerate(zip(chain.joints, joint_speeds(chain), strict=True)):
+        element = _add_joint(
+            root, joint, _bound(joint, float(lower[n]), -1.0), _bound(joint, float(upper[n]), 1.0), speed
+        )
+        if joint.name in masters:
+            master, factor, offset = masters[joint.name]
+            multiplier = number_text(factor)
+            ET.SubElement(element, "mimic", joint=master, multiplier=multiplier, offset=angle_text(offset))
+    _add_tips(root, chain)
+    ET.indent(root, "  ")
+    buffer = io.BytesIO()
+    ET.ElementTree(root).write(buffer, encoding="utf-8", xml_declaration=True)
+    return buffer.getvalue().decode("utf-8") + "\n"
+
+
+def joint_speeds(chain: Chain) -> tuple[float, ...]:
+    """Return the speed limit of every joint [m/s, rad/s]: by the axes' speeds where all are known, else a default."""
+    defaults = tuple(_DEFAULT_SPEED[joint.kind] for joint in chain.joints)
+    if not isinstance(chain.axis_map, AffineMap):
+        return defaults
+    speeds = []
+    for factors, default in zip(chain.axis_map.A, defaults, strict=True):
+        driving = [(axis, abs(float(f))) for axis, f in zip(chain.axes, factors, strict=True) if f != 0.0]
+        known = [axis.max_speed * si_factor(axis.kind) * f for axis, f in driving if axis.max_speed is not None]
+        speeds.append(sum(known) if known and len(known) == len(driving) else default)
+    return tuple(speeds)
+
+
+def _bound(joint: Joint, value: float, sign: float) -> float:
+    """Return a joint bound; a nonlinear map may know none, and URDF needs a finite one."""
+    if math.isfinite(value):
+        return value
+    if joint.kind == "revolute":
+        return sign * rad_from_deg(tolerances.ASSUMED_ROTARY_LIMIT_DEG)
+    return sign * m_from_mm(tolerances.ASSUMED_LINEAR_LIMIT_MM)
+
+
+def _add_link(root: ET.Element, name: str, body: Body) -> None:
+    link = ET.SubElement(root, "link", name=name)
+    visual = ET.SubElement(link, "visual")
+    _add_body(visual, body)
+    # A material of its own for each link: some readers know no colours defined elsewhere.
+    material = ET.SubElement(visual, "material", name=f"{name}_colour")
+    ET.SubElement(material, "color", rgba=numbers_text((*body.colour, 1.0)))
+    _add_body(ET.SubElement(link, "collision"), body)
+
+
+def _add_body(parent: ET.Element, body: Body) -> None:
+    T = body.T_link_body
+    xyz, rpy = _drawn(T[:3, 3].tolist()), _drawn(urdf_rpy(T[:3, :3]))
+    ET.SubElement(parent, "origin", xyz=xyz, rpy=rpy)
+    geometry = ET.SubElement(parent, "geometry")
+    if body.kind == "box":
+        ET.SubElement(geometry, "box", size=_drawn(body.dimensions))
+    elif body.kind == "cylinder":
+        radius, length = body.dimensions
+        ET.SubElement(geometry, "cylinder", radius=_drawn([radius]), length=_drawn([length]))
+    else:
+        ET.SubElement(geometry, "sphere", radius=_drawn(body.dimensions))
+
+
+def _drawn(values: Iterable[float]) -> str:
+    """Return numbers of a drawing: micrometres are enough, and no noise can show."""
+    return numbers_text(round(value, 6) for value in values)
+
+
+def _add_joint(root: ET.Element, joint: Joint, lower: float, upper: float, speed: float) -> ET.Element:
+    element = ET.SubElement(root, "joint", name=joint.name, type=joint.kind)
+    _add_connection(element, joint.T_parent_joint, joint.parent, joint.child)
+    ET.SubElement(element, "axis", xyz=numbers_text(joint.direction.tolist()))
+    write = angle_text if joint.kind == "revolute" else number_text
+    ET.SubElement(
+        element,
+        "limit",
+        lower=write(lower),
+        upper=write(upper),
+        velocity=write(speed),
+        effort=number_text(_DEFAULT_EFFORT[joint.kind]),
+    )
+    return element
+
+
+def _add_tips(root: ET.Element, chain: Chain) -> None:
+    """Write the frames as links on fixed joints; frame `base` is the root link itself."""
+    links = {link.name for link in chain.links}
+    drawn = {_TIPS[body.part]: body for body in detail_bodies(chain) if body.part in _TIPS}
+    for frame in chain.frames:
+        if frame.name == BASE_LINK:
+            continue
+        if frame.name in links:
+            raise ChainError(f"frame {frame.name} bears the name of a link: a URDF needs both names")
+        _add_link(root, frame.name, _tip_body(chain, frame, drawn.get(frame.name)))
+        element = ET.SubElement(root, "joint", name=f"{frame.name}_fixed", type="fixed")
+        _add_connection(element, frame.T_link_frame, frame.link, frame.name)
+
+
+def _tip_body(chain: Chain, frame: Frame, drawn: Body | None) -> Body:
+    """Return the body of a tip in its own frame: the one that drawings show there, else a small mark."""
+    if drawn is not None and drawn.link == frame.link:
+        return replace(drawn, link=frame.name, T_link_body=inverse(frame.T_link_frame) @ drawn.T_link_body)
+    size = _MARK_SHARE * machine_size(chain)
+    if frame.name == "workpiece":
+        plate = (8.0 * size, 8.0 * size, 0.5 * size)
+        return Body(frame.name, "table", shift(z=-0.25 * size), "box", plate, WORKPIECE_SIDE[0])
+    colour = TOOL_COLOUR if frame.name == "tool" else BASE_COLOUR
+    return Body(frame.name, "tool", shift(), "sphere", (size,), colour)
+
+
+def _as_written(angle: float) -> float:
+    return float(angle_text(angle))
+
+
+def _add_connection(element: ET.Element, T: Matrix, parent: str, child: str) -> None:
+    rpy = " ".join(angle_text(angle) for angle in urdf_rpy(T[:3, :3], _as_written))
+    ET.SubElement(element, "origin", xyz=numbers_text(T[:3, 3].tolist()), rpy=rpy)
+    ET.SubElement(element, "parent", link=parent)
+    ET.SubElement(element, "child", link=child)
