@@ -3,7 +3,7 @@
 import chainbuild
 
 machine = chainbuild.load("robot.tea")   # what the file says, typed, with findings
-robot = machine.chain().build()          # a Pinocchio model
+robot = chainbuild.Robot(machine.chain())  # a Pinocchio model
 T = robot.fk([0, -90, 90, 0, 0, 0])      # tool in the workpiece frame, metres
 result = robot.ik(T)                     # axis values, mm and degrees
 """
@@ -39,8 +39,8 @@ if TYPE_CHECKING:
     from chainbuild.ik.result import IkResult
     from chainbuild.ik.search.table import IkTable
     from chainbuild.inspect.export import export_page
-    from chainbuild.kinematics.mechanism import Robot
     from chainbuild.machines import shipped
+    from chainbuild.robot import Robot
     from chainbuild.writers.urdf import write_urdf
 
 __version__ = "0.1.0"
@@ -69,7 +69,7 @@ _LAZY = {
     "shipped": "chainbuild.machines",
     "write_urdf": "chainbuild.writers.urdf",
     "CollisionModel": "chainbuild.collision.model",
-    "Robot": "chainbuild.kinematics.mechanism",
+    "Robot": "chainbuild.robot",
     "ik_all_batch": "chainbuild.ik.branches.opw.batch",
     "crosscheck": "chainbuild.comparison.crosscheck",
     "IkOptions": "chainbuild.ik.options",

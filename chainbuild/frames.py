@@ -106,6 +106,40 @@ def inverse(T: Matrix) -> Matrix:
     return transform(rotation, -rotation @ T[:3, 3])
 
 
+def is_rigid(T: Matrix, tolerance: float = tolerances.ROTATION_MATRIX) -> bool:
+    """Return whether a (4, 4) array is a rigid transform: right-handed rotation, finite position, last row 0 0 0 1.
+
+    Args:
+        T: The array.
+        tolerance: How far an element of Rᵀ·R may be from that of the identity.
+    """
+    # Plain floats: they are few, and every pose that is solved for passes here.
+    (a, b, c, x), (d, e, f, y), (g, h, i, z), last = T.tolist()
+    rigid: bool = (
+        abs(a * a + d * d + g * g - 1.0) < tolerance
+        and abs(b * b + e * e + h * h - 1.0) < tolerance
+        and abs(c * c + f * f + i * i - 1.0) < tolerance
+        and abs(a * b + d * e + g * h) < tolerance
+        and abs(a * c + d * f + g * i) < tolerance
+        and abs(b * c + e * f + h * i) < tolerance
+        and a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) > 0.0
+        and max(abs(x), abs(y), abs(z)) < tolerances.HUGE_POSITION_M
+        and last == [0.0, 0.0, 0.0, 1.0]
+    )
+    return rigid
+
+
+def rigid_rows(T: Matrix) -> NDArray[np.bool_]:
+    """Return which of many arrays (N, 4, 4) are rigid transforms (N,): `is_rigid` over arrays."""
+    R = T[:, :3, :3]
+    with np.errstate(invalid="ignore", over="ignore"):
+        off = np.abs(R.transpose(0, 2, 1) @ R - np.eye(3)).max(axis=(1, 2), initial=0.0)
+        rigid: NDArray[np.bool_] = (off < tolerances.ROTATION_MATRIX) & (np.linalg.det(R) > 0.0)
+        rigid &= (np.abs(T[:, :3, 3]) < tolerances.HUGE_POSITION_M).all(axis=1)
+        rigid &= (T[:, 3] == (0.0, 0.0, 0.0, 1.0)).all(axis=1)
+    return rigid
+
+
 def f_frame(position: Sequence[float], rpy_deg: Sequence[float]) -> Matrix:
     """Return ROBX's frame F(POS, RPY) = Trans(POS)·Rz(RPY[0])·Ry(RPY[1])·Rx(RPY[2]) (ROBX manual 4.2).
 

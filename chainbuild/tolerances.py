@@ -18,8 +18,9 @@ GIMBAL_LOCK: Final = 1e-9
 # Arithmetic noise of an angle [rad] or of a cosine: below it nothing is told apart.
 ANGLE_NOISE: Final = 1e-13
 
-# A limit on a sum of axes [deg] still counts as kept this far beyond it: sums are rounded.
-LIMIT_SUM_DEG: Final = 1e-7
+# An axis, or a sum of axes, this far [mm, deg] beyond its limit stands on it, but for rounding: controls count in
+# 1e-4 mm or degrees, and what a micrometre of the pose stands for is more.
+LIMIT_SLACK: Final = 1e-6
 
 # A direction vector shorter than this is taken as zero.
 ZERO_VECTOR: Final = 1e-12

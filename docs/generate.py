@@ -16,7 +16,7 @@ import chainbuild
 from chainbuild.convention import conventions
 from chainbuild.findings import finding_kinds
 from chainbuild.formats.twincat.types.catalogue import title_of
-from chainbuild.ik.branches.analytic import method_of
+from chainbuild.ik.plan import plan_of
 
 ROOT = Path(__file__).parent.parent
 PAGES = ("README.md", *(f"docs/{name}.md" for name in ("branches", "conventions", "kinematics", "findings", "robx")))
@@ -112,7 +112,7 @@ def methods() -> str:
     """Return which shipped machines `ik_all` answers by which method."""
     found: dict[str, list[str]] = {}
     for name in chainbuild.shipped():
-        found.setdefault(method_of(chainbuild.load(name).chain().build()), []).append(f"`{name}`")
+        found.setdefault(plan_of(chainbuild.Robot.load(name)).name, []).append(f"`{name}`")
     note = {"restarts": "restarts, unless axes are held"}
     return table(
         ("method", "machines"), ((note.get(method, method), ", ".join(names)) for method, names in found.items())

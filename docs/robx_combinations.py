@@ -9,7 +9,7 @@ from pathlib import Path
 
 import chainbuild
 from chainbuild.formats.sinumerik.reading.robx import MAIN_AXES
-from chainbuild.ik.branches.analytic import method_of
+from chainbuild.ik.plan import plan_of
 
 WRISTS = (1, 2, 3, 4, 5, 6)
 KINDS = {"SS": (1, 1, 1), "CC": (1, 3, 3), "NR": (3, 3, 3), "SC": (1, 1, 3), "RR": (3, 3, 1), "CS": (3, 1, 1)}
@@ -46,7 +46,7 @@ def method(data: str) -> str | None:
         path.write_text(data, "utf-8")
         if any(finding.severity == "error" for finding in chainbuild.check(path)):
             return None
-        return method_of(chainbuild.load(path).chain().build())
+        return plan_of(chainbuild.Robot.load(path)).name
 
 
 def cell(number: int, letters: str, parallel: bool, count: int) -> str:

@@ -67,8 +67,8 @@ def test_what_is_no_convention(machine: chainbuild.Machine, conventions: object)
 )
 def test_any_real_number_is_a_tool_length(machine: chainbuild.Machine, length: float) -> None:
     zero = np.zeros(len(machine.chain().axes))
-    longer = machine.chain(tool_length_mm=length).build().fk(zero)
-    assert longer.isApprox(machine.chain(tool_length_mm=5.0).build().fk(zero))
+    longer = chainbuild.Robot(machine.chain(tool_length_mm=length)).fk(zero)
+    assert longer.isApprox(chainbuild.Robot(machine.chain(tool_length_mm=5.0)).fk(zero))
 
 
 @pytest.mark.parametrize(
@@ -99,7 +99,7 @@ def test_what_is_no_path(path: object) -> None:
 
 
 def test_where_no_urdf_can_be_written(machine: chainbuild.Machine, tmp_path: Path) -> None:
-    robot = machine.chain().build()
+    robot = chainbuild.Robot(machine.chain())
     for folder in (5, None, True, b"x", [], str(tmp_path / "a\0b"), "/dev/null/x"):
         with pytest.raises(FileAccessError):
             chainbuild.write_urdf(robot, folder)  # type: ignore[arg-type]

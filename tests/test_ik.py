@@ -8,7 +8,7 @@ import pytest
 
 from chainbuild.chain.assemble import Element, linear, mark, rotary, shift
 from chainbuild.errors import AxisValueError
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 from tests.test_robot import arm, make_chain, random_axes, table_machine
 
 

@@ -41,5 +41,5 @@ def test_objects_say_what_they_are() -> None:
     chain = machine.chain()
     assert repr(machine) == "<Machine kr6r900.tea: SINUMERIK ROBX, ROBX NR, 6 axes>"
     assert repr(chain) == "<Chain kr6r900: ROBX NR, axes A1 … A6>"
-    assert repr(chain.build()) == "<Robot kr6r900: ROBX NR, axes A1 … A6>"
+    assert repr(chainbuild.Robot(chain)) == "<Robot kr6r900: ROBX NR, axes A1 … A6>"
     assert repr(chainbuild.load("c_face_kin14").chain()) == "<Chain c_face_kin14: KIN_TYP 14, axes X, C, Z>"

@@ -22,7 +22,7 @@ ZERO = np.array([0.0, 90.0, 0.0, 0.0, 0.0, 0.0])
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_forward_kinematics_agrees(name: str) -> None:
     oracle = OpwRobot(KinematicModel(**PARAMETERS[name]))
-    robot = chainbuild.load(name).chain().build()
+    robot = chainbuild.Robot.load(name)
     rng = np.random.default_rng(11)
     for _ in range(1000):
         axes = rng.uniform(-180.0, 180.0, 6)
@@ -35,7 +35,7 @@ def test_forward_kinematics_agrees(name: str) -> None:
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_our_answers_are_among_its_branches(name: str) -> None:
     oracle = OpwRobot(KinematicModel(**PARAMETERS[name]))
-    robot = chainbuild.load(name).chain().build()
+    robot = chainbuild.Robot.load(name)
     rng = np.random.default_rng(12)
     lower = np.array([axis.lower for axis in robot.axes])
     upper = np.array([axis.upper for axis in robot.axes])

@@ -34,7 +34,7 @@ def test_every_key_is_explained() -> None:
 def test_the_complete_example_loads(tmp_path: Path) -> None:
     machine = chainbuild.load(copy_of("parallelogram_nr", tmp_path, ROBX))
     chain = machine.chain()
-    robot = chain.build()
+    robot = chainbuild.Robot(chain)
     overlay = machine.overlay
     used = {key for key in _READERS if getattr(overlay, key) not in (None, (), {}, 0.0)}
     assert used == {*_READERS} - {"axis_lists"}
@@ -63,8 +63,8 @@ def test_the_twincat_example_loads(tmp_path: Path) -> None:
     chain = machine.chain()
     assert chain.kinematic == "KIN_TYP 45"
     assert [(axis.upper, axis.assumed) for axis in chain.axes[:3]] == [(170.0, False), (90.0, False), (360.0, True)]
-    tool = chain.build().fk([0] * 6).translation[0]
-    bare = chainbuild.load(tmp_path / "cell.lis", overlay=_without_tool(tmp_path)).chain("ROBOT").build()
+    tool = chainbuild.Robot(chain).fk([0] * 6).translation[0]
+    bare = chainbuild.Robot(chainbuild.load(tmp_path / "cell.lis", overlay=_without_tool(tmp_path)).chain("ROBOT"))
     assert tool - bare.fk([0] * 6).translation[0] == pytest.approx(0.05)
 
 
@@ -81,7 +81,7 @@ def test_a_tool_of_a_four_axis_robot_hangs_by_length_3(tmp_path: Path, name: str
     shift = {}
     own = shipped_path(name).with_name(f"{name}.chainbuild.toml").read_text("utf-8")
     for tool in ("", "TC_DP3 = 120", "TC_DP5 = 120", "plane = 19\nTC_DP3 = 120"):
-        robot = chainbuild.load(copy_of(name, tmp_path, f"{own}\n[tool]\n{tool}\n")).chain().build()
+        robot = chainbuild.Robot.load(copy_of(name, tmp_path, f"{own}\n[tool]\n{tool}\n"))
         shift[tool] = robot.fk(axes).translation - shift.get("", np.zeros(3))
     assert shift["TC_DP3 = 120"][2] == pytest.approx(0.0, abs=1e-12)
     assert np.linalg.norm(shift["TC_DP3 = 120"]) == pytest.approx(0.12)

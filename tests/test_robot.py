@@ -9,7 +9,7 @@ import pytest
 from chainbuild.chain.assemble import Element, assemble, linear, mark, rotary, shift
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.errors import AxisValueError, ChainbuildError, ChainError
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 
 LIMITS = {
     "A1": (-170, 170), "A2": (-190, 45), "A3": (-120, 156), "A4": (-185, 185), "A5": (-120, 120), "A6": (-350, 350),

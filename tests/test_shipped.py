@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 
 ROOT = Path(__file__).parent.parent
 MACHINES = chainbuild.shipped()
@@ -18,7 +18,7 @@ TARGETS_ARM = 2000
 
 
 def build(name: str) -> Robot:
-    return chainbuild.load(name).chain().build()
+    return chainbuild.Robot.load(name)
 
 
 def random_axes(robot: Robot, rng: np.random.Generator) -> np.ndarray:

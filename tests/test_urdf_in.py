@@ -50,7 +50,7 @@ def examples() -> Path:
     ids=lambda value: getattr(value, "stem", str(value)),
 )
 def test_poses_are_those_of_pinocchios_reader(path: Path, tool: str, count: int) -> None:
-    robot = chainbuild.from_urdf(path, tool=tool).build()
+    robot = chainbuild.Robot(chainbuild.from_urdf(path, tool=tool))
     model = pin.buildModelFromUrdf(str(path))
     data, rng = model.createData(), np.random.default_rng(0)
     assert len(robot.axes) == count
@@ -65,7 +65,7 @@ def test_poses_are_those_of_pinocchios_reader(path: Path, tool: str, count: int)
 
 
 def test_limits_and_speeds_are_shown_in_mm_and_degrees(tmp_path: Path) -> None:
-    robot = chainbuild.from_urdf(written(tmp_path, BRANCHED), tool="hand").build()
+    robot = chainbuild.Robot(chainbuild.from_urdf(written(tmp_path, BRANCHED), tool="hand"))
     X, A, C = robot.axes
     assert (X.name, X.kind, X.lower, X.upper, X.assumed, X.max_speed) == ("X", "linear", -500.0, 1500.0, False, 250.0)
     assert (A.name, A.endless, A.assumed) == ("A", True, True)
@@ -75,7 +75,7 @@ def test_limits_and_speeds_are_shown_in_mm_and_degrees(tmp_path: Path) -> None:
 
 
 def test_a_mimic_joint_is_driven_by_the_axis_it_names(tmp_path: Path) -> None:
-    robot = chainbuild.from_urdf(written(tmp_path, BRANCHED), tool="hand").build()
+    robot = chainbuild.Robot(chainbuild.from_urdf(written(tmp_path, BRANCHED), tool="hand"))
     np.testing.assert_allclose(
         robot.q([100.0, 30.0, 10.0]), [0.1, np.radians(30.0), 0.5 - 2 * np.radians(30.0), np.radians(10.0)]
     )
@@ -96,7 +96,7 @@ def test_without_a_tool_the_only_end_is_taken() -> None:
 
 
 def test_solvers_take_it(tmp_path: Path) -> None:
-    robot = chainbuild.from_urdf(examples() / "panda_description/urdf/panda.urdf", tool="panda_link8").build()
+    robot = chainbuild.Robot(chainbuild.from_urdf(examples() / "panda_description/urdf/panda.urdf", tool="panda_link8"))
     rng = np.random.default_rng(2)
     axes = np.array([[rng.uniform(axis.lower, axis.upper) for axis in robot.axes] for _ in range(200)])
     found = robot.ik_batch(robot.fk_batch(axes))

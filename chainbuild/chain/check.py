@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
+from typing import Final
 
 import numpy as np
 
 from chainbuild.chain.elements import BASE_LINK, FRAME_NAMES, Chain
 from chainbuild.errors import ChainError
+from chainbuild.frames import is_rigid
+
+_PLACED: Final = 1e-9  # products of exact rotations are off by rounding alone
 
 
 def check_chain(chain: Chain) -> None:
@@ -63,9 +67,7 @@ def _check_placements(chain: Chain) -> None:
     placements = [(f"joint {j.name}", j.T_parent_joint) for j in chain.joints]
     placements += [(f"frame {f.name}", f.T_link_frame) for f in chain.frames]
     for what, T in placements:
-        rotation = T[:3, :3]
-        rigid = np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-12) and np.linalg.det(rotation) > 0
-        if T.shape != (4, 4) or not np.isfinite(T).all() or not rigid:
+        if T.shape != (4, 4) or not is_rigid(T, _PLACED):
             raise ChainError(f"the placement of {what} is not a finite rigid transform")
     for joint in chain.joints:
         if abs(float(np.linalg.norm(joint.direction)) - 1.0) > 1e-12:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,9 +13,6 @@ from chainbuild.chain.geometry import NO_GEOMETRY, Geometry
 from chainbuild.convention import UsedConvention
 from chainbuild.findings import Finding
 from chainbuild.units import AxisKind, AxisUnit, unit_of
-
-if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
 
 Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]
@@ -159,6 +156,11 @@ class AxisConstraint:
     upper: float
     alarm: int | None = None
 
+    @property
+    def label(self) -> str:
+        """Name, and the alarm where it is known."""
+        return self.name if self.alarm is None else f"{self.name} (alarm {self.alarm})"
+
     def margin(self, axes: ArrayLike) -> float:
         """Return the distance to the nearer limit, negative outside, for axis values (n_axes,)."""
         value = self.sum.value(axes)
@@ -277,20 +279,14 @@ class Chain:
         """Return a frame by name."""
         return next(frame for frame in self.frames if frame.name == name)
 
+    @property
+    def tool_column(self) -> int:
+        """Which column of the tool frame's rotation is the tool direction: 0 or 2."""
+        return 0 if self.tool_axis == "x" else 2
+
     def with_axes(self, axes: tuple[Axis, ...]) -> Chain:
         """Return the chain with other axis limits, in its partials, too."""
         return replace(self, axes=axes, partials=tuple(_with_limits(partial, axes) for partial in self.partials))
-
-    def build(self) -> Robot:
-        """Build the robot: a Pinocchio model with its solvers.
-
-        Raises:
-            ChainError: the chain contradicts itself.
-        """
-        # The one door upwards: pinocchio is imported where it is used, not when machine data are read.
-        from chainbuild.kinematics.mechanism import Robot
-
-        return Robot(self)
 
 
 def _with_limits(partial: Partial, axes: tuple[Axis, ...]) -> Partial:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.robot import Robot
 
 # Values with a leading minus sign are values, not options.
 At = Annotated[tuple[str, ...], Parameter(negative="", show_default=False, allow_leading_hyphen=True)]

@@ -6,6 +6,7 @@ from chainbuild.cli.show import finding_data, print_findings, print_json, refusa
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, all_findings
 from chainbuild.errors import ChainbuildError
 from chainbuild.findings import Collector, Finding
+from chainbuild.robot import Robot
 
 
 def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT_OPTIONS) -> int:
@@ -43,7 +44,7 @@ def _with_selection(file: str, options: MachineOptions, findings: tuple[Finding,
         machine = options.machine(file)
         chain = options.chain(machine)
         collector.findings.extend(all_findings(machine, chain))
-        chain.build()
+        Robot(chain)
     except ChainbuildError as error:
         collector.add_error(error)
     return tuple(dict.fromkeys(collector.findings))

@@ -12,7 +12,7 @@ from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageErr
 
 if TYPE_CHECKING:
     from chainbuild.coupling.distribution import Distribution
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.robot import Robot
 
 Words = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
 _LETTERS = "XYZABC"

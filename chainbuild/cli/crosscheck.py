@@ -10,6 +10,7 @@ from cyclopts import Parameter
 
 from chainbuild.cli.show import note, print_json
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
+from chainbuild.robot import Robot
 from chainbuild.units import m_from_mm, rad_from_deg
 
 if TYPE_CHECKING:
@@ -109,7 +110,7 @@ def _compare(file: str, other: Path | str, check_options: CheckOptions, options:
     chain = options.chain(machine)
     options.announce(file, machine, chain)
     return compare(
-        chain.build(),
+        Robot(chain),
         read_recording(other, chain) if isinstance(other, Path) else other,
         check_options,
         machine=machine,

@@ -10,6 +10,7 @@ from typing import Final
 from chainbuild.cli.show import console, counted_findings, table
 from chainbuild.cli.urdf import Folder
 from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, all_findings
+from chainbuild.robot import Robot
 
 _EXAMPLE: Final = "kr6r900"
 _LOOK: Final = (
@@ -41,7 +42,7 @@ def demo(
     for name in names:
         machine = options.machine(name)
         chain = options.chain(machine)
-        robot = chain.build()
+        robot = Robot(chain)
         write_urdf(robot, folder)
         count = sum(finding.severity != "info" for finding in all_findings(machine, chain))
         warnings.update({name: count} if count else {})

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.robot import Robot
     from chainbuild.tables import AxisTable
 
 _AT = "--at"

@@ -18,7 +18,7 @@ from chainbuild.units import deg_from_rad, mm_from_m
 
 if TYPE_CHECKING:
     from chainbuild.ik.result import IkResult
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.robot import Robot
     from chainbuild.tables import PoseRow, PoseTable
 
 _ROWS_FAILED = 3

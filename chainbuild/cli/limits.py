@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from chainbuild.analysis.collision.parallelogram import LimitReport
     from chainbuild.analysis.collision.sweep import FreeInterval, Sweep
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.robot import Robot
 
 
 def limits(

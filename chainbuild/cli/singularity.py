@@ -12,6 +12,7 @@ from cyclopts import Parameter
 from chainbuild.cli.axisvalues import At, rows_of
 from chainbuild.cli.show import console, note, number, print_json, table
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
+from chainbuild.robot import Robot
 from chainbuild.units import mm_from_m
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from chainbuild.analysis.singularity.nearest import Nearest
     from chainbuild.analysis.singularity.singularity import Singularity
     from chainbuild.analysis.singularity.thresholds import Judgement, Stretch, Thresholds
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.robot import Robot
 
 _LEVELS = {"singular": "singular", "watched": "watched", "clear": "above its thresholds"}
 _DIGITS = 6  # of mm/s and deg/s: the last ones are noise
@@ -72,7 +73,7 @@ def singularity(
     machine = options.machine(file)
     chain = options.chain(machine)
     options.announce(file, machine, chain)
-    robot = chain.build()
+    robot = Robot(chain)
     rows = rows_of(robot, at, axes)
     if not len(rows):
         raise UsageError("--at or --axes is due")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from chainbuild.ik.result import IkResult
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.robot import Robot
     from chainbuild.tables import AxisTable, PoseRow, PoseTable
 
     Vector = NDArray[np.float64]
@@ -112,7 +112,7 @@ def _telling_of_compilation() -> Iterator[None]:
 
 def _agreeing(robot: Robot, T: Matrix, result: IkResult) -> IkResult:
     """Return a result, failed where c_deg has led to another orientation than the quaternion beside it."""
-    from chainbuild.kinematics.mechanism import as_pose
+    from chainbuild.kinematics.inputs import as_pose
 
     if not result.success:
         return result

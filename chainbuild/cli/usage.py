@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from chainbuild.findings import Finding
+from chainbuild.robot import Robot
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain
     from chainbuild.formats.machine import Machine
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.robot import Robot
 
 Json = Annotated[bool, Parameter(negative="")]
 Output = Annotated[Path | None, Parameter(name=["--output", "-o"])]
@@ -81,7 +82,7 @@ class MachineOptions:
         machine = self.machine(file)
         chain = self.chain(machine)
         self.announce(file, machine, chain)
-        return chain.build()
+        return Robot(chain)
 
     def announce(self, file: str, machine: Machine, chain: Chain) -> None:
         """Say on stderr what was chosen among several, what has no effect, and that there are warnings."""

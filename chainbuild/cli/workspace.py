@@ -16,7 +16,7 @@ from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, Output, 
 if TYPE_CHECKING:
     from chainbuild.analysis.workspace.maps import Map
     from chainbuild.analysis.workspace.mapspec import MapSpec
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.robot import Robot
 
 Section = Literal["rz", "xz", "xy", "yz", "volume"]
 

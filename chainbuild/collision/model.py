@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Final, TypeAlias
+from threading import local
+from typing import Any, Final, TypeAlias
 
 import coal
 import numpy as np
@@ -21,7 +22,7 @@ from chainbuild.chain.elements import BASE_LINK
 from chainbuild.chain.rods import pinned_links
 from chainbuild.collision.solids import Solid, solids_of
 from chainbuild.errors import ChainbuildError
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 Pair: TypeAlias = tuple[str, str]
@@ -46,8 +47,21 @@ class Distance:
     points: NDArray[np.float64]
 
 
+class _Scratch(local):
+    """What coal and Pinocchio compute in, each thread's own.
+
+    Attributes:
+        found: The results of the last query.
+        parts: What a query is called with: model, data, bodies, results.
+    """
+
+    def __init__(self, model: pin.Model, bodies: pin.GeometryModel) -> None:
+        self.found = pin.GeometryData(bodies)
+        self.parts = model, model.createData(), bodies, self.found
+
+
 class CollisionModel:
-    """The bodies of a robot and the pairs that are watched.
+    """The bodies of a robot and the pairs that are watched. Threads may share it; it pickles as its robot and pairs.
 
     Args:
         robot: The robot.
@@ -65,21 +79,24 @@ class CollisionModel:
         ChainbuildError: a watched link does not exist.
     """
 
-    def __init__(self, robot: Robot, watched: Iterable[Pair] | None = None) -> None:
+    def __init__(self, robot: Mechanism, watched: Iterable[Pair] | None = None) -> None:
         self.robot = robot
+        self._given = None if watched is None else tuple(watched)
         self._shape = (len(robot.axes),)
         self.solids = solids_of(robot.chain)
         self._ids = {solid.name: n for n, solid in enumerate(self.solids)}
         self._joint_of = {BASE_LINK: 0} | {joint.child: n + 1 for n, joint in enumerate(robot.chain.joints)}
-        self._data = robot.model.createData()
         self.always: tuple[Pair, ...] = ()
-        if watched is not None:
-            self._watch(self._chosen(tuple(watched)))
+        if self._given is not None:
+            self._watch(self._chosen(self._given))
             return
         self._watch(self._possible())
         self.always = self._touching_everywhere()
         touching = {frozenset(pair) for pair in self.always}
         self._watch([pair for pair in self.pairs if frozenset(self.links_of(pair)) not in touching])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.robot, self._given)
 
     def links_of(self, pair: tuple[int, int]) -> Pair:
         """Return the links of a pair of bodies."""
@@ -91,32 +108,37 @@ class CollisionModel:
 
     def collides(self, axes: ArrayLike) -> bool:
         """Return whether any watched pair touches at axis values (n_axes,), mm and degrees."""
-        return bool(pin.computeCollisions(self.robot.model, self._data, self._model, self._found, self._q(axes), True))
+        scratch = self._scratch
+        return bool(pin.computeCollisions(*scratch.parts, self._q(axes), True))
 
     def colliding_pairs(self, axes: ArrayLike) -> tuple[Pair, ...]:
         """Return the names of the watched pairs of bodies that touch."""
-        pin.computeCollisions(self.robot.model, self._data, self._model, self._found, self._q(axes), False)
-        results = self._found.collisionResults
+        scratch = self._scratch
+        pin.computeCollisions(*scratch.parts, self._q(axes), False)
+        results = scratch.found.collisionResults
         return tuple(self._names(n) for n in range(len(self.pairs)) if results[n].isCollision())
 
     def nearest(self, axes: ArrayLike) -> Distance | None:
         """Return the smallest distance of all watched pairs; None where none is watched."""
         if not self.pairs:
             return None
-        best = pin.computeDistances(self.robot.model, self._data, self._model, self._found, self._q(axes))
+        scratch = self._scratch
+        best = pin.computeDistances(*scratch.parts, self._q(axes))
         return self._distance(int(best))
 
     def smallest_at(self, q: Vector) -> float:
         """Return the smallest distance [m] at joint values (n_q,), SI: the quickest query; inf where no pair is."""
         if not self.pairs:
             return math.inf
-        best = pin.computeDistances(self.robot.model, self._data, self._model, self._found, q)
-        return float(self._found.distanceResults[best].min_distance)
+        scratch = self._scratch
+        best = pin.computeDistances(*scratch.parts, q)
+        return float(scratch.found.distanceResults[best].min_distance)
 
     def distances(self, axes: ArrayLike) -> Vector:
         """Return the distances (n_pairs,) [m] of all watched pairs, in the order of `pairs`."""
-        pin.computeDistances(self.robot.model, self._data, self._model, self._found, self._q(axes))
-        return np.array([result.min_distance for result in self._found.distanceResults])
+        scratch = self._scratch
+        pin.computeDistances(*scratch.parts, self._q(axes))
+        return np.array([result.min_distance for result in scratch.found.distanceResults])
 
     def distance_table(self, axes: ArrayLike) -> tuple[Distance, ...]:
         """Return all watched pairs with their distances and nearest points, the smallest first."""
@@ -134,7 +156,7 @@ class CollisionModel:
         return self.solids[a].name, self.solids[b].name
 
     def _distance(self, n: int) -> Distance:
-        result = self._found.distanceResults[n]
+        result = self._scratch.found.distanceResults[n]
         points = np.array([result.getNearestPoint1(), result.getNearestPoint2()])
         return Distance(self._names(n), float(result.min_distance), points)
 
@@ -148,8 +170,7 @@ class CollisionModel:
             )
         for a, b in self.pairs:
             model.addCollisionPair(pin.CollisionPair(a, b))
-        self._model = model
-        self._found = pin.GeometryData(model)
+        self._scratch = _Scratch(self.robot.model, model)
 
     def _chosen(self, watched: tuple[Pair, ...]) -> list[tuple[int, int]]:
         known = {link.name for link in self.robot.chain.links}
@@ -190,7 +211,7 @@ class CollisionModel:
         touching = np.ones(len(self.pairs), dtype=bool)
         for _ in range(_PROBES):
             self.colliding_pairs(lower + (upper - lower) * rng.random(len(lower)))
-            results = self._found.collisionResults
+            results = self._scratch.found.collisionResults
             touching &= np.array([result.isCollision() for result in results], dtype=bool)
         links = {self.links_of(self.pairs[n]): None for n in np.flatnonzero(touching)}
         return tuple(links)

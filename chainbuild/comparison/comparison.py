@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from chainbuild.chain.elements import Task
 from chainbuild.comparison.samples import Samples
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.branches.analytic import find_all
 from chainbuild.ik.branches.core.query import Query
-from chainbuild.kinematics.mechanism import as_pose
+from chainbuild.ik.branches.every import every_branch
+from chainbuild.ik.request import IkRequest
+from chainbuild.kinematics.inputs import as_pose
 
 if TYPE_CHECKING:
     from chainbuild.comparison.judges import Judge
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 Matrices = NDArray[np.float64]
@@ -48,7 +49,7 @@ def pose_errors(ours: Matrices, theirs: Matrices, judged: Task, column: int = 2)
     return distance, 2.0 * np.arcsin(np.minimum(chord, 1.0))
 
 
-def forward_poses(robot: Robot, axes: Vector) -> Matrices:
+def forward_poses(robot: Mechanism, axes: Vector) -> Matrices:
     """Return the poses (n, 4, 4) [m] of axis values (n, n_axes); not a number where there is none."""
     kinematics = robot.kinematics
     axis_map = robot.chain.axis_map
@@ -99,7 +100,7 @@ class Forward:
 
 
 def compare_forward(
-    robot: Robot,
+    robot: Mechanism,
     samples: Samples,
     theirs: Matrices,
     judged: Task,
@@ -115,7 +116,7 @@ def compare_forward(
         tolerance: Metres and radians within which poses agree.
     """
     ours = forward_poses(robot, samples.axes)
-    distance, angle = pose_errors(ours, theirs, judged, 0 if robot.chain.tool_axis == "x" else 2)
+    distance, angle = pose_errors(ours, theirs, judged, robot.chain.tool_column)
     distance, angle = (np.where(np.isfinite(e), e, np.inf) for e in (distance, angle))
     return Forward(samples, ours, theirs, judged, distance, angle, *tolerance)
 
@@ -177,7 +178,7 @@ class _Tally:
 
 
 def compare_inverse(
-    robot: Robot,
+    robot: Mechanism,
     samples: Samples,
     judge: Judge,
     tolerance: tuple[float, float] = (POSITION_TOLERANCE_M, ROTATION_TOLERANCE_RAD),
@@ -218,7 +219,7 @@ def compare_inverse(
     return Inverse(samples, pairs=(axes, targets), complete=judge.complete, **counts)
 
 
-def _miss(robot: Robot, answer: Vector, target: Vector) -> tuple[float, float]:
+def _miss(robot: Mechanism, answer: Vector, target: Vector) -> tuple[float, float]:
     x = answer * robot.kinematics.si_factors
     distance, angle = robot.kinematics.errors(x, as_pose(target), robot.task)
     if not math.isfinite(distance + angle):
@@ -227,18 +228,18 @@ def _miss(robot: Robot, answer: Vector, target: Vector) -> tuple[float, float]:
 
 
 def _count_branches(
-    robot: Robot, row: Vector, target: Vector, good: Sequence[Vector], tally: _Tally, *, complete: bool
+    robot: Mechanism, row: Vector, target: Vector, good: Sequence[Vector], tally: _Tally, *, complete: bool
 ) -> None:
     """Add up missing and extra branches of one pose."""
-    query = Query.of(robot, as_pose(target), row, None)
-    found = find_all(query)
-    if any(branch.free_axes for branch in found.branches):
+    query = Query.of(IkRequest(robot, target, row))
+    found = every_branch(query)
+    if any(found.branches.free_axes):
         tally.singular += 1
         return
     factors = robot.kinematics.si_factors
-    ours = [branch.axes * factors for branch in found.branches]
+    ours = [axes * factors for axes in found.branches.axes]
     theirs = [answer * factors for answer in good]
-    inside = [answer for answer in theirs if not query.outside(_into(query, answer))]
+    inside = [answer for answer in theirs if not robot.limits.violated(query.shown(_into(query, answer)))]
     tally.ours += len(ours)
     tally.outside += len(theirs) - len(inside)
     if complete:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from chainbuild.comparison.comparison import forward_poses, pose_errors
 from chainbuild.errors import ChainbuildError
+from chainbuild.kinematics.mechanism import Mechanism
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain, Task
@@ -115,11 +116,11 @@ class _Bench:
     def trial(self, choices: Mapping[str, str]) -> Trial:
         """Return what a set of choices leads to."""
         try:
-            robot = self._chain(choices).build()
+            robot = Mechanism(self._chain(choices))
             ours = forward_poses(robot, self.axes)
         except ChainbuildError:
             return Trial(choices, np.inf, np.inf, False)
-        column = 0 if robot.chain.tool_axis == "x" else 2
+        column = robot.chain.tool_column
         distance, angle = pose_errors(ours, self.theirs, self.judged, column)
         worst = [float(np.where(np.isfinite(e), e, np.inf).max()) for e in (distance, angle)]
         agrees = worst[0] <= self.tolerance[0] and worst[1] <= self.tolerance[1]

@@ -23,11 +23,11 @@ from chainbuild.comparison.diagnosis import Explanation, explain
 from chainbuild.comparison.judges import CallableKind, Judge, judge_by_name, judge_from_function
 from chainbuild.comparison.samples import MADE_KINDS, SampleKind, Samples, make_samples
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.branches.analytic import method_of
+from chainbuild.ik.plan import plan_of
 
 if TYPE_CHECKING:
     from chainbuild.formats.machine import Machine
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 Matrices = NDArray[np.float64]
@@ -135,7 +135,7 @@ class CheckOptions:
 
 
 def crosscheck(
-    robot: Robot,
+    robot: Mechanism,
     solver: str | Callable[..., Any] | Recording,
     options: CheckOptions | None = None,
     *,
@@ -175,7 +175,7 @@ def crosscheck(
     return _result(robot, judge.name, judge.note, forward_or_none, inverse, machine, selection, conventions)
 
 
-def _recorded_samples(robot: Robot, recording: Recording) -> Samples:
+def _recorded_samples(robot: Mechanism, recording: Recording) -> Samples:
     if len(recording.axes) == 0:
         raise ChainbuildError("the recording has no row", parameter=recording.name)
     for row in recording.axes:
@@ -184,7 +184,7 @@ def _recorded_samples(robot: Robot, recording: Recording) -> Samples:
     return Samples(recording.axes, tuple(kinds))
 
 
-def _forward(robot: Robot, samples: Samples, judge: Judge, tolerance: tuple[float, float]) -> Forward | None:
+def _forward(robot: Mechanism, samples: Samples, judge: Judge, tolerance: tuple[float, float]) -> Forward | None:
     if judge.fk is None:
         return None
     try:
@@ -198,7 +198,7 @@ def _forward(robot: Robot, samples: Samples, judge: Judge, tolerance: tuple[floa
 
 
 def _result(
-    robot: Robot,
+    robot: Mechanism,
     judge: str,
     note: str,
     forward: Forward | None,
@@ -228,7 +228,7 @@ def _result(
         note=note,
         forward=forward,
         inverse=inverse,
-        complete=inverse is None or method_of(robot) != "restarts",
+        complete=inverse is None or plan_of(robot).complete,
         explanation=explanation,
         trials=trials,
         conventions={used.convention.name: used.choice for used in robot.chain.conventions},
@@ -236,7 +236,7 @@ def _result(
 
 
 def _evidence(
-    robot: Robot, forward: Forward | None, inverse: Inverse | None
+    robot: Mechanism, forward: Forward | None, inverse: Inverse | None
 ) -> tuple[Vector, Matrices, Task, tuple[float, float]] | None:
     """Return axis values and foreign poses that disagree, or None where there are none."""
     if forward is not None:

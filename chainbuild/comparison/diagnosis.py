@@ -20,10 +20,10 @@ from chainbuild.chain.elements import Task
 from chainbuild.comparison.comparison import forward_poses, pose_errors
 from chainbuild.comparison.offsets import all_rigid, listed, mean_transform, mm_text, modes_apart, transform_text
 from chainbuild.frames import ANGLE_MODES, angles_from_matrix, inverse, matrix_from_angles
-from chainbuild.kinematics.mechanism import as_pose
+from chainbuild.kinematics.inputs import as_pose
 
 if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 Matrices = NDArray[np.float64]
@@ -89,7 +89,7 @@ class _Constant:
 
 
 def explain(
-    robot: Robot, axes: Vector, theirs: Matrices, judged: Task, tolerance: tuple[float, float]
+    robot: Mechanism, axes: Vector, theirs: Matrices, judged: Task, tolerance: tuple[float, float]
 ) -> Explanation | None:
     """Return the simplest structure that explains the differences, or None.
 
@@ -111,9 +111,9 @@ def explain(
 class _Diagnosis:
     """A search through readings and constants."""
 
-    def __init__(self, robot: Robot, judged: Task, tolerance: tuple[float, float]) -> None:
+    def __init__(self, robot: Mechanism, judged: Task, tolerance: tuple[float, float]) -> None:
         self.robot, self.judged, self.tolerance = robot, judged, tolerance
-        self.column = 0 if robot.chain.tool_axis == "x" else 2
+        self.column = robot.chain.tool_column
 
     def run(self, axes: Vector, theirs: Matrices) -> Explanation | None:
         plain = _Reading("", "", axes, theirs)

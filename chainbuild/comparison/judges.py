@@ -17,11 +17,11 @@ from chainbuild.ik.branches.core.axis_values import axes_for
 from chainbuild.ik.branches.core.query import Query
 from chainbuild.ik.branches.elimination.eaik_arm import eaik_answers, eaik_robot
 from chainbuild.ik.branches.opw.parameters import opw_arm
-from chainbuild.kinematics.mechanism import as_pose
+from chainbuild.ik.request import IkRequest
 
 if TYPE_CHECKING:
     from chainbuild.ik.branches.core.serial import Serial
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -49,7 +49,7 @@ class Judge:
     note: str = ""
 
 
-def judge_by_name(robot: Robot, solver: str, kind: CallableKind = "auto") -> Judge:
+def judge_by_name(robot: Mechanism, solver: str, kind: CallableKind = "auto") -> Judge:
     """Return the solver that a name means: "eaik", "opw", "roboticstoolbox" or "module:function".
 
     Raises:
@@ -83,7 +83,7 @@ def _import(spec: str) -> Callable[..., Any]:
 
 
 def judge_from_function(
-    robot: Robot, function: Callable[..., Any], name: str = "", kind: CallableKind = "auto"
+    robot: Mechanism, function: Callable[..., Any], name: str = "", kind: CallableKind = "auto"
 ) -> Judge:
     """Return a callable as a solver.
 
@@ -162,23 +162,23 @@ def _rows(value: Iterable[Any] | None, count: int) -> list[Vector]:
     return [row for row in rows if row.shape == (count,) and np.isfinite(row).all()]
 
 
-def _serial(robot: Robot) -> tuple[Query, Serial]:
-    query = Query.of(robot, as_pose(np.eye(4)), None, None)
+def _serial(robot: Mechanism) -> tuple[Query, Serial]:
+    query = Query.of(IkRequest(robot, np.eye(4)))
     return query, query.serial()
 
 
 def _axes_from_joints(query: Query, serial: Serial, values: Vector) -> Vector | None:
     joints = np.array([screw.joint for screw in serial.screws], dtype=np.intp)
     found = axes_for(query, joints, values, query.structure.free)
-    return found[0] / query.robot.kinematics.si_factors if found else None
+    return found[0] / query.mechanism.kinematics.si_factors if found else None
 
 
-def _joint_values(robot: Robot, serial: Serial, axes: Vector) -> Vector:
+def _joint_values(robot: Mechanism, serial: Serial, axes: Vector) -> Vector:
     q = robot.q(axes)
     return np.array([q[screw.joint] for screw in serial.screws])
 
 
-def _eaik(robot: Robot) -> Judge:
+def _eaik(robot: Mechanism) -> Judge:
     _installed("eaik", "EAIK")
     query, serial = _serial(robot)
     model = eaik_robot(serial)
@@ -199,7 +199,7 @@ def _eaik(robot: Robot) -> Judge:
     return Judge("EAIK", fk, ik, note="model built from the chain's axes")
 
 
-def _opw(robot: Robot) -> Judge:
+def _opw(robot: Mechanism) -> Judge:
     opw = _installed("py_opw_kinematics", "py-opw-kinematics")
     query, serial = _serial(robot)
     arm = opw_arm(serial)
@@ -224,7 +224,7 @@ def _opw(robot: Robot) -> Judge:
     return Judge("py-opw-kinematics", fk, ik, note="parameters measured on the chain; flange and base from one pose")
 
 
-def _toolbox(robot: Robot) -> Judge:
+def _toolbox(robot: Mechanism) -> Judge:
     toolbox = _installed("roboticstoolbox", "roboticstoolbox-python")
     _, serial = _serial(robot)
     elements = None
@@ -262,4 +262,4 @@ def _installed(module: str, name: str) -> Any:
         raise ChainbuildError(f"{name} is not installed", parameter="solver", hint=f"pip install {name}") from None
 
 
-_BY_NAME: Final[dict[str, Callable[[Robot], Judge]]] = {"eaik": _eaik, "opw": _opw, "roboticstoolbox": _toolbox}
+_BY_NAME: Final[dict[str, Callable[[Mechanism], Judge]]] = {"eaik": _eaik, "opw": _opw, "roboticstoolbox": _toolbox}

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from chainbuild.errors import ChainbuildError
 
 if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 SampleKind = Literal["random", "grid", "singular", "recorded"]
@@ -40,7 +40,7 @@ class Samples:
         return len(self.kinds)
 
 
-def make_samples(robot: Robot, count: int, kinds: Sequence[str] = MADE_KINDS, seed: int = 0) -> Samples:
+def make_samples(robot: Mechanism, count: int, kinds: Sequence[str] = MADE_KINDS, seed: int = 0) -> Samples:
     """Return axis values inside the limits, the count shared among the kinds.
 
     Args:
@@ -68,7 +68,7 @@ def make_samples(robot: Robot, count: int, kinds: Sequence[str] = MADE_KINDS, se
     return Samples(np.vstack(rows), tuple(names))
 
 
-def _with_pose(robot: Robot, axes: Vector) -> Vector:
+def _with_pose(robot: Mechanism, axes: Vector) -> Vector:
     """Return the rows that have a finite pose."""
     kinematics = robot.kinematics
     finite = [bool(np.isfinite(kinematics.pose(robot.chain.axis_map.q(row)).homogeneous).all()) for row in axes]
@@ -76,7 +76,7 @@ def _with_pose(robot: Robot, axes: Vector) -> Vector:
     return kept
 
 
-def _range(robot: Robot) -> tuple[Vector, Vector]:
+def _range(robot: Mechanism) -> tuple[Vector, Vector]:
     """Return where samples are drawn from: the limits, or a usual range where nobody gave any."""
     lower, upper = [], []
     for axis in robot.axes:
@@ -87,14 +87,14 @@ def _range(robot: Robot) -> tuple[Vector, Vector]:
     return np.array(lower), np.array(upper)
 
 
-def random_samples(robot: Robot, count: int, rng: np.random.Generator) -> Vector:
+def random_samples(robot: Mechanism, count: int, rng: np.random.Generator) -> Vector:
     """Return axis values drawn evenly from the limits."""
     lower, upper = _range(robot)
     values: Vector = lower + (upper - lower) * rng.random((count, len(lower)))
     return values
 
 
-def grid_samples(robot: Robot, count: int, rng: np.random.Generator) -> Vector:
+def grid_samples(robot: Mechanism, count: int, rng: np.random.Generator) -> Vector:
     """Return points of a regular grid over the limits; where it has more, an even choice of them."""
     lower, upper = _range(robot)
     points = max(2, round(count ** (1.0 / len(lower))))
@@ -105,7 +105,7 @@ def grid_samples(robot: Robot, count: int, rng: np.random.Generator) -> Vector:
     return np.column_stack([step[place] for step, place in zip(steps, places, strict=True)])
 
 
-def singular_samples(robot: Robot, count: int, rng: np.random.Generator) -> Vector:
+def singular_samples(robot: Mechanism, count: int, rng: np.random.Generator) -> Vector:
     """Return random values with one or two axes at 0, ±90, ±180 degrees or a limit."""
     lower, upper = _range(robot)
     special = []

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
@@ -20,10 +20,9 @@ from chainbuild.chain.elements import Chain, Matrix, Partial, Vector
 from chainbuild.chain.poses import rotation_vector
 from chainbuild.coupling.partial_state import LETTERS, TURNS, State, as_transform
 from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.ik.solve import solve
+from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.units import mm_from_m
-
-if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
 
 _PASSES: Final = 50
 _DONE: Final = 1e-12  # m and rad
@@ -61,7 +60,7 @@ class Distribution:
 
     tcp: Vector
     partials: tuple[PartialPose, ...]
-    robot: Robot
+    robot: Mechanism
 
     def axes(self, start: Sequence[float] | Vector | None = None) -> Vector:
         """Return the axis values (n_axes,) of the composed robot: the second step, partial by partial.
@@ -76,7 +75,7 @@ class Distribution:
         begin = None if start is None else self.robot.axis_values(start)
         for partial, part in zip(_partials(self.robot.chain), self.partials, strict=True):
             own = slice(partial.first_axis, partial.first_axis + len(partial.chain.axes))
-            result = partial.chain.build().ik(part.T, start=None if begin is None else begin[own])
+            result = solve(Mechanism(partial.chain), part.T, None if begin is None else begin[own])
             if not result.success:
                 text = f"{part.name} cannot reach {_shown(part.values)}: {result.status}"
                 raise ChainbuildError(f"{text}, {result.reason}" if result.reason else text, parameter=part.name)
@@ -85,7 +84,7 @@ class Distribution:
 
 
 def distribute(
-    robot: Robot,
+    robot: Mechanism,
     tcp: Values | None = None,
     *,
     axes: Mapping[str, float | Mapping[str, float]] | None = None,
@@ -203,7 +202,7 @@ class _Split:
             parameter="tcp", permitted=f"what the free coordinates reach ({free})",
         )  # fmt: skip
 
-    def result(self, robot: Robot, target: Vector | None = None) -> Distribution:
+    def result(self, robot: Mechanism, target: Vector | None = None) -> Distribution:
         parts = tuple(
             PartialPose(
                 state.partial.name,

@@ -19,6 +19,7 @@ from chainbuild.findings import Collector, Finding
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay, find_overlay
 from chainbuild.formats.text import SourceText, read_source
+from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.machines import shipped, shipped_path
 
 
@@ -94,7 +95,7 @@ def _try_chain(
     try:
         chain = machine.chain(kinematic=kinematic, channel=channel)
         collector.findings.extend(chain.findings)
-        chain.build()
+        Mechanism(chain)
         return chain
     except UnsupportedKinematicError as error:
         if kinematic is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from chainbuild.chain.elements import Task
 
 Status = Literal["ok", "unreachable", "limits", "stalled"]
+STATUSES: Final[tuple[Status, ...]] = ("ok", "limits", "stalled", "unreachable")  # by the outcome of a search
 
 
 @dataclass(frozen=True, slots=True, eq=False)

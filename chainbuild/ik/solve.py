@@ -1,124 +1,136 @@
-"""Which solver answers: the damped one, a closed form, the controller's budget, or what fits best."""
+"""How a pose becomes axis values: every stage of one inverse kinematics, in order.
+
+request → search → (its first success is the answer, where nothing more is asked)
+→ answer        the solver asked for; a closed form where the search finds nothing
+→ sums          a branch that keeps the limits on sums of axes
+→ four axes     a ROBX robot of four axes: A and B of the pose follow, C runs on
+→ redundancy    what is preferred among infinitely many
+→ last check    every axis on the inner side of its limits, the pose still met
+"""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final, Literal, get_args
 
-from numpy.typing import ArrayLike
-
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.branches.analytic import in_closed_form, solve_analytic
-from chainbuild.ik.options import IkOptions
-from chainbuild.ik.policies.controller import budget_of, solve_controller
-from chainbuild.ik.policies.last_check import kept_within
+from chainbuild.ik.request import Held, IkRequest
 from chainbuild.ik.result import IkResult
-from chainbuild.ik.search.solver import certainly_unreachable, solve
-from chainbuild.ik.start import Held
-from chainbuild.kinematics.mechanism import as_pose
+from chainbuild.ik.search.solver import certainly_unreachable, search
+from chainbuild.ik.verify import on_limits
 
 if TYPE_CHECKING:
     import pinocchio as pin
+    from numpy.typing import ArrayLike
 
+    from chainbuild.ik.options import IkOptions
     from chainbuild.ik.policies.redundancy import Preference
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.kinematics.mechanism import Mechanism
 
 Solver = Literal["auto", "damped", "analytic", "controller"]
 SOLVERS: Final[tuple[str, ...]] = get_args(Solver)
 
 
-def inverse(
-    robot: Robot,
+def solve(
+    mechanism: Mechanism,
     T: pin.SE3 | ArrayLike,
-    start: ArrayLike | None,
-    held: Held | None,
+    start: ArrayLike | None = None,
+    held: Held | None = None,
     solver: str = "auto",
     absolute_c_deg: float | None = None,
     prefer: Preference | None = None,
     options: IkOptions | None = None,
 ) -> IkResult:
-    """Return axis values for a pose as `Robot.ik` does; see there.
+    """Return axis values for a pose; see `Robot.ik`."""
+    request, searched = IkRequest.of(mechanism, T, start, held, options), None
+    if absolute_c_deg is None and solver in {"auto", "damped"}:
+        searched = search(request)
+        if searched.success and prefer is None:
+            return searched  # verified, and inside all limits: most calls end here
+    from chainbuild.ik.policies.four_axis import as_programmed
+    from chainbuild.ik.policies.redundancy import preferred
 
-    Most calls end with the damped solver's answer; only where it has none, or where something else was asked for, are
-    the other solvers and their modules looked at.
-    """
-    damped = None
-    if solver in ("auto", "damped") and absolute_c_deg is None:
-        damped = solve(robot, T, start, held, options)
-        if damped.success and prefer is None:
-            return damped
-    target = as_pose(T)
-    found = _by_all_means(robot, target, start, held, solver, absolute_c_deg, options, damped)
-    if prefer is not None:
-        from chainbuild.ik.policies.redundancy import preferred
+    def whole(asked: IkRequest) -> IkResult:
+        known = searched if asked is request else None
+        return keeping_sums(asked, answer(asked, solver, known), solver)
 
-        found = preferred(robot, found, target, prefer, start, held)
-    return kept_within(robot, found, target)
-
-
-def _by_all_means(
-    robot: Robot,
-    target: pin.SE3,
-    start: ArrayLike | None,
-    held: Held | None,
-    solver: str,
-    absolute_c_deg: float | None,
-    options: IkOptions | None,
-    damped: IkResult | None,
-) -> IkResult:
-    """Return what the solver asked for and those that help it out come up with; see `inverse`."""
-    from chainbuild.ik.policies.four_axis import solve_programmed
-    from chainbuild.ik.policies.sums import kept
-
-    def solve_whole(T: pin.SE3, begin: ArrayLike | None) -> IkResult:
-        if solver == "controller":
-            begin = start  # its budget counts from where the robot stands
-        known = damped if T is target and begin is start else None
-        return kept(robot, solve_by(robot, T, begin, held, solver, options, known), T, begin, held, solver)
-
-    return solve_programmed(robot, target, start, held, solve_whole, absolute_c_deg)
+    request, found = as_programmed(request, whole, absolute_c_deg, from_start=solver == "controller")
+    found = preferred(request, found, prefer)
+    return checked(request, found)
 
 
-def solve_by(
-    robot: Robot,
-    target: pin.SE3,
-    start: ArrayLike | None,
-    held: Held | None,
-    solver: str = "auto",
-    options: IkOptions | None = None,
-    damped: IkResult | None = None,
-) -> IkResult:
-    """Return axis values for a pose by the solver asked for.
+def answer(request: IkRequest, solver: str, searched: IkResult | None = None) -> IkResult:
+    """Return what a solver comes up with; "auto" asks the plan's closed form where the search finds nothing.
 
     Args:
-        robot: The robot.
-        target: Tool in the workpiece frame [m].
-        start: See `Robot.ik`.
-        held: See `Robot.ik`.
-        solver: "damped"; "analytic": a closed form, the branch nearest to the start; "controller": the budget that the
-            machine data grant the controller; "auto": damped, and a closed form where that finds nothing.
-        options: Options of the damped solver.
-        damped: What the damped solver said, where it was asked already.
+        request: What is asked.
+        solver: "auto", "damped", "analytic" or "controller".
+        searched: What the search said, where it was asked already.
 
     Raises:
-        ChainbuildError: an unknown solver, or one that the robot has not.
+        ChainbuildError: an unknown solver, or one that the mechanism does not have.
     """
     if solver not in SOLVERS:
         raise ChainbuildError(f"there is no solver '{solver}'", parameter="solver", permitted=", ".join(SOLVERS))
     if solver == "analytic":
-        return solve_analytic(robot, target, start, held)
+        return _closed_form(request)
     if solver == "controller":
-        return solve_controller(robot, target, start, held, budget_of(robot))
-    found = solve(robot, target, start, held, options) if damped is None else damped
-    if solver == "damped" or found.success:
+        from chainbuild.ik.policies.controller import solve_controller
+
+        return solve_controller(request)
+    found = search(request) if searched is None else searched
+    if found.success or solver == "damped" or certainly_unreachable(request):
         return found
-    if certainly_unreachable(robot, target, start, held, options):
-        return found
-    return _second_opinion(robot, target, start, held, found)
+    other = _complete_answer(request)
+    return other if other is not None and other.success else found
 
 
-def _second_opinion(
-    robot: Robot, target: pin.SE3, start: ArrayLike | None, held: Held | None, damped: IkResult
-) -> IkResult:
-    """Return a closed form's answer where it has one, else what the damped solver said."""
-    found = in_closed_form(robot, target, start, held)
-    return found if found is not None and found.success else damped
+def keeping_sums(request: IkRequest, found: IkResult, solver: str) -> IkResult:
+    """Return an answer that keeps the limits on sums of axes: the one found, another branch, or a refusal."""
+    broken = request.mechanism.limits.broken_sums(found.axes) if found.success else ()
+    if not broken:
+        return found
+    other = _complete_answer(request) if solver == "auto" else None
+    if other is not None and other.success:
+        return other
+    reason = f"only reached outside the limits of {', '.join(limit.label for limit in broken)}"
+    violated = tuple(limit.name for limit in broken)
+    return replace(found, success=False, status="limits", reason=reason, violated=violated)
+
+
+def checked(request: IkRequest, found: IkResult) -> IkResult:
+    """Return an answer with its axes on the inner side of their limits, or as a failure where they are not."""
+    if not found.success:
+        return found
+    limits = request.mechanism.limits
+    outside = limits.outside(found.axes)
+    if outside:
+        reason = "; ".join(limits.in_words(n, float(found.axes[n])) for n in outside)
+        violated = tuple(limits.axes[n].name for n in outside)
+        return replace(found, success=False, status="limits", reason=reason, violated=violated)
+    moved = on_limits(request.mechanism, request.pose, found.axes, found.task)
+    if moved is None:
+        return found
+    axes, distance, angle = moved
+    return replace(found, axes=axes, position_error=distance, rotation_error=angle)
+
+
+def _complete_answer(request: IkRequest) -> IkResult | None:
+    """Return the branch nearest to the start by the plan's closed form, or a failure; None: the plan only searches."""
+    from chainbuild.ik.branches.every import nearest_branch
+
+    return nearest_branch(request)
+
+
+def _closed_form(request: IkRequest) -> IkResult:
+    """Return what the plan's closed form says.
+
+    Raises:
+        ChainbuildError: the plan has none.
+    """
+    found = _complete_answer(request)
+    if found is None:
+        from chainbuild.ik.branches.every import no_closed_form
+
+        raise no_closed_form(request)
+    return found

@@ -20,7 +20,7 @@ from chainbuild.inspect.scene import Scene
 from chainbuild.inspect.sweep import FRAMES_PER_SECOND, Sweep, sweep
 
 if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.kinematics.mechanism import Mechanism
 
 # From where the machine is looked at: in front of its right side, a little from above (machine coordinates).
 _VIEW = (1.0, -1.35, 0.75)
@@ -28,7 +28,7 @@ _VIEW = (1.0, -1.35, 0.75)
 _SWEPT_SHARE = 0.6
 
 
-def export_page(robot: Robot, path: str | os.PathLike[str]) -> Path:
+def export_page(robot: Mechanism, path: str | os.PathLike[str]) -> Path:
     """Write one self-contained HTML file with the robot, its frames and a sweep of each axis.
 
     The file holds the meshcat viewer itself and loads nothing. It is written in one piece or not at all.
@@ -48,7 +48,7 @@ def export_page(robot: Robot, path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def page_html(robot: Robot) -> str:
+def page_html(robot: Mechanism) -> str:
     """Return the text of the page; the same robot gives the same text."""
     from meshcat import Visualizer
 
@@ -69,7 +69,7 @@ def page_html(robot: Robot) -> str:
     )
 
 
-def _data(robot: Robot, scene: Scene, motion: Sweep, recorder: _Recorder) -> str:
+def _data(robot: Mechanism, scene: Scene, motion: Sweep, recorder: _Recorder) -> str:
     bounds = np.array(scene.bounds(motion.q))
     bounds = (1 - _SWEPT_SHARE) * np.array(scene.bounds(motion.q[:1])) + _SWEPT_SHARE * bounds
     data = {
@@ -86,7 +86,7 @@ def _data(robot: Robot, scene: Scene, motion: Sweep, recorder: _Recorder) -> str
     return json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def _pose(robot: Robot, scene: Scene) -> dict[str, Any]:
+def _pose(robot: Mechanism, scene: Scene) -> dict[str, Any]:
     """Return what the page reads the pose of the tool from: two frames in the scene, and how angles are told."""
     chain = robot.chain
     places = {name: scene.frame_place(name) for name in ("tool", "workpiece")}

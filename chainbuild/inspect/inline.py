@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from chainbuild.inspect.export import page_html
 
 if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.kinematics.mechanism import Mechanism
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class InlinePage:
         return f'<iframe srcdoc="{escape(self.html)}" style="{style}"></iframe>'
 
 
-def inline_page(robot: Robot, height: int = 560) -> InlinePage:
+def inline_page(robot: Mechanism, height: int = 560) -> InlinePage:
     """Return a robot's page for display as the last value of a notebook cell.
 
     Args:

@@ -16,7 +16,7 @@ from chainbuild.inspect.labels import Side, draw_label
 from chainbuild.inspect.sweep import FRAMES_PER_SECOND, joint_transforms, link_placements
 
 if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.kinematics.mechanism import Mechanism
 
 BACKGROUND_TOP: Colour = (0.97, 0.98, 0.99)
 BACKGROUND_BOTTOM: Colour = (0.80, 0.84, 0.88)
@@ -33,7 +33,7 @@ class Scene:
         robot: What to draw.
     """
 
-    def __init__(self, viewer: Any, robot: Robot) -> None:
+    def __init__(self, viewer: Any, robot: Mechanism) -> None:
         self.viewer = viewer
         self.robot = robot
         chain = robot.chain

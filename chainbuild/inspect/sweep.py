@@ -16,7 +16,7 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.units import deg_from_rad
 
 if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.kinematics.mechanism import Mechanism
 
 FRAMES_PER_SECOND = 10
 _FRAMES_PER_AXIS = 50
@@ -55,7 +55,7 @@ class Sweep:
     held: tuple[str, ...]
 
 
-def sweep(robot: Robot) -> Sweep:
+def sweep(robot: Mechanism) -> Sweep:
     """Return the motion that takes every axis over its shown range, one after the other, starting and ending at rest.
 
     Raises:
@@ -89,7 +89,7 @@ def _course(rest: float, lower: float, upper: float) -> list[float]:
     return values + [stops[-1]] * (_FRAMES_PER_AXIS - len(values))
 
 
-def rest_pose(robot: Robot) -> Vector:
+def rest_pose(robot: Mechanism) -> Vector:
     """Return axis values (n_axes,), mm and degrees, that show a machine well: neither stretched nor in the floor.
 
     Linear axes stand in the middle. Rotary axes stand at 0 or as near as their limits allow; where that pose is
@@ -118,18 +118,18 @@ def rest_pose(robot: Robot) -> Vector:
     return pose
 
 
-def _singular_values(robot: Robot, axes: Vector, size: float) -> Vector:
+def _singular_values(robot: Mechanism, axes: Vector, size: float) -> Vector:
     J = robot.jacobian(axes).copy()
     J[:3] /= size
     return np.asarray(np.linalg.svd(J, compute_uv=False), dtype=np.float64)
 
 
-def _evenness(robot: Robot, axes: Vector, size: float) -> float:
+def _evenness(robot: Mechanism, axes: Vector, size: float) -> float:
     values = _singular_values(robot, axes, size)
     return float(values[-1] / values[0]) if values[0] > 0 else 0.0
 
 
-def _score(robot: Robot, axes: Vector, size: float, floor: float) -> float:
+def _score(robot: Mechanism, axes: Vector, size: float, floor: float) -> float:
     try:
         dexterity = float(np.log(np.maximum(_singular_values(robot, axes, size), 1e-3)).sum())
         heights = _heights(robot, axes)
@@ -142,7 +142,7 @@ def _score(robot: Robot, axes: Vector, size: float, floor: float) -> float:
     return dexterity + looks - 4.0 * depth - 0.03 * bent
 
 
-def _heights(robot: Robot, axes: Vector) -> Vector:
+def _heights(robot: Mechanism, axes: Vector) -> Vector:
     """Return the heights [m] of all joints above the base's origin."""
     return np.array([T[2, 3] for T in link_placements(robot.chain, robot.q(axes)).values()])
 

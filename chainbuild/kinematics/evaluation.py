@@ -6,9 +6,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from threading import local
 
-import eigenpy
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
@@ -16,19 +15,25 @@ from numpy.typing import NDArray
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import Chain, Task
 from chainbuild.kinematics.model import build_model
+from chainbuild.kinematics.newton import Residual
 from chainbuild.kinematics.product import product_of
 from chainbuild.units import si_factor
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-Residual = Callable[[Vector], tuple[Vector, Matrix]]
 
 _LOCAL = pin.ReferenceFrame.LOCAL
-_AXES = {"x": 0, "y": 1, "z": 2}
+
+
+class _Scratch(local):
+    """Pinocchio's scratch data, each thread's own: what one computes would overwrite what another still reads."""
+
+    def __init__(self, model: pin.Model) -> None:
+        self.data = model.createData()
 
 
 class Kinematics:
-    """Evaluates one chain; holds Pinocchio's model and scratch data.
+    """Evaluates one chain; holds Pinocchio's model and scratch data. Threads may share it.
 
     Args:
         chain: A checked chain.
@@ -37,17 +42,22 @@ class Kinematics:
     def __init__(self, chain: Chain) -> None:
         self.chain = chain
         self.model = build_model(chain)
-        self.data = self.model.createData()
+        self._scratch = _Scratch(self.model)
         self.si_factors = np.array([si_factor(axis.kind) for axis in chain.axes])
         self.tool_id = self.model.getFrameId("tool")
         self.workpiece_id = self.model.getFrameId("workpiece")
         self.workpiece_fixed = self.model.frames[self.workpiece_id].parentJoint == 0
         self.T_base_workpiece = self.model.frames[self.workpiece_id].placement.copy()
         self._map = chain.axis_map
-        self.tool_axis = _AXES[chain.tool_axis]
+        self.tool_axis = chain.tool_column
         self.has_input_axes = any(axis.held for axis in chain.axes)
         self.product = product_of(chain)
         self.affine = self._map if isinstance(self._map, AffineMap) else None
+
+    @property
+    def data(self) -> pin.Data:
+        """The calling thread's scratch data."""
+        return self._scratch.data
 
     def q(self, x: Vector) -> Vector:
         """Return Pinocchio's joint values of SI axis values."""
@@ -62,16 +72,17 @@ class Kinematics:
 
     def pose(self, q: Vector) -> pin.SE3:
         """Return the tool in the workpiece frame [m] at joint values."""
-        pin.forwardKinematics(self.model, self.data, q)
-        tool = pin.updateFramePlacement(self.model, self.data, self.tool_id)
+        model, data = self.model, self._scratch.data
+        pin.forwardKinematics(model, data, q)
+        tool = pin.updateFramePlacement(model, data, self.tool_id)
         if self.workpiece_fixed:
             return self.T_base_workpiece.actInv(tool)
-        workpiece = pin.updateFramePlacement(self.model, self.data, self.workpiece_id)
+        workpiece = pin.updateFramePlacement(model, data, self.workpiece_id)
         return workpiece.actInv(tool)
 
     def pose_and_jacobian(self, x: Vector) -> tuple[pin.SE3, Matrix]:
         """Return pose and Jacobian (6, n_axes), linear rows first, tool frame, by SI axis values."""
-        model, data = self.model, self.data
+        model, data = self.model, self._scratch.data
         pin.computeJointJacobians(model, data, self.q(x))
         tool = pin.updateFramePlacement(model, data, self.tool_id)
         J = pin.getFrameJacobian(model, data, self.tool_id, _LOCAL)
@@ -150,20 +161,3 @@ def tilt(direction: Vector, axis: int) -> Vector:
     scale = math.atan2(sine, direction[axis]) / sine
     turn[i], turn[j] = -direction[j] * scale, direction[i] * scale
     return turn
-
-
-def damped_step(J: Matrix, error: Vector, damping: float) -> Vector:
-    """Return the damped least-squares step (JᵀJ + damping·1)⁻¹·Jᵀ·error."""
-    rows, columns = J.shape
-    if rows == 1 or columns == 1:  # eigenpy gives solutions of one number a shape of their own
-        single: Vector = J.T @ error / (float((J * J).sum()) + damping)
-        return single
-    if rows < columns:
-        H = J @ J.T
-        H.flat[:: rows + 1] += damping
-        short: Vector = J.T @ eigenpy.LLT(H).solve(error)
-        return short
-    H = J.T @ J
-    H.flat[:: columns + 1] += damping
-    step: Vector = eigenpy.LLT(H).solve(J.T @ error)
-    return step

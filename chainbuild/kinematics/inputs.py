@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from chainbuild import tolerances
 from chainbuild.chain.elements import Axis
 from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.frames import is_rigid
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -59,16 +60,6 @@ def axis_rows(axes: Sequence[Axis], given: ArrayLike) -> Matrix:
     return values
 
 
-def outside_limits(axes: Sequence[Axis], values: Vector) -> list[str]:
-    """Return the names of the axes whose values lie outside their limits."""
-    outside = []
-    for axis, value in zip(axes, values, strict=True):
-        slack = 1e-9 * max(1.0, abs(axis.lower), abs(axis.upper))
-        if not axis.endless and not axis.lower - slack <= value <= axis.upper + slack:
-            outside.append(axis.name)
-    return outside
-
-
 def as_pose(T: pin.SE3 | ArrayLike) -> pin.SE3:
     """Return a pose as `pin.SE3`.
 
@@ -95,12 +86,3 @@ def numbers(values: ArrayLike) -> Vector | None:
         return raw.astype(float) if raw.dtype.kind in "biufO" else None
     except (TypeError, ValueError, OverflowError):
         return None
-
-
-def is_rigid(T: Matrix) -> bool:
-    """Return whether a (4, 4) array is a rigid transform: right-handed rotation, finite position."""
-    if not (np.abs(T) < tolerances.HUGE_POSITION_M).all() or not np.array_equal(T[3], (0.0, 0.0, 0.0, 1.0)):
-        return False
-    R = T[:3, :3]
-    off = float(np.abs(R @ R.T - np.eye(3)).max())
-    return off < tolerances.ROTATION_MATRIX and float(np.linalg.det(R)) > 0.0

@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from chainbuild.chain.elements import BASE_LINK, Chain
 
 if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.kinematics.mechanism import Mechanism
 
 Matrix = NDArray[np.float64]
 
 _LOCAL = pin.ReferenceFrame.LOCAL
 
 
-def joint_screws(robot: Robot, axes: ArrayLike) -> Matrix:
+def joint_screws(robot: Mechanism, axes: ArrayLike) -> Matrix:
     """Return the Jacobian (6, n_q) by joint values at axis values (n_axes,), mm and degrees.
 
     Linear rows [m], then angular; tool relative to workpiece, expressed in the tool frame. Where axes are coupled, as

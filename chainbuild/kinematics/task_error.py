@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from threading import local
 
 import eigenpy
 import numpy as np
@@ -47,7 +48,12 @@ class Task:
         self._even = bool((self._weights == 1.0).all())
         self._shifts = weights[:3] > 0.0
         self._axis, self._shown_axis = axis, shown_axis
-        self.damping = Damping(len(self._rows), len(free))
+        self._memory = _Memory(len(self._rows), len(free))
+
+    @property
+    def damping(self) -> Damping:
+        """What makes steps; each thread's own."""
+        return self._memory.damping
 
     def error_of(self, target: Matrix) -> ToolError:
         """Return the function y → (error, Jacobian), one row for each weight that is not 0.
@@ -130,6 +136,13 @@ class Damping:
         Jt.dot(J, out=square)
         diagonal += damping
         return self._factor.compute(square).solve(Jt.dot(error))
+
+
+class _Memory(local):
+    """A `Damping` for each thread: its factorisation works in place."""
+
+    def __init__(self, rows: int, columns: int) -> None:
+        self.damping = Damping(rows, columns)
 
 
 def _placed(kinematics: Kinematics, target: pin.SE3) -> Callable[[Vector], tuple[pin.SE3, Matrix]]:

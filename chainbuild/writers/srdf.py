@@ -11,12 +11,12 @@ from chainbuild.files import make_folder, write_text
 
 if TYPE_CHECKING:
     from chainbuild.analysis.collision.pairs import PairTable, Verdict
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.kinematics.mechanism import Mechanism
 
 _REASONS: Final[tuple[tuple[Verdict, str], ...]] = (("adjacent", "Adjacent"), ("always", "Always"), ("never", "Never"))
 
 
-def srdf_text(robot: Robot, table: PairTable) -> str:
+def srdf_text(robot: Mechanism, table: PairTable) -> str:
     """Return the SRDF of a robot with the pairs that need no check."""
     root = ET.Element("robot", name=robot.name)
     root.append(
@@ -34,7 +34,7 @@ def srdf_text(robot: Robot, table: PairTable) -> str:
     return buffer.getvalue().decode("utf-8") + "\n"
 
 
-def write_srdf(robot: Robot, table: PairTable, folder: Path | str = "urdf_out") -> Path:
+def write_srdf(robot: Mechanism, table: PairTable, folder: Path | str = "urdf_out") -> Path:
     """Write a robot's SRDF beside its URDF, folder/NAME/NAME.srdf, and return that path.
 
     Raises:

@@ -31,7 +31,7 @@ from chainbuild.writers import notes
 from chainbuild.writers.notes import urdf_limitations
 
 if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.kinematics.mechanism import Mechanism
 
 __all__ = ["urdf_limitations", "urdf_text", "write_urdf"]
 
@@ -43,7 +43,7 @@ _TIPS: Final = {"flange": "flange", "tool": "tool", "table": "workpiece"}
 _MARK_SHARE: Final = 0.01
 
 
-def write_urdf(robot: Robot, folder: Path | str = "urdf_out") -> Path:
+def write_urdf(robot: Mechanism, folder: Path | str = "urdf_out") -> Path:
     """Write a robot as folder/NAME/NAME.urdf and return that path.
 
     The same robot gives the same bytes on every machine. Links and joints carry the names of the chain, fixed joints
@@ -58,10 +58,10 @@ def write_urdf(robot: Robot, folder: Path | str = "urdf_out") -> Path:
         ChainbuildError: this is no robot.
         FileAccessError: the folder is no path, or the file cannot be written.
     """
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.kinematics.mechanism import Mechanism
 
-    if not isinstance(robot, Robot):
-        raise ChainbuildError(f"{type(robot).__name__} is no robot", permitted="what Chain.build() returns")
+    if not isinstance(robot, Mechanism):
+        raise ChainbuildError(f"{type(robot).__name__} is no robot", permitted="a chainbuild.Robot")
     text = urdf_text(robot)
     place = as_folder(folder) / robot.name
     make_folder(place)
@@ -70,7 +70,7 @@ def write_urdf(robot: Robot, folder: Path | str = "urdf_out") -> Path:
     return path
 
 
-def urdf_text(robot: Robot) -> str:
+def urdf_text(robot: Mechanism) -> str:
     """Return the URDF of a robot."""
     chain = robot.chain
     root = ET.Element("robot", name=chain.name)

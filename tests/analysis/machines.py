@@ -10,7 +10,7 @@ import numpy as np
 
 from chainbuild.chain.assemble import Element, assemble, linear, mark, rotary, shift
 from chainbuild.chain.elements import Axis, Chain, Task
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 from chainbuild.units import unit_of
 
 Vector = np.ndarray
@@ -26,7 +26,7 @@ def build(
 ) -> Robot:
     body = assemble(axes, tool, workpiece)
     parts = (body.links, body.joints, body.frames, tuple(axes), body.axis_map)
-    return Chain("test", "Test", dialect, kinematic, *parts, "orirpy", task=task).build()
+    return Robot(Chain("test", "Test", dialect, kinematic, *parts, "orirpy", task=task))
 
 
 def axis(name: str, bound: float = 180.0, **more: object) -> Axis:

@@ -22,7 +22,7 @@ from tests.analysis.planar import segment_distance
 
 
 def arm(name: str = "kr6r900_2") -> chainbuild.Robot:
-    return chainbuild.load(name).chain().build()
+    return chainbuild.Robot.load(name)
 
 
 def samples(robot: chainbuild.Robot, count: int, seed: int = 0) -> np.ndarray:
@@ -81,15 +81,15 @@ def test_neighbours_and_what_always_touches_are_left_out() -> None:
     assert ("B2_link", "B3_link") in model.always
     ignoring = replace(model.robot.chain, geometry=Geometry(ignore=(("base", "B2_link"),)))
     assert frozenset(("base", "B2_link")) not in {
-        frozenset(pair) for pair in CollisionModel(ignoring.build()).pairs_by_link()
+        frozenset(pair) for pair in CollisionModel(chainbuild.Robot(ignoring)).pairs_by_link()
     }
 
 
 def test_drawn_slides_of_a_mill_are_no_collision_but_given_ones_are() -> None:
     chain = chainbuild.load("ca_head_kin9").chain()
-    assert CollisionModel(chain.build()).pairs == ()
+    assert CollisionModel(chainbuild.Robot(chain)).pairs == ()
     given = replace(chain, geometry=Geometry(radii={"A_link": 0.1, "X_link": 0.1}))
-    assert ("X_link", "A_link") in CollisionModel(given.build()).pairs_by_link()
+    assert ("X_link", "A_link") in CollisionModel(chainbuild.Robot(given)).pairs_by_link()
 
 
 def test_watched_pairs_can_be_chosen() -> None:
@@ -117,7 +117,7 @@ def test_shapes_of_every_kind(tmp_path: Path) -> None:
     distances: dict[str, float] = {}
     for kind, shape in shapes.items():
         geometry = Geometry(shapes={"base": (shape,), "C2_link": (other,)})
-        model = CollisionModel(replace(chain, geometry=geometry).build(), [("base", "C2_link")])
+        model = CollisionModel(chainbuild.Robot(replace(chain, geometry=geometry)), [("base", "C2_link")])
         assert [s.kind for s in model.solids if s.link == "base"] == [kind]
         axes = [20.0, 30.0, -50.0, 0.0]
         found = model.nearest(axes)
@@ -136,7 +136,7 @@ def test_shapes_of_every_kind(tmp_path: Path) -> None:
     assert distances["mesh"] == pytest.approx(distances["box"], abs=2e-6)
     missing = replace(chain, geometry=Geometry(shapes={"base": (Shape("mesh", file=tmp_path / "no.stl"),)}))
     with pytest.raises(FileAccessError, match="mesh cannot be read"):
-        CollisionModel(missing.build())
+        CollisionModel(chainbuild.Robot(missing))
 
 
 def write_cube(path: Path, edge: float) -> None:
@@ -206,7 +206,7 @@ def test_nonlinear_axis_maps_are_walked_too() -> None:
         "base": (Shape("box", size=(0.4, 0.4, 0.2), place=(0.0, 0.0, -0.6, 0.0, 0.0, 0.0)),),
         "A_link": (Shape("sphere", points=(0.0, 0.0, -0.2), radius=0.05),),
     }
-    robot = replace(chain, geometry=Geometry(shapes=shapes)).build()
+    robot = chainbuild.Robot(replace(chain, geometry=Geometry(shapes=shapes)))
     model = CollisionModel(robot, [("base", "A_link")])
     path = np.array([[0.0, 0.0, 400.0, 0.0, 0.0], [0.0, 0.0, -400.0, 40.0, 30.0]])
     found = first_contact(model, path)
@@ -229,7 +229,7 @@ def test_ik_keeps_clear_when_asked() -> None:
             continue
         place = plain.frame_placements(other.axes)["B2"].translation
         ball = Shape("sphere", points=tuple(place.tolist()), radius=0.12)
-        robot = replace(plain.chain, geometry=Geometry(shapes={"base": (ball,)})).build()
+        robot = chainbuild.Robot(replace(plain.chain, geometry=Geometry(shapes={"base": (ball,)})))
         model = CollisionModel(robot)
         if model.collides(axes) or not model.collides(other.axes):
             continue

@@ -82,7 +82,7 @@ def free_by_hand(a2: float) -> tuple[float, float]:
 
 
 def test_swept_limits_of_a_parallelogram_agree_with_planar_geometry() -> None:
-    report = swept_limits(with_bodies(30.0, 150.0).build(), steps=10)
+    report = swept_limits(chainbuild.Robot(with_bodies(30.0, 150.0)), steps=10)
     assert not report.drawn
     assert report.blocked == ()
     assert (report.over, report.moved) == ("A2", "A3")
@@ -104,14 +104,14 @@ def test_swept_limits_of_a_parallelogram_agree_with_planar_geometry() -> None:
 
 
 def test_verdicts_on_the_limits_of_a_file() -> None:
-    fitting = swept_limits(with_bodies(30.0, 150.0).build(), steps=7).proposal
+    fitting = swept_limits(chainbuild.Robot(with_bodies(30.0, 150.0)), steps=7).proposal
     assert fitting is not None
     low, high = fitting
-    assert swept_limits(with_bodies(low, high).build(), steps=7).verdicts == ("the limits fit",)
-    wide = swept_limits(with_bodies(low - 3.0, high + 3.0).build(), steps=7).verdicts
+    assert swept_limits(chainbuild.Robot(with_bodies(low, high)), steps=7).verdicts == ("the limits fit",)
+    wide = swept_limits(chainbuild.Robot(with_bodies(low - 3.0, high + 3.0)), steps=7).verdicts
     assert len(wide) == 2
     assert all("too wide" in verdict and "touch" in verdict for verdict in wide)
-    tight = swept_limits(with_bodies(low + 12.0, high - 7.0).build(), steps=7).verdicts
+    tight = swept_limits(chainbuild.Robot(with_bodies(low + 12.0, high - 7.0)), steps=7).verdicts
     assert tight == (
         "the lower limit is too tight: 12.0° of free angle are wasted",
         "the upper limit is too tight: 7.0° of free angle are wasted",
@@ -123,7 +123,7 @@ def test_without_rods_in_the_way_the_dead_points_end_the_range() -> None:
     thin = dict.fromkeys(("base", "A1_link", "A2_link", "A3_link"), 0.001)
     geometry = Geometry(radii=thin, rod_data=RodData(crank=CRANK, radius=0.001, sideways=0.5))
     links = tuple(replace(link, radius=thin.get(link.name)) for link in chain.links)
-    report = swept_limits(replace(chain, geometry=geometry, links=links).build(), steps=3)
+    report = swept_limits(chainbuild.Robot(replace(chain, geometry=geometry, links=links)), steps=3)
     for interval in report.intervals:
         assert interval.lower is not None
         assert interval.upper is not None
@@ -134,13 +134,13 @@ def test_without_rods_in_the_way_the_dead_points_end_the_range() -> None:
 
 def test_only_parallelograms_have_such_limits() -> None:
     with pytest.raises(ChainbuildError, match="no parallelogram"):
-        swept_limits(chainbuild.load("kr6r900").chain().build())
+        swept_limits(chainbuild.Robot.load("kr6r900"))
     with pytest.raises(ChainbuildError, match="sweep"):
-        swept_limits(with_bodies(30.0, 150.0).build(), steps=1)
+        swept_limits(chainbuild.Robot(with_bodies(30.0, 150.0)), steps=1)
 
 
 def test_any_axis_over_any_other() -> None:
-    model = CollisionModel(chainbuild.load("palletiser_kin96").chain().build())
+    model = CollisionModel(chainbuild.Robot.load("palletiser_kin96"))
     found = sweep(model, "G3", "G2", values=np.linspace(-40.0, 85.0, 9).tolist())
     assert (found.moved, found.over, found.unit_moved, found.unit_over) == ("G3", "G2", "deg", "deg")
     assert len(found.intervals) == 9
@@ -161,7 +161,7 @@ def test_any_axis_over_any_other() -> None:
 
 
 def test_sweeps_that_make_no_sense() -> None:
-    model = CollisionModel(chainbuild.load("palletiser_kin96").chain().build())
+    model = CollisionModel(chainbuild.Robot.load("palletiser_kin96"))
     with pytest.raises(ChainbuildError, match="no axis 'B7'"):
         sweep(model, "B7", "G2")
     with pytest.raises(ChainbuildError, match="against itself"):
@@ -169,6 +169,6 @@ def test_sweeps_that_make_no_sense() -> None:
     with pytest.raises(ChainbuildError, match="empty"):
         sweep(model, "G3", "G2", bounds=(10.0, 10.0))
     everywhere = Geometry(shapes={"base": (Shape("box", size=(9.0, 9.0, 9.0)),)})
-    blocked = CollisionModel(replace(model.robot.chain, geometry=everywhere).build(), [("base", "G3_link")])
+    blocked = CollisionModel(chainbuild.Robot(replace(model.robot.chain, geometry=everywhere)), [("base", "G3_link")])
     (one,) = sweep(blocked, "G3", "G2", values=[0.0]).intervals
     assert (one.lower, one.upper) == (None, None)

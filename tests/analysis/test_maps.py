@@ -17,7 +17,7 @@ from chainbuild.errors import ChainbuildError, FileAccessError
 
 @pytest.fixture(scope="module")
 def robot() -> chainbuild.Robot:
-    return chainbuild.load("kr6r900").chain().build()
+    return chainbuild.Robot.load("kr6r900")
 
 
 def test_a_map_over_two_axes_holds_the_measure_of_each_cell(robot: chainbuild.Robot) -> None:

@@ -23,7 +23,7 @@ def samples(robot: chainbuild.Robot, count: int) -> np.ndarray:
 
 @pytest.mark.parametrize("name", [*MACHINES, "irb2600_track", "irb2600_table"])
 def test_jacobians_in_batch_are_pinocchios(name: str) -> None:
-    robot = chainbuild.load(name).chain().build()
+    robot = chainbuild.Robot.load(name)
     axes = samples(robot, 30)
     seen = 0
     for part, positions, J in pose_jacobians(robot, axes):
@@ -36,7 +36,7 @@ def test_jacobians_in_batch_are_pinocchios(name: str) -> None:
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_batch_is_the_single_measure(name: str) -> None:
-    robot = chainbuild.load(name).chain().build()
+    robot = chainbuild.Robot.load(name)
     axes = samples(robot, 20)
     table = measure_batch(robot, axes)
     for n, row in enumerate(axes):
@@ -48,7 +48,7 @@ def test_batch_is_the_single_measure(name: str) -> None:
 
 
 def test_lost_and_runaway_are_singular_vectors() -> None:
-    robot = chainbuild.load("kr6r900").chain().build()
+    robot = chainbuild.Robot.load("kr6r900")
     axes = [10.0, -80.0, 70.0, 20.0, 2.0, 5.0]
     found, scaling = measure(robot, axes), scaling_of(robot)
     J = scaling.apply(robot.jacobian(axes))
@@ -57,7 +57,7 @@ def test_lost_and_runaway_are_singular_vectors() -> None:
 
 
 def test_the_length_scales_what_is_a_length() -> None:
-    robot = chainbuild.load("kr6r900").chain().build()
+    robot = chainbuild.Robot.load("kr6r900")
     axes = [10.0, -80.0, 70.0, 20.0, 30.0, 5.0]
     J = robot.jacobian(axes)
     J[:3] /= 0.5
@@ -68,7 +68,7 @@ def test_the_length_scales_what_is_a_length() -> None:
 
 
 def test_input_axes_are_no_freedoms() -> None:
-    robot = chainbuild.load("irb2600_track").chain().build()
+    robot = chainbuild.Robot.load("irb2600_track")
     axes = np.zeros(len(robot.axes))
     held = [n for n, axis in enumerate(robot.axes) if axis.held]
     assert held
@@ -76,14 +76,14 @@ def test_input_axes_are_no_freedoms() -> None:
 
 
 def test_shape_of_batches_is_checked() -> None:
-    robot = chainbuild.load("kr6r900").chain().build()
+    robot = chainbuild.Robot.load("kr6r900")
     for wrong in ([[0.0] * 5], [0.0] * 6, [[np.nan] * 6]):
         with pytest.raises(ChainbuildError, match="shape"):
             measure_batch(robot, wrong)
 
 
 def test_speeds_follow_from_the_inverse_jacobian() -> None:
-    robot = chainbuild.load("kr6r900").chain().build()
+    robot = chainbuild.Robot.load("kr6r900")
     axes = [10.0, -80.0, 70.0, 20.0, 30.0, 5.0]
     inverse = np.linalg.inv(robot.jacobian(axes))
     along = np.array([0.6, 0.0, 0.8])
@@ -103,13 +103,13 @@ def test_speeds_follow_from_the_inverse_jacobian() -> None:
 
 
 def test_speeds_blow_up_at_the_singularity() -> None:
-    robot = chainbuild.load("kr6r900").chain().build()
+    robot = chainbuild.Robot.load("kr6r900")
     near = speeds(robot, [0.0, -90.0, 90.0, 0.0, 0.1, 0.0], 10.0)
     assert near.alarm == 75324
     assert {row.axis.name for row in near.axes if row.excessive} == {"A4", "A6"}
     at = speeds(robot, [0.0, -90.0, 90.0, 0.0, 0.0, 0.0], 10.0)
     assert {row.axis.name for row in at.axes if np.isinf(row.needed)} == {"A4", "A6"}
-    assert speeds(chainbuild.load("kr6r900_2").chain().build(), [0.0] * 6, 1e6).alarm is None  # ROBX's alarm
+    assert speeds(chainbuild.Robot.load("kr6r900_2"), [0.0] * 6, 1e6).alarm is None  # ROBX's alarm
     for wrong in (0.0, float("inf"), -1.0):
         with pytest.raises(ChainbuildError, match="speed"):
             speeds(robot, [0.0] * 6, wrong)
@@ -134,7 +134,7 @@ def test_thresholds_of_the_control(tmp_path) -> None:
 
 
 def test_judgements_of_the_control() -> None:
-    robot = chainbuild.load("kr6r900").chain().build()
+    robot = chainbuild.Robot.load("kr6r900")
 
     def at(a5: float) -> list[float]:
         return [0.0, -90.0, 90.0, 0.0, a5, 0.0]

@@ -15,7 +15,7 @@ from tests.analysis.machines import OrthoArm, axis, build
 
 
 def robot(name: str) -> chainbuild.Robot:
-    return chainbuild.load(name).chain().build()
+    return chainbuild.Robot.load(name)
 
 
 def test_a_wrist_is_said_as_an_engineer_would() -> None:

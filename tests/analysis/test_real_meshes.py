@@ -17,6 +17,7 @@ from chainbuild.chain.elements import BASE_LINK, Chain
 from chainbuild.chain.geometry import Geometry, Shape
 from chainbuild.collision.model import CollisionModel
 from chainbuild.formats.urdf import from_urdf
+from chainbuild.robot import Robot
 
 DATA = Path(sys.prefix) / "lib" / f"python{sys.version_info.major}.{sys.version_info.minor}" / "site-packages"
 ROBOTS = DATA / "cmeel.prefix/share/example-robot-data/robots"
@@ -81,7 +82,7 @@ def test_capsules_hulls_and_meshes_agree(name: str, record_property) -> None:
         "hull": {link: (shape,) for link, shape in hulls.items()},
         "mesh": {link: (replace(shape, kind="mesh"),) for link, shape in hulls.items()},
     }
-    robots = {kind: replace(chain, geometry=Geometry(shapes=shapes)).build() for kind, shapes in by_kind.items()}
+    robots = {kind: Robot(replace(chain, geometry=Geometry(shapes=shapes))) for kind, shapes in by_kind.items()}
     # Pairs that are never in touch at rest: links at least three joints apart.
     order = [BASE_LINK, *(joint.child for joint in chain.joints)]
     pairs = [(a, b) for n, a in enumerate(order) for b in order[n + 3 :] if a in hulls and b in hulls]

@@ -29,7 +29,7 @@ def samples(robot: chainbuild.Robot, count: int) -> np.ndarray:
 @pytest.mark.parametrize("name", ARMS)
 def test_rods_close_and_leave_the_robot_as_it_was(name: str, data: RodData) -> None:
     chain = chainbuild.load(name).chain()
-    plain, rodded = chain.build(), with_rods(chain, data).build()
+    plain, rodded = chainbuild.Robot(chain), chainbuild.Robot(with_rods(chain, data))
     assert rodded.model.nq > plain.model.nq
     assert rodded.axes == plain.axes
     for axes in samples(plain, 200):
@@ -53,7 +53,7 @@ def test_every_rod_joint_follows_one_other(name: str) -> None:
     expected = {"crank", "rod"} | ({"level_plate", "level_crank", "level"} if name == "palletiser_kin96" else set())
     assert set(masters) == expected
     assert not {master for master, _, _ in masters.values()} & expected
-    robot = chain.build()
+    robot = chainbuild.Robot(chain)
     names = [joint.name for joint in chain.joints]
     for axes in samples(robot, 20):
         q = dict(zip(names, robot.q(axes), strict=True))
@@ -63,7 +63,7 @@ def test_every_rod_joint_follows_one_other(name: str) -> None:
 
 @pytest.mark.parametrize("name", ARMS[:3])
 def test_urdf_writes_mimic_joints_that_readers_follow(name: str, tmp_path: Path) -> None:
-    robot = with_rods(chainbuild.load(name).chain(), RodData()).build()
+    robot = chainbuild.Robot(with_rods(chainbuild.load(name).chain(), RodData()))
     path = chainbuild.write_urdf(robot, tmp_path)
     assert path.read_text("utf-8").count("<mimic") == len(rod_masters(robot.chain))
     model = pin.buildModelFromUrdf(str(path), mimic=True)
@@ -116,7 +116,7 @@ def test_rods_that_cannot_be_are_refused() -> None:
 def test_structure_and_names_do_not_change_with_rods() -> None:
     for name in ARMS:
         chain = chainbuild.load(name).chain()
-        plain, rodded = chain.build(), with_rods(chain, RodData()).build()
+        plain, rodded = chainbuild.Robot(chain), chainbuild.Robot(with_rods(chain, RodData()))
         assert type(structure_of(rodded).form) is type(structure_of(plain).form)
         for axes in samples(plain, 40):
             assert [f.sentence for f in names_at(rodded, axes)] == [f.sentence for f in names_at(plain, axes)]
@@ -125,7 +125,7 @@ def test_structure_and_names_do_not_change_with_rods() -> None:
 def test_the_dead_point_of_the_linkage_is_a_notice() -> None:
     """A crank in line with the forearm is dead where the arm is stretched: its sine is the elbow's."""
     chain = chainbuild.load("irb2600").chain()
-    robot = with_rods(chain, RodData()).build()
+    robot = chainbuild.Robot(with_rods(chain, RodData()))
     stretched = math.degrees(math.atan2(115.0, 795.0)) - 90.0
     for off in (0.0, 3.0, -9.0, 12.0):
         axes = [0.0, 10.0, stretched + off, 10.0, 30.0, 0.0]
@@ -135,7 +135,7 @@ def test_the_dead_point_of_the_linkage_is_a_notice() -> None:
             assert notice.value == pytest.approx(math.sin(math.radians(abs(off))), abs=1e-9)
             assert notice.axes == ("A3",)
             assert f"{abs(off):.3g}° from its dead point" in notice.condition or off == 0.0
-        assert not [n for n in examine(chain.build(), axes).notices if n.kind == "dead_point"]
+        assert not [n for n in examine(chainbuild.Robot(chain), axes).notices if n.kind == "dead_point"]
 
 
 def test_pinned_links_are_known() -> None:

@@ -32,7 +32,7 @@ def median_us(work: Callable[[], object], count: int) -> float:
 
 def rows() -> list[tuple[str, float, float, str]]:
     """Return (what, microseconds, mark, unit of the mark)."""
-    robot = chainbuild.load(MACHINE).chain().build()
+    robot = chainbuild.Robot.load(MACHINE)
     lower, upper = shown_limits(robot.chain)
     axes = lower + (upper - lower) * np.random.default_rng(0).random((2000, len(lower)))
     batch = median_us(lambda: measure_batch(robot, axes), len(axes))
@@ -47,7 +47,7 @@ def rows() -> list[tuple[str, float, float, str]]:
 def distance_cost(robot: chainbuild.Robot, kind: str, axes: np.ndarray) -> tuple[float, float]:
     """Return microseconds of `CollisionModel.smallest_at` and of Pinocchio's own loop on the same bodies."""
     if kind == "hull":
-        robot = replace(robot.chain, geometry=Geometry(shapes=hulls(robot))).build()
+        robot = chainbuild.Robot(replace(robot.chain, geometry=Geometry(shapes=hulls(robot))))
     model = CollisionModel(robot)
     geometry, data = model._model, robot.model.createData()
     results = pin.GeometryData(geometry)

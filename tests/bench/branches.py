@@ -13,13 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from chainbuild.ik.branches.analytic import ik_all, method_of
 from chainbuild.ik.branches.core.query import Query
 from chainbuild.ik.branches.core.serial import Serial
 from chainbuild.ik.branches.elimination.eaik_arm import eaik_robot
+from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.branches.opw.batch import ik_all_batch
 from chainbuild.ik.branches.opw.parameters import OpwArm, opw_arm
-from chainbuild.kinematics.mechanism import as_pose
+from chainbuild.ik.plan import plan_of
+from chainbuild.ik.request import IkRequest
 from tests.bench.machines import Machine
 from tests.bench.measure import clock, judge
 from tests.bench.peers import into_limits
@@ -113,7 +114,7 @@ def one_core() -> None:
 
 def arm_of(machine: Machine) -> tuple[Serial, OpwArm] | None:
     """Return a machine as screws and as an ortho-parallel arm, or None."""
-    serial = Query.of(machine.robot, as_pose(np.eye(4)), None, None).serial()
+    serial = Query.of(IkRequest(machine.robot, np.eye(4))).serial()
     arm = opw_arm(serial)
     return None if arm is None else (serial, arm)
 
@@ -144,7 +145,7 @@ def eaik(machine: Machine) -> BranchSolver | None:
     """EAIK: subproblems, C++."""
     import eaik  # noqa: F401 - names the package where it is missing
 
-    serial = Query.of(machine.robot, as_pose(np.eye(4)), None, None).serial()
+    serial = Query.of(IkRequest(machine.robot, np.eye(4))).serial()
     model = eaik_robot(serial)
     if model is None:
         return None
@@ -187,7 +188,7 @@ def opw(machine: Machine, *, arrays: bool) -> BranchSolver | None:
 
 def solvers(machine: Machine) -> Iterator[tuple[str, BranchSolver]]:
     """Yield the closed forms that are installed and take the machine."""
-    yield f"chainbuild ik_all ({method_of(machine.robot)})", ours(machine)
+    yield f"chainbuild ik_all ({plan_of(machine.robot).name})", ours(machine)
     makers = {
         "chainbuild ik_all_batch, compiled, of one pose": lambda: _batch_of_one(machine),
         "EAIK": lambda: eaik(machine),

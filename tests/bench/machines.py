@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import chainbuild
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 
 HERE = Path(__file__).parent
 SHIPPED = ("kr6r900", "tx2_60", "irb2600")
@@ -43,12 +43,12 @@ def machines(folder: Path) -> Iterator[Machine]:
     try:
         found = examples_folder()
         for name, (path, tool) in EXAMPLES.items():
-            yield _machine(name, chainbuild.from_urdf(found / path, tool=tool).build(), folder)
+            yield _machine(name, chainbuild.Robot(chainbuild.from_urdf(found / path, tool=tool)), folder)
     except importlib.metadata.PackageNotFoundError:
         print("skipped: UR5, UR10, Panda (package example-robot-data is not installed)")
-    yield _machine("KR 6 R700", chainbuild.from_urdf(HERE / "kr6r700.urdf", tool="tool0").build(), folder)
+    yield _machine("KR 6 R700", chainbuild.Robot(chainbuild.from_urdf(HERE / "kr6r700.urdf", tool="tool0")), folder)
     for name in SHIPPED:
-        yield _machine(name, chainbuild.load(name).chain().build(), folder)
+        yield _machine(name, chainbuild.Robot.load(name), folder)
 
 
 def examples_folder() -> Path:

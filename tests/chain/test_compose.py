@@ -38,7 +38,7 @@ def random_transform(rng: np.random.Generator) -> np.ndarray:
 
 
 def fk(chain: Chain, axes: np.ndarray) -> np.ndarray:
-    return chain.build().fk(axes).homogeneous
+    return chainbuild.Robot(chain).fk(axes).homogeneous
 
 
 @pytest.mark.parametrize(("a", "b"), list(itertools.product(NAMES, NAMES)))
@@ -170,7 +170,7 @@ def test_jacobians_agree_with_pinocchio(chains: dict[str, Chain]) -> None:
     rng = np.random.default_rng(9)
     for chain in (*chains.values(), follow(chains["bed_mill_kin1"], workpiece_of=chains["cardan_head_kin59"])):
         axes = random_axes(chain, rng)
-        R, J = fk(chain, axes)[:3, :3], chain.build().jacobian(axes)
+        R, J = fk(chain, axes)[:3, :3], chainbuild.Robot(chain).jacobian(axes)
         assert np.abs(np.vstack([R @ J[:3], R @ J[3:]]) - pose_jacobian(chain, axes)).max() < 1e-10
 
 
@@ -210,7 +210,7 @@ def test_limits_reach_the_partials(chains: dict[str, Chain]) -> None:
 def test_composed_robots_are_written_and_solved(chains: dict[str, Chain], tmp_path: object) -> None:
     rng = np.random.default_rng(10)
     whole = follow(stack(chains["ac_table_kin58"], np.eye(4), chains["kr6r900"]), workpiece_of=chains["scara_kin36"])
-    robot = whole.build()
+    robot = chainbuild.Robot(whole)
     assert chainbuild.write_urdf(robot, tmp_path).is_file()  # type: ignore[arg-type]
     axes = random_axes(whole, rng)
     result = robot.ik(robot.fk(axes), start=axes)

@@ -29,7 +29,7 @@ Run = Callable[..., Outcome]
 @pytest.fixture(scope="session")
 def compiled_solver() -> None:
     """Have the solver compiled: the first command would say on stderr that it takes long."""
-    robot = chainbuild.load("gantry_ss").chain().build()
+    robot = chainbuild.Robot.load("gantry_ss")
     assert robot.ik(robot.fk([0.0] * len(robot.axes))).success
 
 

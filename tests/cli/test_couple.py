@@ -36,7 +36,7 @@ def test_the_split_as_json_with_axes(run: Run, machine_file: str) -> None:
     data = json.loads(outcome.out)
     assert data["partials"]["LINEAR"] == {"X": 800.0, "Y": 100.0}
     assert data["partials"]["ROBOT"] == pytest.approx({"X": 600, "Y": 200, "Z": 700, "A": 0, "B": 90, "C": 10})
-    robot = chainbuild.load(machine_file).chain().build()
+    robot = chainbuild.Robot.load(machine_file)
     assert robot.fk(list(data["axes"].values())).translation == pytest.approx([1.4, 0.3, 0.7], abs=1e-6)
 
 
@@ -74,7 +74,8 @@ def test_a_type_as_universal_kinematic(run: Run, tmp_path: Path) -> None:
     universal = chainbuild.load(path).chain()
     assert universal.kinematic == "KIN_TYP 91"
     axes = [10.0, 20.0, -30.0, 40.0, 50.0]
-    of_type, other = chainbuild.load("ac_table_kin58").chain().build().fk(axes), universal.build().fk(axes)
+    of_type, other = chainbuild.Robot.load("ac_table_kin58").fk(axes), chainbuild.Robot(universal).fk(axes)
+
     assert other.translation - of_type.translation == pytest.approx([0, 0, -0.56], abs=1e-12)
     assert np.abs(other.rotation - of_type.rotation).max() < 1e-12
 

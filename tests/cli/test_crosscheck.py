@@ -20,8 +20,8 @@ TABLE = REFERENCE / "kin58_trt_2.lis"
 
 def record(path: Path, there: chainbuild.Chain, shown: chainbuild.Chain, columns: tuple[str, ...]) -> None:
     """Write what a controller with one model would show, read by a machine with another."""
-    robot = there.build()
-    rows = make_samples(shown.build(), 30, ("random",)).axes
+    robot = chainbuild.Robot(there)
+    rows = make_samples(chainbuild.Robot(shown), 30, ("random",)).axes
     lines = [",".join((*(axis.name for axis in shown.axes), *columns))]
     with (path.parent / "poses.csv").open("w", encoding="utf-8") as stream:
         writer = PoseWriter(stream, shown.angle_mode)
@@ -133,7 +133,7 @@ def test_a_function_of_the_users_folder(run: Run) -> None:
     Path("my_solver_of_this_test.py").write_text(
         "import numpy as np\n"
         "import chainbuild\n"
-        f"robot = chainbuild.load({ARM!r}).chain().build()\n"
+        f"robot = chainbuild.Robot.load({ARM!r})\n"
         "def fk(axes):\n"
         "    return robot.fk(axes * np.array([1, 1, 1, -1, 1, 1])).homogeneous\n"
         "def ik(T):\n"

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 from tests.cli.conftest import AXES, REFERENCE, Run
 
 ARM = REFERENCE / "kin45_kr6r900_2.lis"

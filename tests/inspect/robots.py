@@ -9,7 +9,7 @@ import numpy as np
 from chainbuild.chain.assemble import Element, assemble, linear, mark, rotary, shift, turn
 from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.elements import Axis, Chain
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 from chainbuild.units import unit_of
 
 
@@ -27,7 +27,7 @@ def build(
 ) -> Robot:
     body = assemble(axes, tool, workpiece, axis_map)
     parts = (body.links, body.joints, body.frames, tuple(axes), body.axis_map)
-    return Chain("test", title, "hand made", "test", *parts, "orirpy").build()
+    return Robot(Chain("test", title, "hand made", "test", *parts, "orirpy"))
 
 
 def arm(title: str = "Arm") -> Robot:

@@ -17,7 +17,7 @@ from chainbuild.findings import Finding
 from chainbuild.inspect.export import export_page, page_html
 from chainbuild.inspect.inline import inline_page
 from chainbuild.inspect.sweep import sweep
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 from tests.inspect.browser import chromium, document, screenshot
 from tests.inspect.robots import ROBOTS, arm
 
@@ -41,7 +41,7 @@ def dark_pixels(picture: Picture) -> NDArray[np.bool_]:
 
 @pytest.mark.parametrize("name", [*ROBOTS, "kr6r900", "tx2_60"])
 def test_screenshot_shows_the_robot(name: str, tmp_path: Path) -> None:
-    robot = ROBOTS[name]() if name in ROBOTS else chainbuild.load(name).chain().build()
+    robot = ROBOTS[name]() if name in ROBOTS else chainbuild.Robot.load(name)
     picture = screenshot(export_page(robot, tmp_path / "page.html"), "#t=0")
     assert picture.shape == (800, 1280, 3)
     warm, machine = robot_pixels(picture), robot_pixels(picture) | dark_pixels(picture)
@@ -73,7 +73,7 @@ def test_the_sweep_moves_the_robot_and_names_the_axis(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", [*ROBOTS, "kr6r900", "scara_cc", "tx2_60", "irb2600_table"])
 def test_the_panel_tells_the_pose_of_the_tool(name: str, tmp_path: Path) -> None:
     """Between two keyframes, too: the pose is read from the scene, not from keyframes far apart."""
-    robot = ROBOTS[name]() if name in ROBOTS else chainbuild.load(name).chain().build()
+    robot = ROBOTS[name]() if name in ROBOTS else chainbuild.Robot.load(name)
     motion = sweep(robot)
     for axis in (0, len(robot.axes) - 1):
         frame = 50 * axis + 16
@@ -115,7 +115,7 @@ def test_the_page_loads_nothing() -> None:
 
 
 def test_the_panel_says_what_is_shown() -> None:
-    text = page_html(chainbuild.load("kr6r900").chain().build())
+    text = page_html(chainbuild.Robot.load("kr6r900"))
     for words in ("KUKA KR 6 R900", "SINUMERIK ROBX", "drawn, not measured", "Conventions", "swept in this order"):
         assert words in text
     for name, lower, upper in (("A1", "170", "170"), ("A2", "190", "45"), ("A6", "350", "350")):
@@ -132,7 +132,7 @@ def test_assumed_and_shortened_ranges_are_owned_up_to() -> None:
 
 
 def test_every_convention_used_is_listed() -> None:
-    robot = chainbuild.load("tx2_60").chain().build()
+    robot = chainbuild.Robot.load("tx2_60")
     text = page_html(robot)
     for used in robot.chain.conventions:
         assert f"{used.convention.name} = {used.choice}" in text

@@ -12,7 +12,7 @@ from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.bodies import machine_size, shown_limits
 from chainbuild.errors import ChainbuildError
 from chainbuild.inspect.sweep import link_placements, rest_pose, sweep
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 from tests.inspect.robots import ROBOTS, arm, scara
 
 

@@ -21,7 +21,7 @@ from chainbuild.chain.elements import Axis, Chain, Frame, Loop
 from chainbuild.convention import UsedConvention, conventions
 from chainbuild.errors import ChainError, FileAccessError
 from chainbuild.frames import rot_x, rot_y, rot_z, urdf_rpy
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 from chainbuild.writers.urdf import joint_speeds, urdf_limitations, urdf_text, write_urdf
 from tests.out.sample_chains import arm, chain_of, rotary_axis, table_machine
 
@@ -47,7 +47,7 @@ def by_name(robot: Robot, q: np.ndarray) -> dict[str, float]:
 
 @pytest.mark.parametrize("make", ALL)
 def test_pinocchio_reads_the_same_pose(make: Callable[[], Chain], tmp_path: Path) -> None:
-    robot = make().build()
+    robot = chainbuild.Robot(make())
     model = pin.buildModelFromUrdf(str(write_urdf(robot, tmp_path)))
     data = model.createData()
     assert model.nq == model.nv == robot.model.nq
@@ -65,7 +65,7 @@ def test_pinocchio_reads_the_same_pose(make: Callable[[], Chain], tmp_path: Path
 
 @pytest.mark.parametrize("make", ALL)
 def test_yourdfpy_reads_the_same_pose(make: Callable[[], Chain], tmp_path: Path) -> None:
-    robot = make().build()
+    robot = chainbuild.Robot(make())
     path = write_urdf(robot, tmp_path)
     model = yourdfpy.URDF.load(str(path), build_scene_graph=True, load_meshes=False)
     assert model.validate()
@@ -79,7 +79,7 @@ def test_yourdfpy_reads_the_same_pose(make: Callable[[], Chain], tmp_path: Path)
 
 def test_siblings_are_mapped_by_name(tmp_path: Path) -> None:
     """The reader sorts siblings: a position in q says nothing about the joint."""
-    robot = table_machine().build()
+    robot = chainbuild.Robot(table_machine())
     model = pin.buildModelFromUrdf(str(write_urdf(robot, tmp_path)))
     ours, theirs = list(robot.model.names)[1:], list(model.names)[1:]
     assert sorted(ours) == sorted(theirs)
@@ -87,7 +87,7 @@ def test_siblings_are_mapped_by_name(tmp_path: Path) -> None:
 
 
 def test_limits_and_speeds_are_those_of_the_model(tmp_path: Path) -> None:
-    robot = table_machine().build()
+    robot = chainbuild.Robot(table_machine())
     model = pin.buildModelFromUrdf(str(write_urdf(robot, tmp_path)))
     for n, joint in enumerate(robot.chain.joints):
         k = model.joints[model.getJointId(joint.name)].idx_q
@@ -102,7 +102,7 @@ def test_limits_and_speeds_are_those_of_the_model(tmp_path: Path) -> None:
 @pytest.mark.parametrize("make", ALL)
 def test_structure(make: Callable[[], Chain]) -> None:
     chain = make()
-    root = ET.fromstring(urdf_text(chain.build()))
+    root = ET.fromstring(urdf_text(chainbuild.Robot(chain)))
     assert root.get("name") == chain.name
     links = [link.get("name") for link in root.iter("link")]
     assert links == [*(link.name for link in chain.links), *(f.name for f in chain.frames if f.name != "base")]
@@ -122,12 +122,12 @@ def test_structure(make: Callable[[], Chain]) -> None:
 @pytest.mark.parametrize("make", ALL)
 def test_same_bytes_each_time_and_after_a_flip_of_the_last_bit(make: Callable[[], Chain], tmp_path: Path) -> None:
     chain = make()
-    first = write_urdf(chain.build(), tmp_path / "a").read_bytes()
-    assert write_urdf(chain.build(), tmp_path / "b").read_bytes() == first
+    first = write_urdf(chainbuild.Robot(chain), tmp_path / "a").read_bytes()
+    assert write_urdf(chainbuild.Robot(chain), tmp_path / "b").read_bytes() == first
     assert b"\r" not in first
     if chain.name in chainbuild.shipped():
         shaken = replace(chain, joints=tuple(replace(j, T_parent_joint=shake(j.T_parent_joint)) for j in chain.joints))
-        assert write_urdf(shaken.build(), tmp_path / "c").read_bytes() == first
+        assert write_urdf(chainbuild.Robot(shaken), tmp_path / "c").read_bytes() == first
 
 
 def shake(T: np.ndarray) -> np.ndarray:
@@ -148,7 +148,7 @@ def test_rpy_is_exact_at_two_metres(pitch_deg: float, others_deg: tuple[float, f
         [rotary_axis("A")],
         [recipe.rotary("A", "z"), recipe.turn(R), recipe.mark("flange"), recipe.shift(2000.0, 0.0, 0.0)],
     )
-    model = pin.buildModelFromXML(urdf_text(chain.build()))
+    model = pin.buildModelFromXML(urdf_text(chainbuild.Robot(chain)))
     data = model.createData()
     pin.framesForwardKinematics(model, data, np.zeros(1))
     # The lever hangs on the turned flange, so that an angle error shows at its end.
@@ -188,7 +188,7 @@ def test_coupled_axes_loops_and_endless_axes_are_named() -> None:
         "limits of axis G4 are assumed",
     ):
         assert words in text
-    head = urdf_text(chain.build())
+    head = urdf_text(chainbuild.Robot(chain))
     assert "q[G3] = (-G2 + G3)*pi/180" in head
     assert "q[hand] = 20*pi/180" in head
     assert all(line in head for line in urdf_limitations(chain))
@@ -210,7 +210,7 @@ def test_a_nonlinear_map_is_named() -> None:
         def q_bounds(self, lower: Any, upper: Any) -> Any:
             return np.full(len(lower), -np.inf), np.full(len(upper), np.inf)
 
-    robot = replace(chain, axis_map=Bent()).build()
+    robot = chainbuild.Robot(replace(chain, axis_map=Bent()))
     assert "nonlinear" in urdf_limitations(robot.chain)[0]
     text = urdf_text(robot)
     assert "nonlinear map" in text
@@ -221,7 +221,7 @@ def test_head_names_conventions_and_survives_odd_titles() -> None:
     name, convention = next(iter(conventions().items()))
     used = UsedConvention(convention, convention.default, False)
     chain = replace(arm(), title="Spindle --> <b>Stäubli</b> & \x01 --", conventions=(used,))
-    text = urdf_text(chain.build())
+    text = urdf_text(chainbuild.Robot(chain))
     assert f"{name}={convention.default} [{convention.mark}] (default)" in text
     builder = ET.TreeBuilder(insert_comments=True)
     parsed = ET.parse(io.StringIO(text), ET.XMLParser(target=builder)).getroot()
@@ -232,11 +232,11 @@ def test_a_frame_named_like_a_link_is_refused() -> None:
     chain = arm()
     clash = replace(chain, frames=(*chain.frames, Frame("Z1_link", "base", np.eye(4))))
     with pytest.raises(ChainError, match="Z1_link"):
-        urdf_text(clash.build())
+        urdf_text(chainbuild.Robot(clash))
 
 
 def test_path_and_trouble(tmp_path: Path) -> None:
-    robot = arm().build()
+    robot = chainbuild.Robot(arm())
     assert write_urdf(robot, tmp_path) == tmp_path / "arm" / "arm.urdf"
     (tmp_path / "file").write_text("", "utf-8")
     with pytest.raises(FileAccessError):

@@ -110,7 +110,7 @@ def compare(
 ) -> None:
     path = folder / "machine.tea"
     path.write_text(text_of(md))
-    robot = chainbuild.load(path).chain("gripper" if gripper else None, conventions=conv).build()
+    robot = chainbuild.Robot(chainbuild.load(path).chain("gripper" if gripper else None, conventions=conv))
     formula = {**md, "GRIP_REL_MOVE": int(gripper)}
     for _ in range(vectors):
         axes = random_axes(md, rng)
@@ -358,7 +358,7 @@ def test_tool_length_adds_to_length_1(direction: int, tmp_path: Path) -> None:
     path = tmp_path / "machine.tea"
     path.write_text(text_of(md))
     (tmp_path / "machine.chainbuild.toml").write_text(tool_overlay(md))
-    robot = chainbuild.load(path).chain(tool_length_mm=123.4).build()
+    robot = chainbuild.Robot(chainbuild.load(path).chain(tool_length_mm=123.4))
     axes = random_axes(md, rng)
     wanted = pose_mm(md | {"TC_DP3": md["TC_DP3"] + 123.4}, axes)
     np.testing.assert_allclose(robot.fk(axes).translation * 1000.0, wanted[:3, 3], atol=POSITION_MM)

@@ -12,6 +12,7 @@ from chainbuild.findings import Collector
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.sinumerik import is_sinumerik, read_machine
 from chainbuild.formats.text import read_source
+from chainbuild.robot import Robot
 
 FILES = sorted((Path(__file__).parents[1] / "data" / "reference").glob("robx_*.tea"))
 
@@ -24,7 +25,7 @@ def test_there_are_reference_files():
 def test_reference_poses(path):
     source = read_source(path)
     assert is_sinumerik(source.text)
-    robot = read_machine(source, path, Overlay(), Collector()).chain().build()
+    robot = Robot(read_machine(source, path, Overlay(), Collector()).chain())
     reference = json.loads(path.with_suffix(".json").read_text())
     assert reference["rows"]
     for row in reference["rows"]:

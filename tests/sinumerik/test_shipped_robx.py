@@ -29,7 +29,7 @@ def test_additional_axes(name: str, extra: list[str]) -> None:
 
 @pytest.mark.parametrize("name", [n for n in ROBX if n.startswith("irb2600_")])
 def test_additional_axes_move_what_they_are_for(name: str) -> None:
-    plain, robot = ROBX["irb2600"].chain().build(), ROBX[name].chain().build()
+    plain, robot = chainbuild.Robot(ROBX["irb2600"].chain()), chainbuild.Robot(ROBX[name].chain())
     arm, extra = [10.0, 20.0, -30.0, 40.0, 50.0, 60.0], [axis for axis in robot.axes if axis.held]
     values = [700.0 if axis.kind == "linear" else 35.0 for axis in extra]
     T, still = robot.fk([*arm, *values]), plain.fk(arm)
@@ -51,7 +51,7 @@ def test_additional_axes_move_what_they_are_for(name: str) -> None:
 
 
 def test_the_palletiser_is_the_worked_example() -> None:
-    robot = ROBX["palletiser_nr4"].chain().build()
+    robot = chainbuild.Robot(ROBX["palletiser_nr4"].chain())
     T = robot.fk([0.0, 0.0, 0.0, 0.0])
     np.testing.assert_allclose(T.translation * 1000.0, [1100.0, 0.0, 500.0], atol=1e-9)
     np.testing.assert_allclose(T.rotation, [[0, 0, 1], [1, 0, 0], [0, 1, 0]], atol=1e-12)
@@ -62,7 +62,7 @@ def test_the_palletiser_is_the_worked_example() -> None:
 
 def test_the_offset_of_c_is_the_one_the_manual_asks_for() -> None:
     """C at mathematical zero, with its sign reversed: at zero both ways of showing C agree."""
-    robot = ROBX["scara_cc"].chain().build()
+    robot = chainbuild.Robot(ROBX["scara_cc"].chain())
     total = robot.chain.absolute_c
     assert total is not None
     zero = np.zeros(4)
@@ -71,7 +71,7 @@ def test_the_offset_of_c_is_the_one_the_manual_asks_for() -> None:
 
 def test_the_tool_of_the_overlay_counts() -> None:
     """Length 3 of `arm_nr5` lies along X of the flange, the tool direction."""
-    robot = ROBX["arm_nr5"].chain().build()
+    robot = chainbuild.Robot(ROBX["arm_nr5"].chain())
     placed = robot.frame_placements([10.0, 20.0, -30.0, 40.0, 50.0])
     offset = placed["flange"].actInv(placed["tool"]).translation
     np.testing.assert_allclose(offset, [0.16, 0.0, 0.0], atol=1e-12)

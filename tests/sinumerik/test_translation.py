@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from chainbuild.robot import Robot
 from tests.sinumerik.robx_files import NR6, F, R, T, chain_of, close, pose_of
 
 # The worked example of the older package's manual: a 4-axis articulated arm.
@@ -45,7 +46,7 @@ def test_worked_four_axis_arm(package, axes, position):
 def test_robot_and_elementary_matrices_agree():
     chain = chain_of(NR6)
     axes = (10, -50, 40, 30, 20, -70)
-    pose = chain.build().fk(axes)
+    pose = Robot(chain).fk(axes)
     expected = pose_of(chain, axes)
     assert np.abs(pose.translation * 1000 - expected[:3, 3]).max() < 1e-9
     assert np.abs(pose.rotation - expected[:3, :3]).max() < 1e-12

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from chainbuild.formats.twincat.types.catalogue import catalogue
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 from tests.twincat import head_kit, table_kit
 
 ALL = tuple(catalogue())

@@ -18,11 +18,12 @@ from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import rot_y
-from chainbuild.ik.branches.analytic import ik_all, method_of, solve_analytic
 from chainbuild.ik.branches.core.query import Query
 from chainbuild.ik.branches.elimination.eaik_arm import eaik_answers, eaik_robot
+from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.branches.gather import gather
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.ik.request import IkRequest
+from chainbuild.robot import Robot
 from tests.solve.machines import ALL, poses, robot_of
 from tests.solve.test_direct import NOT_DIRECT, same_turns
 from tests.test_robot import arm, arm_elements, make_chain, random_axes, table_machine
@@ -96,25 +97,25 @@ def check(robot: Robot, count: int, *, at_least: int = 1, seed: int = 3) -> None
 
 @pytest.mark.parametrize("kin", NOT_DIRECT)
 def test_the_method_of_every_type(kin: int) -> None:
-    assert method_of(robot_of(kin)) == METHODS[kin]
+    assert robot_of(kin).plan().name == METHODS[kin]
 
 
 def test_direct_types_say_so() -> None:
-    assert {method_of(robot_of(kin)) for kin in ALL if kin not in (*NOT_DIRECT, 98)} == {"direct"}
+    assert {robot_of(kin).plan().name for kin in ALL if kin not in (*NOT_DIRECT, 98)} == {"direct"}
 
 
 @pytest.mark.parametrize("name", POSITIONERS)
 @pytest.mark.parametrize("hand", [wrist, inclined_wrist])
 def test_spherical_wrists(name: str, hand) -> None:
     robot = robot_from([*POSITIONERS[name], *hand()])
-    assert method_of(robot) == "spherical wrist"
+    assert robot.plan().name == "spherical wrist"
     check(robot, 40)
 
 
 @pytest.mark.parametrize("name", ["articulated", "turns before the slide"])
 def test_the_robot_carries_the_workpiece(name: str) -> None:
     robot = robot_from([shift(500.0, 100.0, 300.0), turn(rot_y(30.0))], [*POSITIONERS[name], *wrist()])
-    assert method_of(robot) == "spherical wrist"
+    assert robot.plan().name == "spherical wrist"
     check(robot, 40)
 
 
@@ -131,15 +132,15 @@ def test_arms_and_cylindrical_machines(kin: int) -> None:
     "name", ["palletiser_kin213", "palletiser_kin96", "scara_kin36", "kr6r900", "irb2600", "tx2_60"]
 )
 def test_shipped_arms(name: str) -> None:
-    robot = chainbuild.load(name).chain().build()
-    assert method_of(robot) not in ("restarts", "EAIK")
+    robot = chainbuild.Robot.load(name)
+    assert robot.plan().name not in ("search", "EAIK")
     check(robot, 60)
 
 
 def test_all_branches_of_an_independent_closed_form() -> None:
     oracle = OpwRobot(KinematicModel(a1=25.0, a2=-35.0, b=0.0, c1=400.0, c2=455.0, c3=420.0, c4=80.0))
     signs, zero = np.array([-1.0, 1.0, 1.0, -1.0, 1.0, -1.0]), np.array([0.0, 90.0, 0.0, 0.0, 0.0, 0.0])
-    robot = chainbuild.load("kr6r900").chain().build()
+    robot = chainbuild.Robot.load("kr6r900")
     wide = Robot(robot.chain.with_axes(tuple(chainbuild.Axis.unlimited(a.name, a.kind) for a in robot.axes)))
     rng = np.random.default_rng(4)
     for _ in range(200):
@@ -185,7 +186,7 @@ def ur5() -> Robot:
 
 def test_eaik_solves_what_has_an_offset_wrist() -> None:
     robot = ur5()
-    assert method_of(robot) == "EAIK"
+    assert robot.plan().name == "EAIK"
     check(robot, 60)
 
 
@@ -194,7 +195,7 @@ def test_restarts_find_what_eaik_finds() -> None:
     for axes in poses(robot, 4):
         target = robot.fk(axes)
         complete = ik_all(robot, target)
-        query = Query.of(robot, target, None, None)
+        query = Query.of(IkRequest.of(robot, target))
         factors = robot.kinematics.si_factors
         gathered = [x / factors for x in gather(query)]
         for branch in complete:
@@ -204,7 +205,7 @@ def test_restarts_find_what_eaik_finds() -> None:
 def test_without_eaik_the_elimination_answers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "eaik.IK_HP", None)
     robot = ur5()
-    assert method_of(robot) == "elimination"
+    assert robot.plan().name == "elimination"
     check(robot, 20)
 
 
@@ -215,9 +216,9 @@ def test_eaik_is_helped_out_where_it_finds_nothing() -> None:
     ]  # fmt: skip
     chain = robot_from(elements).chain
     robot = Robot(chain.with_axes(tuple(chainbuild.Axis.unlimited(a.name, a.kind) for a in chain.axes)))
-    assert method_of(robot) == "EAIK"
+    assert robot.plan().name == "EAIK"
     rng, missed = np.random.default_rng(1), 0
-    known = Query.of(robot, robot.fk(np.zeros(6)), None, None).serial()
+    known = Query.of(IkRequest.of(robot, robot.fk(np.zeros(6)))).serial()
     for _ in range(60):
         axes = np.round(rng.uniform(-2.0, 2.0, 6)) * 90.0
         target = robot.fk(axes)
@@ -240,26 +241,26 @@ def without_closed_form() -> Robot:
 
 def test_seven_joints_are_left_to_restarts() -> None:
     robot = without_closed_form()
-    assert method_of(robot) == "restarts"
+    assert robot.plan().name == "search"
     axes = poses(robot, 1)[0]
     assert any(same_turns(robot, branch.axes, axes) for branch in ik_all(robot, robot.fk(axes)))
     with pytest.raises(ChainbuildError, match="no closed form"):
-        solve_analytic(robot, robot.fk(axes))
+        robot.ik(robot.fk(axes), solver="analytic")
 
 
 def test_held_axes_leave_a_row_that_is_solved() -> None:
     robot = arm()
     axes = np.array([10.0, -80.0, 70.0, 20.0, 40.0, 30.0])
     for held, method in (({"A4": 20.0}, "elimination"), ({"A2": -80.0, "A4": 20.0}, "single wrist axis")):
-        assert method_of(robot, held) == method
+        assert robot.plan(held or ()).name == method
         found = ik_all(robot, robot.fk(axes), axes, held=held)
         assert any(same_turns(robot, branch.axes, axes) for branch in found)
-        assert ik_all(robot, robot.fk(axes + [0.0, 0.0, 0.0, 1.0, 0.0, 1.0]), axes, held=held) == ()
+        assert len(ik_all(robot, robot.fk(axes + [0.0, 0.0, 0.0, 1.0, 0.0, 1.0]), axes, held=held)) == 0
 
 
 def test_a_direction_is_met_with_every_turn_about_it() -> None:
     robot = robot_from([*arm_elements()[:-4], shift(80.0, 30.0, 20.0), turn(rot_y(40.0))])
-    assert (len(robot.axes), robot.task, method_of(robot)) == (5, "direction", "elimination")
+    assert (len(robot.axes), robot.task, robot.plan().name) == (5, "direction", "elimination")
     turned = 0
     for axes in poses(robot, 10):
         target = robot.fk(axes)
@@ -290,11 +291,11 @@ def test_a_direction_needs_no_whole_rotation() -> None:
 def test_one_answer_with_a_reason() -> None:
     robot = arm()
     start = [0.0, -80.0, 70.0, 20.0, 40.0, 30.0]
-    assert solve_analytic(robot, robot.fk(start), start).success
-    outside = solve_analytic(robot, robot.fk([0.0, 100.0, 0.0, 0.0, 30.0, 0.0]))
+    assert robot.ik(robot.fk(start), start, solver="analytic").success
+    outside = robot.ik(robot.fk([0.0, 100.0, 0.0, 0.0, 30.0, 0.0]), solver="analytic")
     assert (outside.success, outside.status) == (False, "limits")
     assert "A2" in outside.reason or "A3" in outside.reason
-    far = solve_analytic(robot, pin.SE3(np.eye(3), np.array([5.0, 0.0, 0.0])))
+    far = robot.ik(pin.SE3(np.eye(3), np.array([5.0, 0.0, 0.0])), solver="analytic")
     assert (far.success, far.status) == (False, "unreachable")
     assert far.position_error > 1.0
 

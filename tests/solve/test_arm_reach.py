@@ -13,8 +13,8 @@ from chainbuild.frames import transform
 from chainbuild.ik.options import DEFAULT, IkOptions
 from chainbuild.ik.search.problem import problem_of
 from chainbuild.ik.search.starts.arm_reach import ArmReach, arm_reach
-from chainbuild.kinematics.mechanism import Robot
 from chainbuild.kinematics.product import Product, poses_at
+from chainbuild.robot import Robot
 
 PLAIN = IkOptions(compiled=False)
 BOTH = pytest.mark.parametrize("options", [DEFAULT, PLAIN], ids=["compiled", "plain"])
@@ -22,7 +22,7 @@ BOTH = pytest.mark.parametrize("options", [DEFAULT, PLAIN], ids=["compiled", "pl
 
 @cache
 def load(name: str) -> Robot:
-    return chainbuild.load(name).chain().build()
+    return chainbuild.Robot.load(name)
 
 
 def known_reach(arm: Product) -> ArmReach:

@@ -30,7 +30,8 @@ from chainbuild.ik.branches.opw import (
 from chainbuild.ik.branches.opw.batch import ik_all_batch
 from chainbuild.ik.branches.opw.formulas import CONSTANTS
 from chainbuild.ik.branches.opw.parameters import opw_arm
-from chainbuild.kinematics.mechanism import Robot, as_pose
+from chainbuild.ik.request import IkRequest
+from chainbuild.robot import Robot
 from tests.solve.machines import poses
 from tests.test_robot import arm, table_machine
 
@@ -39,7 +40,7 @@ both_paths = pytest.mark.parametrize("compiled", [True, False])
 
 
 def machine(name: str) -> Robot:
-    return arm() if name == "arm" else chainbuild.load(name).chain().build()
+    return arm() if name == "arm" else chainbuild.Robot.load(name)
 
 
 def row_of(name: str) -> int:
@@ -125,7 +126,7 @@ def test_a_slot_is_a_branch(compiled: bool) -> None:
 def test_slots_are_those_of_another_closed_form(name: str, compiled: bool) -> None:
     """py-opw-kinematics numbers its branches alike; it is handed the arm's lengths and answers in the arm's angles."""
     robot = machine(name)
-    serial = Query.of(robot, as_pose(np.eye(4)), None, None).serial()
+    serial = Query.of(IkRequest(robot, np.eye(4))).serial()
     known = opw_arm(serial)
     assert known is not None
     targets = robot.fk_batch(np.array(poses(robot, 200)))

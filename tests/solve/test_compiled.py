@@ -10,10 +10,11 @@ import pytest
 
 import chainbuild
 from chainbuild.ik.options import DEFAULT, IkOptions
+from chainbuild.ik.request import IkRequest
 from chainbuild.ik.search.compiled import packing as compiled
 from chainbuild.ik.search.problem import problem_of
-from chainbuild.ik.search.solver import solve
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.ik.search.solver import search
+from chainbuild.robot import Robot
 from tests.test_robot import arm, random_axes, table_machine
 
 PLAIN = IkOptions(compiled=False)
@@ -34,7 +35,7 @@ NAMES = (
 def load(name: str) -> Robot:
     """Return a robot of the tests, or a shipped machine by name."""
     made = {"arm": arm, "table": table_machine}
-    return made[name]() if name in made else chainbuild.load(name).chain().build()
+    return made[name]() if name in made else chainbuild.Robot.load(name)
 
 
 @cache
@@ -88,7 +89,7 @@ def test_kinematics_are_those_of_pinocchio(name: str) -> None:
 def test_answers_are_those_of_the_plain_path(name: str) -> None:
     robot = load(name)
     for T in poses(robot, 40, seed=6):
-        ours, plain = solve(robot, T), solve(robot, T, options=PLAIN)
+        ours, plain = search(IkRequest.of(robot, T)), search(IkRequest.of(robot, T, options=PLAIN))
         assert (ours.success, ours.restarts, ours.status) == (plain.success, plain.restarts, "ok")
         np.testing.assert_allclose(ours.axes, plain.axes, atol=1e-5)
         for found in (ours, plain):

@@ -10,15 +10,14 @@ import pytest
 import chainbuild
 from chainbuild import frames
 from chainbuild.chain.elements import ControllerSolver
-from chainbuild.ik.policies.controller import solve_controller
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 from tests.sinumerik.robx_files import NR6, chain_of
 
 AXES = np.array([10.0, -60.0, 70.0, 20.0, 40.0, 30.0])
 
 
 def robot_with(**data: float) -> Robot:
-    return chain_of({**NR6, **data}).build()
+    return chainbuild.Robot(chain_of({**NR6, **data}))
 
 
 def test_the_budget_comes_from_the_machine_data() -> None:
@@ -121,7 +120,7 @@ def test_turns_are_those_nearest_to_the_start() -> None:
 
 
 def test_four_axes_follow_c_within_the_budget() -> None:
-    robot = chainbuild.load("palletiser_nr4").chain().build()
+    robot = chainbuild.Robot.load("palletiser_nr4")
     axes = np.array([20.0, -70.0, 60.0, 10.0])
     T = robot.fk(axes)
     a, b, c = robot.pose_angles(axes)
@@ -134,5 +133,5 @@ def test_four_axes_follow_c_within_the_budget() -> None:
 
 def test_a_chain_of_its_own() -> None:
     robot = robot_with()
-    budget = ControllerSolver(8, 1e-6, 3.0, 0.0)
-    assert solve_controller(robot, robot.fk(AXES), AXES + 1.0, None, budget).success
+    granted = Robot(replace(robot.chain, controller_solver=ControllerSolver(8, 1e-6, 3.0, 0.0)))
+    assert granted.ik(robot.fk(AXES), AXES + 1.0, solver="controller").success

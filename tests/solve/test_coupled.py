@@ -9,14 +9,15 @@ import pytest
 
 import chainbuild
 from chainbuild.chain.elements import AxisConstraint, AxisSum
-from chainbuild.ik.policies.sums import kept, violated
+from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.ik.solve import keeping_sums
+from chainbuild.robot import Robot
 
 
 @pytest.fixture(scope="module")
 def heavy() -> Robot:
-    return chainbuild.load("parallelogram_nr").chain().build()
+    return chainbuild.Robot.load("parallelogram_nr")
 
 
 def inside_axis_limits(robot: Robot, rng: np.random.Generator) -> np.ndarray:
@@ -51,11 +52,11 @@ def test_no_answer_violates_it(heavy: Robot) -> None:
         axes = inside_axis_limits(heavy, rng)
         found = heavy.ik(heavy.fk(axes), axes)  # half of the starts stand outside the parallelogram's limit
         if found.success:
-            assert violated(heavy, found.axes) == ()
+            assert heavy.limits.broken_sums(found.axes) == ()
             assert heavy.violated_limits(found.axes) == ()
         else:
             refused += 1
-            assert violated(heavy, axes), "a pose with an answer inside was refused"
+            assert heavy.limits.broken_sums(axes), "a pose with an answer inside was refused"
             assert found.status == "limits"
     assert refused > 20
 
@@ -71,21 +72,21 @@ def test_the_refusal_names_the_limit(heavy: Robot) -> None:
 
 def test_an_answer_that_a_solver_lets_through_is_refused(heavy: Robot) -> None:
     axes = np.array([0.0, 60.0, -16.0, 170.0, 100.0, 0.0])
-    T = heavy.fk(axes)
+    request = IkRequest.of(heavy, heavy.fk(axes), axes)
     careless = IkResult(True, axes, "ok", 0.0, 0.0, 1, 0, "pose")
-    refused = kept(heavy, careless, T, axes, None, "damped")
+    refused = keeping_sums(request, careless, "damped")
     assert (refused.success, refused.status) == (False, "limits")
     assert "parallelogram angle (alarm 75329)" in refused.reason
     inside = replace(careless, axes=np.array([0.0, 0.0, -90.0, 0.0, 40.0, 0.0]))
-    assert kept(heavy, inside, T, axes, None, "damped") is inside
+    assert keeping_sums(request, inside, "damped") is inside
 
 
 def test_another_branch_is_taken_where_there_is_one(heavy: Robot) -> None:
     axes = np.array([0.0, 70.0, -20.0, 0.0, 0.0, 0.0])
-    assert violated(heavy, axes)
+    assert heavy.limits.broken_sums(axes)
     found = heavy.ik(heavy.fk(axes), axes)
     assert found.success
-    assert violated(heavy, found.axes) == ()
+    assert heavy.limits.broken_sums(found.axes) == ()
 
 
 def test_retracting() -> None:

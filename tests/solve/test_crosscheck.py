@@ -12,7 +12,7 @@ from chainbuild.comparison.convention_trials import Selection
 from chainbuild.comparison.crosscheck import CheckOptions, CrossCheck, Recording, crosscheck
 from chainbuild.comparison.samples import make_samples
 from chainbuild.errors import ChainbuildError
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 from tests.test_robot import arm, table_machine
 
 FEW = CheckOptions(count=60)
@@ -21,7 +21,7 @@ OFFSET = frames.f_frame((0.02, -0.01, 0.3), (10.0, 20.0, 30.0))
 
 @pytest.fixture(scope="module")
 def robot() -> Robot:
-    return chainbuild.load("kr6r900_2").chain().build()
+    return chainbuild.Robot.load("kr6r900_2")
 
 
 def recorded(robot: Robot, change=lambda T: T, axes_change=lambda a: a, count: int = 40) -> Recording:
@@ -236,8 +236,8 @@ def test_a_function_with_nonsense_is_refused(robot: Robot) -> None:
 def test_the_conventions_that_would_make_a_recording_agree() -> None:
     machine = chainbuild.load("table_ac_kin58") if "table_ac_kin58" in chainbuild.shipped() else None
     machine = machine or chainbuild.load(next(name for name in chainbuild.shipped() if "kin58" in name))
-    there = machine.chain(conventions={"table_rotary_sense": "left_handed"}).build()
-    here = machine.chain().build()
+    there = chainbuild.Robot(machine.chain(conventions={"table_rotary_sense": "left_handed"}))
+    here = chainbuild.Robot(machine.chain())
     axes = make_samples(here, 40, ("random",)).axes
     recording = Recording(axes, np.array([there.fk(row).homogeneous for row in axes]))
     found = crosscheck(here, recording, machine=machine, selection=Selection())

@@ -12,9 +12,9 @@ import chainbuild
 from chainbuild.chain.assemble import Element, rotary, shift
 from chainbuild.chain.elements import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.limits import freedoms_of
 from chainbuild.ik.options import DEFAULT, IkOptions
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.ik.region import freedoms_of
+from chainbuild.robot import Robot
 from tests.test_robot import arm, make_chain, random_axes, table_machine
 
 BOTH = pytest.mark.parametrize("compiled", [True, False], ids=["compiled", "plain"])
@@ -178,7 +178,7 @@ def test_bad_options_are_refused(bad: dict[str, object]) -> None:
 
 @BOTH
 def test_a_tool_vector_along_x(compiled: bool) -> None:
-    robot = chainbuild.load("arm_nr5").chain().build()
+    robot = chainbuild.Robot.load("arm_nr5")
     assert (robot.task, robot.chain.tool_axis) == ("direction", "x")
     rng = np.random.default_rng(1)
     for _ in range(30):
@@ -201,7 +201,7 @@ def test_whole_turns_and_limits_of_a_box() -> None:
 
 
 def test_starts_that_hold_other_values_of_input_axes() -> None:
-    robot = chainbuild.load("irb2600_track").chain().build()
+    robot = chainbuild.Robot.load("irb2600_track")
     held = np.array([axis.held for axis in robot.axes])
     rng = np.random.default_rng(3)
     for place in rng.uniform(0.0, 1000.0, 25):  # more problems than are kept
@@ -219,7 +219,7 @@ def test_machines_with_tables_are_reached_from_anywhere() -> None:
 
 @pytest.mark.parametrize("options", [DEFAULT, IkOptions(compiled=False)], ids=["compiled", "plain"])
 def test_one_free_axis_is_enough(options: IkOptions) -> None:
-    robot = chainbuild.load("kr6r900").chain().build()
+    robot = chainbuild.Robot.load("kr6r900")
     axes = [10.0, -80.0, 70.0, 20.0, 40.0, 30.0]
     for free in range(6):
         held = {axis.name: value for n, (axis, value) in enumerate(zip(robot.axes, axes, strict=True)) if n != free}
@@ -233,7 +233,7 @@ def test_one_free_axis_is_enough(options: IkOptions) -> None:
 
 @pytest.mark.parametrize("options", [DEFAULT, IkOptions(compiled=False)], ids=["compiled", "plain"])
 def test_one_weight_is_enough(options: IkOptions) -> None:
-    robot = chainbuild.load("kr6r900").chain().build()
+    robot = chainbuild.Robot.load("kr6r900")
     T = robot.fk([10.0, -80.0, 70.0, 20.0, 40.0, 30.0])
     height = replace(options, weights=(0.0, 0.0, 1.0, 0.0, 0.0, 0.0))
     found = robot.ik(T, [0.0, -90.0, 90.0, 0.0, 10.0, 0.0], options=height)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from chainbuild.chain.elements import AxisSum, ControllerSolver
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik import solve as dispatch
-from chainbuild.ik.policies.controller import solve_controller
 from chainbuild.ik.result import IkResult
+from chainbuild.robot import Robot
 from tests.test_robot import arm
 
 AXES = np.array([10.0, -80.0, 70.0, 20.0, 40.0, 30.0])
@@ -43,7 +45,7 @@ def test_auto_asks_the_closed_form_where_damping_finds_nothing(monkeypatch: pyte
     def nothing(*_: object) -> IkResult:
         return IkResult(False, AXES, "stalled", 1.0, 1.0, 0, 0, "pose", "gave up")
 
-    monkeypatch.setattr(dispatch, "solve", nothing)
+    monkeypatch.setattr(dispatch, "search", nothing)
     assert robot.ik(robot.fk(AXES), AXES).success
     assert not robot.ik(robot.fk(AXES), AXES, solver="damped").success
     far = robot.fk(AXES)
@@ -59,15 +61,18 @@ def test_every_branch_through_the_robot() -> None:
 
 
 def test_the_controllers_budget() -> None:
-    robot = arm()
-    target = robot.fk(AXES)
-    near = solve_controller(robot, target, AXES + 1.0, None, granted())
+    target = arm().fk(AXES)
+
+    def by_budget(start: np.ndarray, budget: ControllerSolver) -> IkResult:
+        return Robot(replace(arm().chain, controller_solver=budget)).ik(target, start, solver="controller")
+
+    near = by_budget(AXES + 1.0, granted())
     assert near.success
     assert 0 < near.iterations <= 8
     np.testing.assert_allclose(near.axes, AXES, atol=1e-4)
-    short = solve_controller(robot, target, AXES + 20.0, None, granted(max_count=1))
+    short = by_budget(AXES + 20.0, granted(max_count=1))
     assert (short.success, short.status, short.iterations) == (False, "stalled", 1)
     assert "budget of 1 iterations" in short.reason
-    singular = solve_controller(robot, target, AXES + 1.0, None, granted(limit2_deg=45.0))
+    singular = by_budget(AXES + 1.0, granted(limit2_deg=45.0))
     assert singular.status == "limits"
     assert "75370" in singular.reason

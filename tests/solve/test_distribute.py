@@ -11,7 +11,7 @@ import chainbuild
 from chainbuild.chain.compose import stack
 from chainbuild.coupling.distribution import Distribution
 from chainbuild.errors import AxisValueError, ChainbuildError
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 from tests.twincat.coupling_kit import AT_TABLE, XY, chain_of
 from tests.twincat.universal_kit import CA_HEAD, Universal, X, robot_lines, rotation, shift
 
@@ -20,7 +20,7 @@ LETTERS = "XYZABC"
 
 @pytest.fixture(scope="module")
 def robot() -> Robot:
-    return chain_of([*XY, "ori_rotation_angle 4"]).build()
+    return chainbuild.Robot(chain_of([*XY, "ori_rotation_angle 4"]))
 
 
 def values(found: Distribution) -> dict[str, list[float]]:
@@ -81,7 +81,7 @@ def test_4_4_locked(robot: Robot) -> None:
     found = robot.distribute({"X": 1000, "Y": 500, "Z": 50}, axes={"LINEAR.X": 800}, locked=["LINEAR.Y"])
     expect(found, [800, 0], [200, 500, 50, 0, 0, 0], [1000, 500, 50, 0, 0, 0])
     # The lock of the configuration does the same: axis 7 of the channel is Y_LIN.
-    locked = chain_of([*XY, "ori_rotation_angle 4", "trafo[2].lock_dof[7] 1"]).build()
+    locked = chainbuild.Robot(chain_of([*XY, "ori_rotation_angle 4", "trafo[2].lock_dof[7] 1"]))
     expect(
         locked.distribute({"X": 1000, "Y": 500, "Z": 50}, axes={"LINEAR.X": 800}),
         [800, 0], [200, 500, 50, 0, 0, 0], [1000, 500, 50, 0, 0, 0],
@@ -96,22 +96,24 @@ def test_a_locked_coordinate_can_be_programmed(robot: Robot) -> None:
 def test_the_priority_decides_who_moves() -> None:
     lines = [line.replace("move_prio[0] LINEAR", "move_prio[0] TMP") for line in [*XY, "ori_rotation_angle 4"]]
     lines = [line.replace("move_prio[1] ROBOT", "move_prio[1] LINEAR").replace("] TMP", "] ROBOT") for line in lines]
-    found = chain_of(lines).build().distribute({"X": 1000, "Y": 500, "Z": 50, "C": 10})
+    found = chainbuild.Robot(chain_of(lines)).distribute({"X": 1000, "Y": 500, "Z": 50, "C": 10})
     expect(found, [0, 0], [1000, 500, 50, 0, 0, 10], [1000, 500, 50, 0, 0, 10])
     # What the first cannot do, because it is locked, goes to the next.
-    found = chain_of(lines).build().distribute({"X": 1000, "Y": 500}, locked=["ROBOT.X"])
+    found = chainbuild.Robot(chain_of(lines)).distribute({"X": 1000, "Y": 500}, locked=["ROBOT.X"])
     expect(found, [1000, 0], [0, 500, 0, 0, 0, 0], [1000, 500, 0, 0, 0, 0])
 
 
 def test_six_values_and_base_offsets() -> None:
-    robot = chain_of([*XY, "ori_rotation_angle 4", "trafo[0].base[0] 300000", "trafo[0].base[2] -1000000"]).build()
+    robot = chainbuild.Robot(
+        chain_of([*XY, "ori_rotation_angle 4", "trafo[0].base[0] 300000", "trafo[0].base[2] -1000000"])
+    )
     found = robot.distribute([1000, 500, 50, 5, 20, 10])
     # Along X the offset is the unit's, along Z only the robot can make up for it.
     expect(found, [1030, 500], [0, 0, -50, 5, 20, 10], [1000, 500, 50, 5, 20, 10])
 
 
 def test_a_turned_base() -> None:
-    robot = chain_of([*XY, "ori_rotation_angle 4", "trafo[0].base[5] 900000"]).build()
+    robot = chainbuild.Robot(chain_of([*XY, "ori_rotation_angle 4", "trafo[0].base[5] 900000"]))
     found = robot.distribute({"X": 100, "Y": 200, "Z": 300, "C": 10}, axes={"LINEAR.X": 0, "LINEAR.Y": 0})
     # The robot's system is turned by -90 about Z in the unit's: its X is -Y, its C counts from there.
     expect(found, [0, 0], [-200, 100, 300, 0, 0, 100], [100, 200, 300, 0, 0, 10])
@@ -123,13 +125,13 @@ def test_an_oblique_slide_takes_what_lies_along_it() -> None:
         *robot_lines(0), *slide.lines(1, name="LINEAR"), "trafo[2].id 210", "trafo[2].group[0].chain[0] LINEAR",
         "trafo[2].group[0].chain[1] ROBOT", "ori_rotation_angle 4",
     ]  # fmt: skip
-    found = chain_of(lines).build().distribute({"X": 100, "Z": 7})
+    found = chainbuild.Robot(chain_of(lines)).distribute({"X": 100, "Z": 7})
     assert values(found)["LINEAR"][:3] == pytest.approx([50, 50, 0])
     assert values(found)["ROBOT"] == pytest.approx([50, -50, 7, 0, 0, 0])
 
 
 def test_a_five_axis_head_on_a_robot() -> None:
-    robot = chainbuild.load("robot_head_kin210").chain().build()
+    robot = chainbuild.Robot.load("robot_head_kin210")
     free = {part.name: part.free for part in robot.distribute().partials}
     # Rotary axes C, A: in mode CAB the head turns about C and A, and shifts.
     assert free["HEAD"] == (True, True, True, True, False, True)
@@ -158,7 +160,7 @@ def test_a_head_without_slides_is_programmed_by_its_axes() -> None:
         *robot_lines(0), *head.lines(1, name="HEAD"), "trafo[2].id 210", "trafo[2].group[0].chain[0] ROBOT",
         "trafo[2].group[0].chain[1] HEAD", "ori_rotation_angle 3",
     ]  # fmt: skip
-    robot = chain_of(lines).build()
+    robot = chainbuild.Robot(chain_of(lines))
     found = robot.distribute({"X": 500, "Z": 800}, axes={"HEAD.C": 30, "HEAD.A": 40})
     expected = rotation((0, 0, 1), 30) @ shift((0, 0, -100)) @ rotation((1, 0, 0), 40) @ shift((0, 0, -150))
     T = found.partials[1].T
@@ -168,7 +170,7 @@ def test_a_head_without_slides_is_programmed_by_its_axes() -> None:
 
 
 def test_the_tcp_counts_from_the_workpiece_of_another_group() -> None:
-    robot = chain_of([*AT_TABLE, "ori_rotation_angle 4"]).build()
+    robot = chainbuild.Robot(chain_of([*AT_TABLE, "ori_rotation_angle 4"]))
     table = {"TABLE.A": 20.0, "TABLE.C": 50.0}
     found = robot.distribute({"X": 300, "Y": 40, "Z": 25, "C": 10}, axes=table)
     T_table = rotation((1, 0, 0), 20) @ rotation((0, 0, 1), 50)
@@ -237,10 +239,10 @@ def test_three_dialects_deep() -> None:
     """Any composed robot can hand a motion out, ROBX and TwinCAT mixed; a single robot gets it all."""
     gantry = chainbuild.load("gantry_robot_kin210").chain("GANTRY")
     arm = chainbuild.load("kr6r900").chain()
-    robot = stack(gantry, np.eye(4), arm, lower_name="GANTRY", upper_name="ARM").build()
+    robot = chainbuild.Robot(stack(gantry, np.eye(4), arm, lower_name="GANTRY", upper_name="ARM"))
     found = robot.distribute([1000, 200, -1500, 10, 20, 30])
     by_name = {part.name: part for part in found.partials}
     assert by_name["GANTRY"].values[:3] == pytest.approx([1000, 200, -1500])
     assert by_name["ARM"].values[:3] == pytest.approx([0, 0, 0], abs=1e-9)
-    alone = arm.build().distribute([500, 100, 600, 10, 20, 30])
+    alone = chainbuild.Robot(arm).distribute([500, 100, 600, 10, 20, 30])
     assert alone.partials[0].values == pytest.approx([500, 100, 600, 10, 20, 30])

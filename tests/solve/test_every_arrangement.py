@@ -10,12 +10,13 @@ import pytest
 
 import chainbuild
 from chainbuild.formats.sinumerik.reading.robx import MAIN_AXES
-from chainbuild.ik.branches.analytic import ik_all, method_of
 from chainbuild.ik.branches.core.branches import collect
 from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.branches.gather import gather
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.ik.request import IkRequest
 from chainbuild.machines import shipped
+from chainbuild.robot import Robot
 from docs.robx_combinations import LAST_ROTARY, machine_data
 from tests.solve.machines import robot_of
 from tests.solve.test_direct import same_turns
@@ -38,7 +39,7 @@ REGULAR = 1e-2
 def load(text: str, folder: Path) -> Robot:
     path = folder / f"machine_{len(list(folder.iterdir()))}.tea"
     path.write_text(text, "utf-8")
-    return chainbuild.load(path).chain().build()
+    return chainbuild.Robot.load(path)
 
 
 def robx(key: tuple[int, str, bool, int, int], folder: Path) -> Robot:
@@ -72,11 +73,11 @@ def check(robot: Robot, count: int) -> None:
         found = ik_all(robot, target, axes)
         assert any(same_turns(robot, branch.axes, axes) for branch in found), axes.tolist()
         for branch in found:
-            assert branch.method != "restarts"
+            assert branch.method != "search"
             assert branch.position_error < 1e-6
         if n % 3 != 1:
             continue
-        query = Query.of(robot, target, axes, None)
+        query = Query.of(IkRequest.of(robot, target, axes))
         for other in collect(query, ((x, ()) for x in gather(query))).branches:
             if smallest(robot, other.axes) > REGULAR:
                 assert any(same_turns(robot, branch.axes, other.axes) for branch in found), axes.tolist()
@@ -90,13 +91,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("key", ROBX, ids=lambda key: "-".join(str(part) for part in key))
 def test_robx(key, folder: Path) -> None:
     robot = robx(key, folder)
-    assert method_of(robot) != "restarts"
+    assert robot.plan().name != "search"
     check(robot, 5)
 
 
 @pytest.mark.parametrize("kin", KINS)
 def test_kin_types(kin: int) -> None:
-    assert method_of(robot_of(kin)) != "restarts"
+    assert robot_of(kin).plan().name != "search"
     check(robot_of(kin), 6)
 
 
@@ -109,8 +110,8 @@ def test_robx_long(key, folder: Path) -> None:
 def test_only_too_many_axes_are_left_to_restarts() -> None:
     left = set()
     for name in shipped():
-        robot = chainbuild.load(name).chain().build()
-        if method_of(robot) == "restarts":
+        robot = chainbuild.Robot.load(name)
+        if robot.plan().name == "search":
             left.add((name, len(robot.axes) > 6))
     assert left == {
         ("gantry_robot_kin210", True), ("robot_head_kin210", True), ("robot_tilting_table_kin210", True),

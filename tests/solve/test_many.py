@@ -31,7 +31,7 @@ def test_rows_are_those_of_single_calls(make, compiled: bool) -> None:
 
 
 def test_forward_batch_is_the_forward_kinematics() -> None:
-    for robot in (arm(), table_machine(), chainbuild.load("irb2600_table").chain().build()):
+    for robot in (arm(), table_machine(), chainbuild.Robot.load("irb2600_table")):
         axes = np.array([random_axes(robot, np.random.default_rng(n)) for n in range(50)])
         expected = np.array([robot.fk(row).homogeneous for row in axes])
         np.testing.assert_allclose(robot.fk_batch(axes), expected, atol=1e-14)
@@ -72,7 +72,7 @@ def test_starts_one_for_all_or_one_a_pose(compiled: bool) -> None:
 
 
 def test_input_axes_are_taken_from_each_start() -> None:
-    robot = chainbuild.load("irb2600_track").chain().build()
+    robot = chainbuild.Robot.load("irb2600_track")
     held = [axis.held for axis in robot.axes]
     axes = np.array([[100.0 if h else 10.0 * (row + 1) for h in held] for row in range(3)])
     axes[:, held] = [[0.0], [150.0], [300.0]]

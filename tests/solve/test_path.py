@@ -58,7 +58,7 @@ def line_past_the_singularity(robot) -> tuple[np.ndarray, np.ndarray]:
 
 def test_past_the_wrist_singularity_no_more_than_needed() -> None:
     # All branches of every pose, all whole turns: the least largest step that any sequence of them has.
-    robot = chainbuild.load("kr6r900").chain().build()
+    robot = chainbuild.Robot.load("kr6r900")
     poses, start = line_past_the_singularity(robot)
     layer, cost = start[None], np.zeros(1)
     for pose in poses:
@@ -93,7 +93,7 @@ def test_a_path_without_start_begins_anywhere() -> None:
 
 
 def test_held_axes_stay_along_the_path() -> None:
-    robot = chainbuild.load("irb2600_track").chain().build()
+    robot = chainbuild.Robot.load("irb2600_track")
     held = [axis.held for axis in robot.axes]
     name = next(axis.name for axis in robot.axes if axis.held)
     wanted = np.linspace(np.where(held, 250.0, 5.0), np.where(held, 250.0, 25.0), 30)

@@ -12,13 +12,13 @@ import chainbuild
 from chainbuild import frames
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.policies import four_axis as programmed
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 
 FOUR_AXES = ("scara_cc", "scara_sc", "cylinder_cs", "palletiser_nr4")
 
 
 def build(name: str) -> Robot:
-    return chainbuild.load(name).chain().build()
+    return chainbuild.Robot.load(name)
 
 
 def inside(robot: Robot, rng: np.random.Generator) -> np.ndarray:
@@ -161,7 +161,7 @@ def test_an_offset_that_is_not_the_poses_own() -> None:
 
 
 def test_nothing_is_left_to_turn() -> None:
-    robot = chainbuild.load("scara_cc").chain().build()
+    robot = chainbuild.Robot.load("scara_cc")
     axes = {"A1": -10.0, "A2": 20.0, "A3": 30.0, "A4": 40.0}
     T = robot.fk(list(axes.values())).homogeneous
     assert robot.ik(T, held=axes).success

@@ -13,7 +13,7 @@ COUNT = 10_000
 @pytest.mark.slow
 @pytest.mark.parametrize("name", chainbuild.shipped())
 def test_every_reachable_pose_is_found(name: str) -> None:
-    robot = chainbuild.load(name).chain().build()
+    robot = chainbuild.Robot.load(name)
     rng = np.random.default_rng(11)
     lower, upper = (np.array([getattr(axis, end) for axis in robot.axes]) for end in ("lower", "upper"))
     count = COUNT if robot.kinematics.product is not None else COUNT // 20  # nonlinear maps take the plain path

@@ -10,12 +10,14 @@ import pytest
 import chainbuild
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.policies.redundancy import preferred
-from chainbuild.kinematics.mechanism import Robot, as_pose
+from chainbuild.ik.request import IkRequest
+from chainbuild.kinematics.inputs import as_pose
+from chainbuild.robot import Robot
 
 
 @pytest.fixture(scope="module")
 def robot() -> Robot:
-    return chainbuild.load("robot_xy_unit_kin210").chain().build()
+    return chainbuild.Robot.load("robot_xy_unit_kin210")
 
 
 def random_axes(robot: Robot, rng: np.random.Generator, share: float = 1.0) -> np.ndarray:
@@ -88,7 +90,7 @@ def test_held_axes_stay(robot: Robot) -> None:
 
 
 def test_an_arm_without_redundancy_stays() -> None:
-    arm = chainbuild.load("kr6r900_2").chain().build()
+    arm = chainbuild.Robot.load("kr6r900_2")
     T = arm.fk([10, -70, 60, 20, 40, 30])
     plain = arm.ik(T)
     for prefer in ("near", "middle", "dexterous"):
@@ -109,7 +111,7 @@ def test_an_unknown_preference(robot: Robot) -> None:
 
 @pytest.mark.parametrize("name", ["robot_head_kin210", "robot_xy_unit_kin210", "gantry_robot_kin210"])
 def test_limits_are_kept_from_wherever_the_search_starts(name: str) -> None:
-    robot, rng = chainbuild.load(name).chain().build(), np.random.default_rng(5)
+    robot, rng = chainbuild.Robot.load(name), np.random.default_rng(5)
     for _ in range(40):
         target = robot.fk(random_axes(robot, rng))
         found = robot.ik(target, start=random_axes(robot, rng, share=1.5))
@@ -118,7 +120,7 @@ def test_limits_are_kept_from_wherever_the_search_starts(name: str) -> None:
 
 
 def test_a_failure_is_not_moved_to_where_it_would_be_preferred() -> None:
-    arm = chainbuild.load("kr6r900_2").chain().build()
+    arm = chainbuild.Robot.load("kr6r900_2")
     target = as_pose(arm.fk([10, -70, 60, 20, 40, 30]))
     failed = replace(arm.ik(target), success=False, status="limits", reason="limits of A1")
-    assert preferred(arm, failed, target, "near") is failed
+    assert preferred(IkRequest.of(arm, target), failed, "near") is failed

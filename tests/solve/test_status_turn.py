@@ -10,7 +10,7 @@ import pytest
 import chainbuild
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.status_turn import status_turn
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 from tests.solve.machines import robot_of
 from tests.test_robot import arm
 from tests.twincat.table_kit import build
@@ -24,7 +24,7 @@ def wide(robot: Robot) -> Robot:
 
 @pytest.fixture(scope="module")
 def kuka() -> Robot:
-    return wide(chainbuild.load("kr6r900_2").chain().build())
+    return wide(chainbuild.Robot.load("kr6r900_2"))
 
 
 @pytest.mark.parametrize(
@@ -49,7 +49,7 @@ def test_hand_drawn_poses(kuka: Robot, axes, status: int, turn: int) -> None:
 def test_eight_branches_have_eight_statuses(kuka: Robot) -> None:
     rng = np.random.default_rng(6)
     eight = 0
-    for robot in (kuka, wide(chainbuild.load("tx2_60").chain().build())):
+    for robot in (kuka, wide(chainbuild.Robot.load("tx2_60"))):
         for _ in range(100):
             found = robot.ik_all(robot.fk(rng.uniform(-170.0, 170.0, 6)))
             bits = [branch.status_bits for branch in found]

@@ -13,7 +13,7 @@ from chainbuild.ik.options import DEFAULT, IkOptions
 from chainbuild.ik.search.problem import Problem, problem_of
 from chainbuild.ik.search.starts.turned import LARGEST_STEP, TurnedStarts
 from chainbuild.ik.search.starts.turned_table import COUNT
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 from tests.test_robot import arm, table_machine
 
 NAMES = (
@@ -30,7 +30,7 @@ NAMES = (
 
 @cache
 def load(name: str) -> Robot:
-    return arm() if name == "arm" else chainbuild.load(name).chain().build()
+    return arm() if name == "arm" else chainbuild.Robot.load(name)
 
 
 def table_of(robot: Robot) -> tuple[Problem, TurnedStarts]:
@@ -46,7 +46,7 @@ def start_for(problem: Problem, turned: TurnedStarts, T: np.ndarray, n: int) -> 
 
 def miss(problem: Problem, y: np.ndarray, T: np.ndarray) -> float:
     """Return how far the pose at y is from T, both parts together."""
-    reached = problem.robot.fk(problem.shown(y))
+    reached = problem.mechanism.fk(problem.shown(y))
     return float(np.linalg.norm(pin.log6(reached.actInv(pin.SE3(T))).vector))
 
 
@@ -65,7 +65,7 @@ def test_a_point_is_found_again_with_the_arm_and_the_tool_turned(name: str) -> N
         y = turned.points.values[n].copy()
         for m in (turned.first, turned.last):
             y[m] = rng.uniform(*np.clip([problem.box.lower[m], problem.box.upper[m]], -3.0, 3.0))
-        T = problem.robot.fk(problem.shown(y)).homogeneous
+        T = problem.mechanism.fk(problem.shown(y)).homogeneous
         start = start_for(problem, turned, T, n)
         if start is not None:
             assert miss(problem, start, T) < 1e-9
@@ -84,7 +84,7 @@ def test_the_step_from_a_point_leaves_an_error_of_second_order(name: str) -> Non
         left = []
         for size in (1e-2, 1e-3):
             y = turned.points.values[n] + size * away / np.linalg.norm(away)
-            T = problem.robot.fk(problem.shown(y)).homogeneous
+            T = problem.mechanism.fk(problem.shown(y)).homogeneous
             start = start_for(problem, turned, T, n)
             left.append(np.nan if start is None else miss(problem, start, T) / size)
         ratios.append(left)
@@ -112,7 +112,7 @@ def test_most_searches_end_with_the_first_start(name: str, options: IkOptions) -
 
 def test_the_step_is_bounded() -> None:
     problem, turned = table_of(load("kr6r900"))
-    T = problem.robot.fk([30.0, -60.0, 80.0, 20.0, 40.0, 10.0]).homogeneous
+    T = problem.mechanism.fk([30.0, -60.0, 80.0, 20.0, 40.0, 10.0]).homogeneous
     query, moving = turned.query(T), [n for n in range(6) if n not in (turned.first, turned.last)]
     for n in range(len(turned.points.values)):
         start = turned.start(n, query, problem.box, problem.middle)
@@ -123,7 +123,7 @@ def test_the_step_is_bounded() -> None:
 def test_limits_of_the_turning_axes_are_kept() -> None:
     problem, turned = table_of(load("kr6r900"))
     lower, upper = problem.box.lower, problem.box.upper
-    behind = problem.robot.fk([179.0, -60.0, 80.0, 20.0, 40.0, 10.0]).homogeneous  # axis 1 ends at 170°
+    behind = problem.mechanism.fk([179.0, -60.0, 80.0, 20.0, 40.0, 10.0]).homogeneous  # axis 1 ends at 170°
     query = turned.query(behind)
     found = [turned.start(n, query, problem.box, problem.middle) for n in range(len(turned.points.values))]
     kept = [y for y in found if y is not None]
@@ -140,14 +140,14 @@ def test_machines_without_such_turns_have_no_such_table(name: str) -> None:
 
 
 def test_an_axis_held_between_gives_a_table_of_its_own_but_not_without_end() -> None:
-    robot = chainbuild.load("kr6r900").chain().build()
+    robot = chainbuild.Robot.load("kr6r900")
     angles = (0.0, 10.0, 20.0, 30.0)
     tables = [problem_of(robot, None, {"A4": angle}, DEFAULT).turned_starts() for angle in angles]
     assert tables[0] is not None
     assert tables[1] is not None
     assert tables[0].points is not tables[1].points
     assert tables[3] is None
-    outside = problem_of(chainbuild.load("irb2600_track").chain().build(), None, {"EX1": 500.0}, DEFAULT)
+    outside = problem_of(chainbuild.Robot.load("irb2600_track"), None, {"EX1": 500.0}, DEFAULT)
     assert outside.turned_starts() is not None
 
 

@@ -44,7 +44,7 @@ def test_words_are_those_of_single_calls(make, compiled: bool) -> None:
 @pytest.mark.parametrize("compiled", BOTH)
 def test_limits_in_the_way_of_a_mill(compiled: bool) -> None:
     # Tool upright: X and Y of the machine are those of the pose; z = 0 needs Z = -410.
-    robot = chainbuild.load("ac_table_kin58").chain().build()
+    robot = chainbuild.Robot.load("ac_table_kin58")
     poses = np.repeat(np.eye(4)[None], 4, axis=0)
     poses[:, :3, 3] = [(0.7, 0.0, 0.2), (0.1, 0.0, 0.2), (0.0, -0.6, 0.2), (0.7, 0.0, 0.0)]
     table = robot.ik_batch(poses, options=IkOptions(compiled=compiled))
@@ -70,7 +70,7 @@ def test_one_start_a_pose(compiled: bool) -> None:
 
 
 def test_rows_with_input_axes_of_their_own() -> None:
-    robot = chainbuild.load("irb2600_track").chain().build()
+    robot = chainbuild.Robot.load("irb2600_track")
     starts = np.array([[100.0 * row if axis.held else 10.0 for axis in robot.axes] for row in range(3)])
     poses = robot.fk_batch(starts)
     poses[1:, 2, 3] += 3.0

@@ -13,6 +13,7 @@ from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.hdtable import type_data
 from chainbuild.formats.twincat.recipes.recipe import Params
 from chainbuild.formats.twincat.types.catalogue import catalogue
+from chainbuild.robot import Robot
 from tests.twincat.table_kit import Built, Vector, count
 
 HEADS = (2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 22, 25, 28, 30, 33, 59, 60, 70, 76, 207)
@@ -48,7 +49,7 @@ def build(
         angle_mode="ypr",
         task=recipe.task,
     )
-    return Built(chain.build(), choose, collector)
+    return Built(Robot(chain), choose, collector)
 
 
 def generic_hd(kin: int) -> dict[int | str, float]:

@@ -13,6 +13,7 @@ from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.text import SourceText
 from chainbuild.formats.twincat import TwinCatMachine, read_machine
 from chainbuild.formats.twincat.lists.reader import Line, ParameterList, read_list
+from chainbuild.robot import Robot
 
 FILE = "machine.lis"
 
@@ -36,7 +37,7 @@ def codes(of: TwinCatMachine | Chain | Collector) -> list[str]:
 
 def pose(chain: Chain, axes: Sequence[float]) -> np.ndarray:
     """Return tool in workpiece (4, 4), in mm."""
-    placement = chain.build().fk(np.asarray(axes, dtype=float))
+    placement = Robot(chain).fk(np.asarray(axes, dtype=float))
     T = np.eye(4)
     T[:3, :3], T[:3, 3] = placement.rotation, placement.translation * 1000.0
     return T

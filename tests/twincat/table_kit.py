@@ -17,7 +17,7 @@ from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.hdtable import HdRow, TypeData
 from chainbuild.formats.twincat.recipes.recipe import Params
 from chainbuild.formats.twincat.types.catalogue import catalogue
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 
 Vector = NDArray[np.float64]
 
@@ -94,7 +94,7 @@ def build(
         angle_mode="ypr",
         task=recipe.task,
     )
-    return Built(chain.build(), choose, collector)
+    return Built(Robot(chain), choose, collector)
 
 
 def generic_hd(data: TypeData) -> dict[int | str, float]:

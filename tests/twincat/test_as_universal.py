@@ -69,7 +69,7 @@ def test_equal_poses(kin: int) -> None:
     universal = machine(as_universal(of_type)).chain(tool_length_mm=length)
     assert codes(universal) == []
     S = universal_of(of_type.chain()).shift
-    this, other = chain.build(), universal.build()
+    this, other = chainbuild.Robot(chain), chainbuild.Robot(universal)
     zero = np.zeros(len(chain.axes))
     spin = np.linalg.inv(other.fk(zero).homogeneous) @ S @ this.fk(zero).homogeneous
     # A direction says nothing of the turn about it: tool frames may differ by a constant spin, by nothing else.

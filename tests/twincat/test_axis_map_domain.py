@@ -8,7 +8,7 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import AxisValueError, ChainbuildError
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 from tests.twincat.head_kit import build
 
 CASES = [
@@ -40,7 +40,7 @@ def test_two_steps_pass_the_error_on(tmp_path: Path) -> None:
         "default_id_of_kin_step[0] 59\ndefault_id_of_kin_step[1] 9\ntrafo[0].id 59\ntrafo[0].param[6] 300000\n"
         "kin_step[1].trafo[0].id 9\n"
     )
-    robot = chainbuild.load(path).chain().build()
+    robot = chainbuild.Robot.load(path)
     assert_refused(robot, [0, 0, 0, 0, 61], "A", "-60 to 60 deg")
     assert robot.ik(robot.fk([1, 2, 3, 4, 5]), start=[0, 0, 0, 0, 59]).success
 

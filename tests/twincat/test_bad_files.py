@@ -166,7 +166,7 @@ def write(bad: Bad, folder: Path) -> Path:
 def test_bad_file(bad: Bad, tmp_path: Path) -> None:
     path = write(bad, tmp_path)
     with pytest.raises(ChainbuildError) as caught:
-        chainbuild.load(path).chain().build()
+        chainbuild.Robot.load(path)
     message = str(caught.value)
     for part in bad.says:
         assert part in message

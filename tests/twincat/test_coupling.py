@@ -72,7 +72,7 @@ def test_the_table_as_entered() -> None:
 
 
 def test_the_tool_keeps_its_place_on_the_turning_table() -> None:
-    robot = chain_of(AT_TABLE).build()
+    robot = chainbuild.Robot(chain_of(AT_TABLE))
     rng = np.random.default_rng(4)
     axes = np.array([100.0, 50.0, 10.0, -80.0, 70.0, 20.0, 40.0, 30.0, 0.0, 0.0])
     wanted = robot.fk(axes)
@@ -273,7 +273,7 @@ def test_shipped_couplings(name: str) -> None:
     chain = loaded.chain()
     assert set(codes(chain)) <= {"CB454"}
     assert not any(axis.assumed or axis.max_speed is None for axis in chain.axes)
-    robot = chain.build()
+    robot = chainbuild.Robot(chain)
     lower = np.array([axis.lower for axis in chain.axes])
     upper = np.array([axis.upper for axis in chain.axes])
     rng = np.random.default_rng(11)
@@ -293,7 +293,7 @@ def test_fifteen_axes() -> None:
     ]  # fmt: skip
     chain = chain_of(lines)
     assert len(chain.axes) == 15
-    robot = chain.build()
+    robot = chainbuild.Robot(chain)
     rng = np.random.default_rng(12)
     for _ in range(100):
         axes = rng.uniform(-150, 150, 15)

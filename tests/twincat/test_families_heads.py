@@ -185,7 +185,7 @@ def test_every_family_of_heads_ships_a_machine() -> None:
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_shipped_machines_solve_their_own_poses(name: str) -> None:
-    robot = chainbuild.load(name).chain().build()
+    robot = chainbuild.Robot.load(name)
     assert not [finding for finding in robot.chain.findings if finding.severity != "info"]
     assert not any(axis.assumed or axis.max_speed is None for axis in robot.axes)
     rng = np.random.default_rng(4)

@@ -35,7 +35,7 @@ def test_loads_without_a_remark(name: str) -> None:
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_poses_inside_the_limits_are_found_again(name: str) -> None:
-    robot = chainbuild.load(name).chain(tool_length_mm=0.0).build()
+    robot = chainbuild.Robot(chainbuild.load(name).chain(tool_length_mm=0.0))
     lower = np.array([axis.lower for axis in robot.axes])
     upper = np.array([axis.upper for axis in robot.axes])
     rng = np.random.default_rng(3)

@@ -92,7 +92,7 @@ def compare(kin: int, folder: Path, rng: np.random.Generator, vectors: int, conv
     length = float(rng.uniform(10.0, 200.0))
     path = folder / f"kin{kin}.lis"
     path.write_text(channel_list(kin, param))
-    robot = chainbuild.load(path).chain(tool_length_mm=length, conventions=conv).build()
+    robot = chainbuild.Robot(chainbuild.load(path).chain(tool_length_mm=length, conventions=conv))
     agreed = 0
     for _ in range(vectors):
         axes = random_axes(kin, rng)
@@ -159,7 +159,7 @@ def test_saw_blade_and_underfloor_cutter_of_59(option: int, name: str, choice: s
         path = tmp_path / "saw.lis"
         path.write_text(channel_list(59, param).replace("Ende\n", tool))
         (tmp_path / "saw.chainbuild.toml").write_text("[tool]\nnumber = 1\n")
-        robot = chainbuild.load(path).chain(conventions={name: choice}).build()
+        robot = chainbuild.Robot(chainbuild.load(path).chain(conventions={name: choice}))
         added = {**param, 0: param[0] + 250_000.0}  # tool offsets are added to the channel's
         for _ in range(10):
             axes = random_axes(59, rng)

@@ -30,7 +30,7 @@ def test_bounds_hold_every_reachable_joint_value(kin: int, tmp_path: Path) -> No
     if kin == 25:
         rows.append("C = [-180.0, 180.0]")
     (tmp_path / "machine.chainbuild.toml").write_text("\n".join(["[limits]", *rows, ""]))
-    robot = chainbuild.load(path).chain(tool_length_mm=80.0).build()
+    robot = chainbuild.Robot(chainbuild.load(path).chain(tool_length_mm=80.0))
     rng = np.random.default_rng(kin)
     lower = np.array([axis.lower for axis in robot.axes])
     upper = np.array([axis.upper for axis in robot.axes])

@@ -9,7 +9,7 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import ChainbuildError, MachineDataError, UnsupportedKinematicError
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.robot import Robot
 from tests.twincat.support import codes, machine
 
 START, END, LIMIT = 20.0, 45.0, 60.0  # HD2, HD3, HD4
@@ -21,7 +21,7 @@ def text(hd1: float = 30.0, start: float = START, end: float = END, limit: float
 
 
 def robot(length: float = 100.0, conventions: dict[str, str] | None = None, **hd: float) -> Robot:
-    return machine(text(**hd)).chain(tool_length_mm=length, conventions=conventions).build()
+    return chainbuild.Robot(machine(text(**hd)).chain(tool_length_mm=length, conventions=conventions))
 
 
 def formula(axes: np.ndarray, length: float, head: float = 0.0) -> np.ndarray:
@@ -120,7 +120,7 @@ def test_angles_that_leave_no_tilt_are_refused() -> None:
         machine(text(limit=0.0)).chain()
     lenient = machine(text(limit=0.0), strict=False).chain()
     assert "CB401" in codes(lenient)
-    assert lenient.build().fk([0, 0, 0, 0, 100]) is not None
+    assert chainbuild.Robot(lenient).fk([0, 0, 0, 0, 100]) is not None
 
 
 def test_bounds_of_the_joint() -> None:

@@ -97,7 +97,7 @@ def test_a_default_by_such_an_id_leaves_one_too() -> None:
 def test_an_id_means_the_kinematic_that_no_name_could_tell() -> None:
     text = TWICE + "trafo[2].id 9\ntrafo[2].param[0] 900000\n"
     chain = machine(text).chain(9)
-    assert chain.build().fk([0] * 5).translation[2] == pytest.approx(-0.09)
+    assert chainbuild.Robot(chain).fk([0] * 5).translation[2] == pytest.approx(-0.09)
     assert "the one without a name is taken" in " ".join(finding.text for finding in chain.findings)
 
 
@@ -140,7 +140,7 @@ def test_every_kinematic_of_a_file_has_a_name_of_its_own(tmp_path: Path) -> None
     names = [chain.name for chain in chains]
     assert names == ["machine", "machine_kin36", "machine_B_r_9", "machine_B_R_9_2", "machine_kin36_2"]
     assert found.chain().name == "machine"
-    paths = {chainbuild.write_urdf(chain.build(), tmp_path) for chain in chains}
+    paths = {chainbuild.write_urdf(chainbuild.Robot(chain), tmp_path) for chain in chains}
     assert len({str(path).lower() for path in paths}) == 5
 
 

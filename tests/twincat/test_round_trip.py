@@ -21,7 +21,7 @@ def round_trip(kin: int, folder: Path, poses: int) -> None:
     if kin == 25:
         param[2] = 50_000.0  # the nozzle's length grows as 1/cos: only a head that stays clear of 90° is a machine
     path.write_text(channel_list(kin, param))
-    robot = chainbuild.load(path).chain(tool_length_mm=50.0).build()
+    robot = chainbuild.Robot(chainbuild.load(path).chain(tool_length_mm=50.0))
     held = [n for n, axis in enumerate(robot.axes) if axis.held]
     tried = found = 0
     while tried < poses:

@@ -10,6 +10,7 @@ import pytest
 from chainbuild.chain.elements import Chain
 from chainbuild.errors import UnsupportedKinematicError
 from chainbuild.frames import angles_from_matrix
+from chainbuild.robot import Robot
 
 from .support import codes, machine, pose
 from .universal_kit import CA_HEAD
@@ -56,7 +57,7 @@ def test_a_robot_below_gives_a_pose(mode: int) -> None:
 
 @pytest.mark.parametrize(("first", "second"), [(AC_TABLE, CA_HEAD_9), (ARM, CA_HEAD_9)])
 def test_the_derivative_is_one(first: Sequence[str], second: Sequence[str]) -> None:
-    robot = both(first, second).build()
+    robot = Robot(both(first, second))
     rng = np.random.default_rng(3)
     factors = np.array([1e-3 if axis.kind == "linear" else np.pi / 180 for axis in robot.axes])
     for _ in range(10):
@@ -74,7 +75,7 @@ def test_the_derivative_is_one(first: Sequence[str], second: Sequence[str]) -> N
 @pytest.mark.parametrize(("first", "second"), [(AC_TABLE, CA_HEAD_9), (CA_HEAD_9, AC_TABLE), (ARM, CA_HEAD_9)])
 def test_there_and_back(first: Sequence[str], second: Sequence[str]) -> None:
     chain = both(first, second)
-    robot = chain.build()
+    robot = Robot(chain)
     rng = np.random.default_rng(4)
     for _ in range(10):
         axes = rng.uniform(-60, 60, len(chain.axes))

@@ -9,6 +9,7 @@ import pytest
 
 from chainbuild.errors import ChainbuildError, MachineDataError
 from chainbuild.formats.overlay import Overlay
+from chainbuild.robot import Robot
 
 from .support import codes, machine, pose
 from .universal_kit import CA_HEAD, TABLE, AxisOf91, Universal, X, Y, Z, random_universal, rotation, shift
@@ -102,7 +103,7 @@ def test_linkage_turns_axis_values_into_cartesian_ones() -> None:
         a, b, c, turn = rng.uniform(-100, 100, 4)
         x, y, z = 0.5 * (a + b) + 112, c, 0.71 * (a - b) - 75
         assert pose(chain, [a, b, c, turn])[:3, 3] == pytest.approx(plain.tip([x, y, z, turn])[0], abs=1e-9)
-    robot = chain.build()
+    robot = Robot(chain)
     axes = [10.0, 20.0, 30.0, 40.0]
     assert robot.axes_from_q(robot.q(axes)) == pytest.approx(axes)
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.collision.model import CollisionModel
+from chainbuild.ik.solve import solve
 
 if TYPE_CHECKING:
     import pinocchio as pin
@@ -40,7 +41,7 @@ def collision_free_ik(
         T: Tool in the workpiece frame [m].
         start: Axis values to start from.
         held: As in `Robot.ik`.
-        clearance: Distance that is due [m].
+        clearance: Smallest distance permitted [m].
         attempts: Starts after the first before the search gives up.
 
     Returns:
@@ -50,7 +51,7 @@ def collision_free_ik(
     robot = model.robot
     lower, upper = shown_limits(robot.chain)
     rng = np.random.default_rng(_SEED)
-    result = robot.ik(T, start=start, held=held)
+    result = solve(robot, T, start, held)
     if not result.success:
         return result
     blocked: IkResult | None = None
@@ -68,5 +69,5 @@ def collision_free_ik(
             for n, axis in enumerate(robot.axes):
                 if axis.held:
                     elsewhere[n] = result.axes[n]
-            result = robot.ik(T, start=elsewhere, held=held)
+            result = solve(robot, T, elsewhere, held)
     return blocked if blocked is not None else result

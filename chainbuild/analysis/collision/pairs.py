@@ -10,7 +10,7 @@ import numpy as np
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.collision.model import CollisionModel, Pair
 from chainbuild.errors import ChainbuildError
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 
 Verdict = Literal["adjacent", "always", "never", "sometimes"]
 
@@ -55,7 +55,7 @@ class PairTable:
 
 
 def classify_pairs(
-    robot: Robot, samples: int = DEFAULT_SAMPLES, seed: int = 0, confidence: float = _CONFIDENCE
+    robot: Mechanism, samples: int = DEFAULT_SAMPLES, seed: int = 0, confidence: float = _CONFIDENCE
 ) -> PairTable:
     """Return which pairs of links touch never, sometimes or always.
 

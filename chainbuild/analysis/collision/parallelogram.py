@@ -22,7 +22,7 @@ from chainbuild.chain.geometry import NO_GEOMETRY
 from chainbuild.chain.rods import CRANK, LEVEL_LINKS, ROD, ROD_END, ROD_PIN, has_rods, with_rods
 from chainbuild.collision.model import CollisionModel, Pair
 from chainbuild.errors import ChainbuildError
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 
@@ -65,7 +65,7 @@ class LimitReport:
         return tuple(f"N62964 $MC_ROBX_SW_LIMITS_PARALLEL[{n}]={v:.2f}" for n, v in enumerate(self.proposal))
 
 
-def swept_limits(robot: Robot, steps: int = _STEPS, done: Callable[[int], None] | None = None) -> LimitReport:
+def swept_limits(robot: Mechanism, steps: int = _STEPS, done: Callable[[int], None] | None = None) -> LimitReport:
     """Return the limits of a parallelogram's angle by sweeping its bodies.
 
     Args:
@@ -81,7 +81,7 @@ def swept_limits(robot: Robot, steps: int = _STEPS, done: Callable[[int], None] 
         raise ChainbuildError("a sweep", parameter="steps", permitted="at least 2 values")
     drawn = robot.chain.geometry == NO_GEOMETRY
     if not has_rods(robot.chain):
-        robot = with_rods(robot.chain, robot.chain.geometry.rod_data).build()
+        robot = Mechanism(with_rods(robot.chain, robot.chain.geometry.rod_data))
     search = _Search(robot, constraint)
     values = np.linspace(*search.range_over, steps)
     found: dict[float, FreeInterval] = {}
@@ -112,7 +112,7 @@ def _constraint(chain: Chain) -> AxisConstraint:
 class _Search:
     """Finds free intervals of the angle at values of axis 2."""
 
-    def __init__(self, robot: Robot, constraint: AxisConstraint) -> None:
+    def __init__(self, robot: Mechanism, constraint: AxisConstraint) -> None:
         chain = robot.chain
         self.sum = constraint.sum
         elbow = next(joint.name for joint in chain.joints if joint.child == chain.frame(ROD_PIN).link)
@@ -173,7 +173,7 @@ class _Search:
         return (angle - self._angle(over, 0.0)) / self.sum.coefficients[self.m]
 
 
-def _arm_pairs(robot: Robot, moved: int) -> list[Pair]:
+def _arm_pairs(robot: Mechanism, moved: int) -> list[Pair]:
     """Return the pairs of housing, column, arms and rods that an axis moves against one another.
 
     What the forearm carries is not the parallelogram's, and what axis 3 does not move its angle cannot free.

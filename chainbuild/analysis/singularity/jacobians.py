@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import Product, product_of
 
 Matrix = NDArray[np.float64]
@@ -20,7 +20,7 @@ Matrix = NDArray[np.float64]
 CHUNK: Final = 1024  # poses worked on at a time: memory does not grow with the count
 
 
-def pose_jacobians(robot: Robot, axes: Matrix) -> Iterator[tuple[slice, Matrix, Matrix]]:
+def pose_jacobians(robot: Mechanism, axes: Matrix) -> Iterator[tuple[slice, Matrix, Matrix]]:
     """Yield, chunk by chunk, the rows done, positions (n, 3) [m] and Jacobians (n, 6, n_axes) of a robot.
 
     Jacobians are those of `Robot.jacobian`: linear rows first, in the tool frame, by metres and radians of the axes.
@@ -36,7 +36,7 @@ def pose_jacobians(robot: Robot, axes: Matrix) -> Iterator[tuple[slice, Matrix, 
         yield (part, *(_chunk(product, x[part]) if product is not None else _singly(robot, x[part])))
 
 
-def _singly(robot: Robot, x: Matrix) -> tuple[Matrix, Matrix]:
+def _singly(robot: Mechanism, x: Matrix) -> tuple[Matrix, Matrix]:
     """Evaluate a chain with a nonlinear axis map pose by pose."""
     positions, jacobians = np.empty((len(x), 3)), np.empty((len(x), 6, x.shape[1]))
     for n, values in enumerate(x):

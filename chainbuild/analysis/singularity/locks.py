@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from chainbuild import frames
 from chainbuild.analysis.singularity.singularity import Singularity
 from chainbuild.chain.rods import CRANK, ROD, ROD_END, ROD_PIN, has_rods
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 
@@ -23,7 +23,7 @@ NEAR_DEAD: Final = 0.1736
 _FOLLOWS: Final = ("ab", "ba")  # angle modes that program two angles only: they cannot lock
 
 
-def notices(robot: Robot, axes: Vector) -> Iterator[Singularity]:
+def notices(robot: Mechanism, axes: Vector) -> Iterator[Singularity]:
     """Yield the notices at axis values (n_axes,), mm and degrees.
 
     Args:
@@ -37,7 +37,7 @@ def notices(robot: Robot, axes: Vector) -> Iterator[Singularity]:
         yield from _dead_points(robot, axes)
 
 
-def _dead_points(robot: Robot, axes: Vector) -> Iterator[Singularity]:
+def _dead_points(robot: Mechanism, axes: Vector) -> Iterator[Singularity]:
     """Yield the dead point of a parallelogram: crank and rod in line, so that the rod can hold no torque."""
     places = robot.frame_placements(axes)
     crank = places[ROD].translation - places[CRANK].translation
@@ -54,7 +54,7 @@ def _dead_points(robot: Robot, axes: Vector) -> Iterator[Singularity]:
         yield Singularity("dead_point", "", value, (elbow,), condition, sentence)
 
 
-def _gimbal_locks(robot: Robot, axes: Vector) -> Iterator[Singularity]:
+def _gimbal_locks(robot: Mechanism, axes: Vector) -> Iterator[Singularity]:
     R = robot.fk(axes).rotation
     mode = frames.ANGLE_MODES[robot.chain.angle_mode]
     (first, a, _), (_, b, _), (last, c, _) = mode.factors

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from chainbuild.analysis.singularity.jacobians import pose_jacobians
 from chainbuild.chain.elements import Chain
 from chainbuild.errors import ChainbuildError
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.screws import joints_between_tips
 
 Vector = NDArray[np.float64]
@@ -87,7 +87,7 @@ class Scaling:
         return picked
 
 
-_scalings: WeakKeyDictionary[Robot, Scaling] = WeakKeyDictionary()
+_scalings: WeakKeyDictionary[Mechanism, Scaling] = WeakKeyDictionary()
 
 
 def characteristic_length(chain: Chain) -> float:
@@ -114,16 +114,17 @@ def _norm(T: Matrix) -> float:
     return float(np.linalg.norm(T[:3, 3]))
 
 
-def task_rows(robot: Robot) -> tuple[int, ...]:
+def task_rows(robot: Mechanism) -> tuple[int, ...]:
     """Return the rows of the Jacobian, in the tool frame, that the controller's task holds."""
     if robot.task == "pose":
         return tuple(range(6))
     if robot.task == "position":
         return 0, 1, 2
-    return (0, 1, 2, 4, 5) if robot.chain.tool_axis == "x" else (0, 1, 2, 3, 4)
+    spin = 3 + robot.chain.tool_column
+    return tuple(row for row in range(6) if row != spin)
 
 
-def scaling_of(robot: Robot, length: float | None = None) -> Scaling:
+def scaling_of(robot: Mechanism, length: float | None = None) -> Scaling:
     """Return the scaling of a robot's task; that of the default length is prepared once.
 
     Raises:
@@ -146,7 +147,7 @@ def scaling_of(robot: Robot, length: float | None = None) -> Scaling:
     return Scaling(rows, columns, length, factors, factors.shape == (6, len(robot.axes)))
 
 
-def measure(robot: Robot, axes: ArrayLike, length: float | None = None) -> Measures:
+def measure(robot: Mechanism, axes: ArrayLike, length: float | None = None) -> Measures:
     """Return the measures at axis values (n_axes,), mm and degrees.
 
     Args:
@@ -164,7 +165,7 @@ def measure(robot: Robot, axes: ArrayLike, length: float | None = None) -> Measu
     return Measures(values, scaling.length, lost, runaway)
 
 
-def smallest_value(robot: Robot, axes: ArrayLike) -> float:
+def smallest_value(robot: Mechanism, axes: ArrayLike) -> float:
     """Return the smallest scaled singular value at axis values (n_axes,): the quick form of `measure`."""
     values = np.asarray(axes, dtype=float)
     if values.shape != robot.kinematics.si_factors.shape or not math.isfinite(values.sum()):
@@ -190,7 +191,7 @@ class MeasureTable:
     condition: Vector
 
 
-def measure_batch(robot: Robot, axes: ArrayLike, length: float | None = None) -> MeasureTable:
+def measure_batch(robot: Mechanism, axes: ArrayLike, length: float | None = None) -> MeasureTable:
     """Return the measures at many axis values (N, n_axes), mm and degrees.
 
     Memory beyond the result does not depend on N.

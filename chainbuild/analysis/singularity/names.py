@@ -16,7 +16,7 @@ from chainbuild.analysis.singularity.measures import Measures, measure, measure_
 from chainbuild.analysis.singularity.singularity import Singularity
 from chainbuild.analysis.singularity.speeds import SpeedReport, speeds
 from chainbuild.analysis.singularity.structure import Kind, lines_at, structure_of
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ class Report:
     speed: SpeedReport
 
 
-def examine(robot: Robot, axes: ArrayLike, tool_speed_mm: float = 10.0, length: float | None = None) -> Report:
+def examine(robot: Mechanism, axes: ArrayLike, tool_speed_mm: float = 10.0, length: float | None = None) -> Report:
     """Return measures, names and speeds at axis values (n_axes,), mm and degrees.
 
     Args:
@@ -72,13 +72,13 @@ def examine(robot: Robot, axes: ArrayLike, tool_speed_mm: float = 10.0, length: 
     return Report(values, measures, names, tuple(locks.notices(robot, values)), speed)
 
 
-def names_at(robot: Robot, axes: ArrayLike) -> tuple[Singularity, ...]:
+def names_at(robot: Mechanism, axes: ArrayLike) -> tuple[Singularity, ...]:
     """Return the singularities at or close to axis values (n_axes,), the closest first."""
     values = robot.axis_values(axes)
     return examine(robot, values).names if smallest_value(robot, values) <= NEAR else ()
 
 
-def examine_path(robot: Robot, path: ArrayLike, tool_speed_mm: float = 10.0) -> Iterator[tuple[int, Report]]:
+def examine_path(robot: Mechanism, path: ArrayLike, tool_speed_mm: float = 10.0) -> Iterator[tuple[int, Report]]:
     """Yield (row, report) of the rows (N, n_axes) of a path that are singular, nearly so, or deserve a notice.
 
     The measures of all rows are computed at once; only rows below `NEAR` are examined by name.
@@ -96,8 +96,8 @@ def kinds(singularities: Iterable[Singularity]) -> tuple[Kind, ...]:
     return tuple(found.kind for found in singularities)
 
 
-def _names(robot: Robot, axes: Vector, measures: Measures, speed: SpeedReport) -> Iterator[Singularity]:
-    direction = np.eye(3)[0 if robot.chain.tool_axis == "x" else 2]
+def _names(robot: Mechanism, axes: Vector, measures: Measures, speed: SpeedReport) -> Iterator[Singularity]:
+    direction = np.eye(3)[robot.chain.tool_column]
     near = [
         factor
         for factor in factors(structure_of(robot), lines_at(robot, axes), robot.task, direction)
@@ -123,7 +123,7 @@ def _names(robot: Robot, axes: Vector, measures: Measures, speed: SpeedReport) -
         yield _named(robot, axes, factor, lost, cost)
 
 
-def _named(robot: Robot, axes: Vector, factor: Factor, lost: str, cost: str) -> Singularity:
+def _named(robot: Mechanism, axes: Vector, factor: Factor, lost: str, cost: str) -> Singularity:
     condition, names = words.condition(robot, axes, factor)
     is_arm = robot.chain.kinematic.endswith(" NR")
     alias = _ALIASES.get(factor.kind, "") if is_arm and robot.chain.dialect.startswith("SINUMERIK") else ""

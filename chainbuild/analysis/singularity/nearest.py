@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.analysis.singularity.measures import Scaling, scaling_of
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -49,7 +49,7 @@ class Nearest:
     inside: bool
 
 
-def nearest_singularity(robot: Robot, axes: ArrayLike, length: float | None = None) -> Nearest:
+def nearest_singularity(robot: Mechanism, axes: ArrayLike, length: float | None = None) -> Nearest:
     """Return the singularity that a descent from axis values (n_axes,), mm and degrees, ends at.
 
     The descent follows the steepest fall of the smallest scaled singular value: a local search, which finds the
@@ -70,7 +70,7 @@ def nearest_singularity(robot: Robot, axes: ArrayLike, length: float | None = No
 class _Descent:
     """One search in scaled coordinates z: radians, and linear axes as a share of the length."""
 
-    def __init__(self, robot: Robot, scaling: Scaling, axes: Vector) -> None:
+    def __init__(self, robot: Mechanism, scaling: Scaling, axes: Vector) -> None:
         self.robot, self.scaling = robot, scaling
         linear = np.array([robot.axes[n].kind == "linear" for n in scaling.columns])
         self.unit = np.where(linear, scaling.length, 1.0)

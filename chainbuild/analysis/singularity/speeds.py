@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from chainbuild.analysis.singularity.measures import scaling_of
 from chainbuild.chain.elements import Axis
 from chainbuild.errors import ChainbuildError
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.units import si_factor
 
 Vector = NDArray[np.float64]
@@ -67,7 +67,7 @@ class SpeedReport:
 
 
 def speeds(
-    robot: Robot,
+    robot: Mechanism,
     axes: ArrayLike,
     tool_speed: float,
     direction: ArrayLike | None = None,
@@ -101,7 +101,7 @@ def speeds(
     return SpeedReport(motion, tool_speed, rows, min(bounds) if bounds else None, alarm)
 
 
-def _per_speed(robot: Robot, axes: ArrayLike, direction: ArrayLike | None, motion: Motion) -> Vector:
+def _per_speed(robot: Mechanism, axes: ArrayLike, direction: ArrayLike | None, motion: Motion) -> Vector:
     """Return the speeds of the axes (n_axes,) in SI for 1 m/s or 1 rad/s of the tool."""
     scaling = scaling_of(robot)
     U, values, Vt = np.linalg.svd(scaling.apply(robot.jacobian(axes)), full_matrices=False)

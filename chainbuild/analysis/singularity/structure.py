@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.analysis.singularity.measures import characteristic_length
 from chainbuild.chain.elements import Chain
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.screws import joint_screws, joints_between_tips
 
 Vector = NDArray[np.float64]
@@ -99,10 +99,10 @@ class Structure:
     length: float
 
 
-_structures: WeakKeyDictionary[Robot, Structure] = WeakKeyDictionary()
+_structures: WeakKeyDictionary[Mechanism, Structure] = WeakKeyDictionary()
 
 
-def structure_of(robot: Robot) -> Structure:
+def structure_of(robot: Mechanism) -> Structure:
     """Return a robot's structure, found at first use."""
     found = _structures.get(robot)
     if found is None:
@@ -112,7 +112,7 @@ def structure_of(robot: Robot) -> Structure:
     return found
 
 
-def lines_at(robot: Robot, axes: ArrayLike) -> Lines:
+def lines_at(robot: Mechanism, axes: ArrayLike) -> Lines:
     """Return the lines of all joints at axis values (n_axes,), mm and degrees."""
     screws = joint_screws(robot, axes).T
     turning = np.array([joint.kind == "revolute" for joint in robot.chain.joints])
@@ -120,7 +120,7 @@ def lines_at(robot: Robot, axes: ArrayLike) -> Lines:
     return Lines(directions, np.where(turning[:, None], np.cross(screws[:, 3:], screws[:, :3]), 0.0))
 
 
-def _probe_positions(robot: Robot) -> list[Vector]:
+def _probe_positions(robot: Mechanism) -> list[Vector]:
     """Return positions inside the limits at which nothing lines up by chance."""
     rng = np.random.default_rng(7)
     lower = np.array([max(axis.lower, -170.0) for axis in robot.axes])

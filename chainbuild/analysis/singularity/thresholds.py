@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.analysis.singularity.measures import measure_batch
 from chainbuild.errors import ChainbuildError
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.units import mm_from_m
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ def thresholds_of(machine: Machine, chain: Chain) -> Thresholds | None:
     )
 
 
-def judge(robot: Robot, axes: ArrayLike, limits: Thresholds, quantity: Quantity = "smallest") -> Judgement:
+def judge(robot: Mechanism, axes: ArrayLike, limits: Thresholds, quantity: Quantity = "smallest") -> Judgement:
     """Return what a control would make of axis values (n_axes,), mm and degrees."""
     values = robot.axis_values(axes)
     value = float(_values(robot, values[None, :], quantity)[0])
@@ -116,7 +116,9 @@ def judge(robot: Robot, axes: ArrayLike, limits: Thresholds, quantity: Quantity 
     return Judgement(value, _level(value, limits), angle, angle is not None and angle < limits.iter_limit_deg)
 
 
-def judge_path(robot: Robot, path: ArrayLike, limits: Thresholds, quantity: Quantity = "smallest") -> Iterator[Stretch]:
+def judge_path(
+    robot: Mechanism, path: ArrayLike, limits: Thresholds, quantity: Quantity = "smallest"
+) -> Iterator[Stretch]:
     """Yield the stretches of a path (N, n_axes) that a control calls singular or watches.
 
     Only the rows are looked at: give them as dense as the control's blocks are cut.
@@ -141,7 +143,7 @@ def judge_path(robot: Robot, path: ArrayLike, limits: Thresholds, quantity: Quan
         first = last + 1
 
 
-def _values(robot: Robot, rows: NDArray[np.float64], quantity: Quantity) -> Vector:
+def _values(robot: Mechanism, rows: NDArray[np.float64], quantity: Quantity) -> Vector:
     table = measure_batch(robot, rows)
     return _pick(table.smallest, table.manipulability, quantity)
 
@@ -158,7 +160,7 @@ def _level(value: float, limits: Thresholds) -> Level:
     return "watched" if value < limits.clearance else "clear"
 
 
-def _hand_angle(robot: Robot, axes: Vector) -> float | None:
+def _hand_angle(robot: Mechanism, axes: Vector) -> float | None:
     """Return how far axis 5 is from 0 or half a turn [deg], or None where there is no such axis."""
     solver = robot.chain.controller_solver
     if solver is None or solver.hand_angle is None:

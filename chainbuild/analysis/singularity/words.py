@@ -13,7 +13,7 @@ from chainbuild.analysis.singularity.factors import Factor
 from chainbuild.analysis.singularity.measures import Measures
 from chainbuild.analysis.singularity.speeds import SpeedReport
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.units import deg_from_rad, mm_from_m
 
 Vector = NDArray[np.float64]
@@ -25,7 +25,7 @@ _RUNS: Final = 0.2  # axes below this share of the fastest do not run away
 _REMARK_DEG: Final = 0.5
 
 
-def condition(robot: Robot, axes: Vector, factor: Factor) -> tuple[str, tuple[str, ...]]:
+def condition(robot: Mechanism, axes: Vector, factor: Factor) -> tuple[str, tuple[str, ...]]:
     """Return what lines up, and the names of the axes concerned."""
     names = tuple(robot.chain.joints[n].name for n in factor.joints)
     nearly = "" if factor.value < _EXACT else "nearly "
@@ -49,7 +49,7 @@ def condition(robot: Robot, axes: Vector, factor: Factor) -> tuple[str, tuple[st
     return f"the tool is {nearly}at the end of its tilt: {names[0]} and {names[1]} swing it the same way", names
 
 
-def _others(robot: Robot, axes: Vector, name: str) -> str:
+def _others(robot: Mechanism, axes: Vector, name: str) -> str:
     """Return the values of the other rotary axes in brackets."""
     shown = [
         _value(robot, axes, axis.name)
@@ -59,7 +59,7 @@ def _others(robot: Robot, axes: Vector, name: str) -> str:
     return f" ({', '.join(shown)})" if shown else ""
 
 
-def _value(robot: Robot, axes: Vector, name: str) -> str:
+def _value(robot: Mechanism, axes: Vector, name: str) -> str:
     """Return "A5 = 0.3°" for a joint that bears the name of an axis, else its name."""
     for axis, value in zip(robot.axes, axes.tolist(), strict=True):
         if axis.name == name:
@@ -68,7 +68,7 @@ def _value(robot: Robot, axes: Vector, name: str) -> str:
     return name
 
 
-def lost_motion(robot: Robot, measures: Measures, turn_first: bool = False) -> str:
+def lost_motion(robot: Mechanism, measures: Measures, turn_first: bool = False) -> str:
     """Return which motion is lost: "rotation about the flange's Y is nearly lost"."""
     chain = robot.chain
     tool, flange = chain.frame("tool"), chain.frame("flange")
@@ -100,7 +100,7 @@ def _direction(vector: Vector, frame: str) -> str:
     return f"({shown}) in the {frame} frame"
 
 
-def runaway_axes(robot: Robot, measures: Measures) -> tuple[str, ...]:
+def runaway_axes(robot: Mechanism, measures: Measures) -> tuple[str, ...]:
     """Return the names of the axes that run away, the fastest first."""
     sizes = np.abs(measures.runaway)
     order = np.argsort(-sizes, kind="stable")
@@ -128,7 +128,7 @@ def _fastest(measures: Measures) -> list[int]:
     return [int(n) for n in np.flatnonzero(sizes > _RUNS * sizes.max())]
 
 
-def elbow_remark(robot: Robot, axes: Vector, factor: Factor) -> str:
+def elbow_remark(robot: Mechanism, axes: Vector, factor: Factor) -> str:
     """Return where the manual's "A3 = 0" is not the stretched arm, else an empty string."""
     kinematic, elbow = robot.chain.kinematic, robot.chain.joints[factor.joints[1]].name
     if kinematic == "KIN_TYP 45":

@@ -25,7 +25,7 @@ from chainbuild.chain.bodies import shown_limits
 from chainbuild.chain.elements import Chain
 from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError, FileAccessError, Span
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -114,7 +114,7 @@ def _span(path: Path) -> Span:
 
 
 def make_map(
-    robot: Robot,
+    robot: Mechanism,
     spec: MapSpec,
     path: Path | None = None,
     workers: int | None = None,
@@ -148,7 +148,7 @@ def make_map(
     return result
 
 
-def _begin(robot: Robot, spec: MapSpec, path: Path | None) -> Map:
+def _begin(robot: Mechanism, spec: MapSpec, path: Path | None) -> Map:
     total = spec.cells**2 if spec.kind == "axes" else spec.samples
     if path is not None and path.exists():
         old = read_map(path)
@@ -216,7 +216,7 @@ class _Worker:
     """Computes parts of one map."""
 
     def __init__(self, chain: Chain, spec: MapSpec, grid: Grid) -> None:
-        self.robot, self.spec, self.grid = chain.build(), spec, grid
+        self.robot, self.spec, self.grid = Mechanism(chain), spec, grid
         self.bodies = CollisionModel(self.robot) if spec.collisions else None
 
     def part(self, number: int) -> _Part:

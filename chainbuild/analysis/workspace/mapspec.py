@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from chainbuild.analysis.singularity.measures import measure_batch
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.errors import ChainbuildError
-from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -85,7 +85,7 @@ class Grid:
         return flat
 
 
-def check_spec(robot: Robot, spec: MapSpec) -> None:
+def check_spec(robot: Mechanism, spec: MapSpec) -> None:
     """Refuse a map that cannot be drawn.
 
     Raises:
@@ -107,7 +107,7 @@ def check_spec(robot: Robot, spec: MapSpec) -> None:
         raise ChainbuildError("the map has no sample", parameter="samples", permitted="at least 1")
 
 
-def grid_of(robot: Robot, spec: MapSpec) -> Grid:
+def grid_of(robot: Mechanism, spec: MapSpec) -> Grid:
     """Return the grid of a map: the limits of two axes, or the box that the tool stays in."""
     if spec.kind == "axes":
         lower, upper = shown_limits(robot.chain)
@@ -128,7 +128,7 @@ def grid_of(robot: Robot, spec: MapSpec) -> Grid:
     return Grid(tuple(f"{name} [m]" for name in names), edges)
 
 
-def random_axes(robot: Robot, rng: np.random.Generator, count: int) -> Matrix:
+def random_axes(robot: Mechanism, rng: np.random.Generator, count: int) -> Matrix:
     """Return axis values (count, n_axes) drawn evenly from the limits; input axes stand at 0 or their nearest limit."""
     lower, upper = shown_limits(robot.chain)
     values: Matrix = lower + (upper - lower) * rng.random((count, len(lower)))

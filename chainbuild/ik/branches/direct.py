@@ -12,7 +12,7 @@ w are the rotary axes and z0 the tool direction, both seen from the workpiece wh
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,14 +22,11 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.frames import transform
 from chainbuild.ik.branches.arms.orientation import Turns, for_direction, for_rotation
 from chainbuild.ik.branches.core.axis_values import axes_for
-from chainbuild.ik.branches.core.branches import Found, collect, verified
+from chainbuild.ik.branches.core.branches import Candidate, Solutions, collect, verified
 from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
-from chainbuild.ik.start import Held
-from chainbuild.kinematics.mechanism import as_pose
-
-if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 
@@ -37,87 +34,54 @@ _LINEAR_STEPS: Final = 2  # the second one only cleans the last digits
 _MOST_ROTARY: Final = 3
 
 
-def is_direct(robot: Robot, held: Held | None = None) -> bool:
-    """Tell whether a robot has three independent linear axes, up to three rotary ones, and so a direct solution.
-
-    Args:
-        robot: The robot.
-        held: Axes that are held; see `Robot.ik`.
-    """
-    return query_is_direct(Query.of(robot, as_pose(np.eye(4)), None, held))
-
-
 def query_is_direct(query: Query) -> bool:
     """Tell whether the direct solver answers a query."""
-    structure, chain = query.structure, query.robot.chain
+    structure, chain = query.structure, query.mechanism.chain
     if chain.loops or len(structure.linear) != 3 or len(structure.revolute) > _MOST_ROTARY:
         return False
     if len(structure.rotary) < len(structure.revolute):
         return False
-    _, J = query.robot.kinematics.pose_and_jacobian(query.x0)
+    _, J = query.mechanism.kinematics.pose_and_jacobian(query.x0)
     block = J[:3, structure.linear]
     return bool(np.isfinite(block).all()) and abs(float(np.linalg.det(block))) > tolerances.RANK
 
 
-def solve_direct(
-    robot: Robot, T: ArrayLike, start: ArrayLike | None = None, held: Held | None = None, *, windings: bool = False
-) -> tuple[IkResult, ...]:
-    """Return every solution inside the limits, nearest to the start first, each verified by forward kinematics.
-
-    Args:
-        robot: A robot for which `is_direct` holds.
-        T: Tool in the workpiece frame [m]: `pin.SE3` or (4, 4).
-        start: Axis values (n_axes,), mm and degrees; free rotary axes of a singular pose keep theirs.
-        held: See `Robot.ik`.
-        windings: True: every whole turn within the limits counts as a solution, not only the nearest.
-
-    Raises:
-        ChainbuildError: the robot has no direct solution, or T is no rigid transform.
-    """
-    query = Query.of(robot, as_pose(T), start, held, windings)
-    if not query_is_direct(query):
-        raise ChainbuildError(
-            "this kinematic has no direct solution",
-            permitted="three independent linear axes and up to three rotary ones",
-        )
-    return find_direct(query).branches
-
-
-def find_direct(query: Query) -> Found:
+def find_direct(query: Query) -> Solutions:
     """Return the direct solutions of a query for which `query_is_direct` holds."""
     return collect(query, _candidates(query))
 
 
-def linear_axes_for(robot: Robot, position: ArrayLike, axes: ArrayLike) -> IkResult:
+def linear_axes_for(mechanism: Mechanism, position: ArrayLike, axes: ArrayLike) -> IkResult:
     """Return axis values that bring the tip to a position with the rotary axes where they are: RTCP programming.
 
     Args:
-        robot: A robot for which `is_direct` holds.
+        mechanism: One with three independent linear axes.
         position: (3,) tip in the workpiece frame [m].
         axes: (n_axes,) mm and degrees; rotary values count, linear ones are replaced.
 
     Raises:
         ChainbuildError: the robot has no direct solution, or the values are not finite.
     """
-    values = robot.axis_values(axes)
-    T = robot.fk(values)
-    query = Query.of(robot, as_pose(transform(T.rotation, np.asarray(position, dtype=float))), values, None)
+    values = mechanism.axis_values(axes)
+    T = mechanism.fk(values)
+    target = transform(T.rotation, np.asarray(position, dtype=float))
+    query = Query.of(IkRequest(mechanism, target, values))
     if not query_is_direct(query):
         raise ChainbuildError("this kinematic has no direct solution")
     x = _with_linear_axes(query, query.x0.copy())
-    branch = None if x is None else verified(query, x)
-    if x is None or branch is None:
+    row = None if x is None else verified(query, x)
+    if row is None:
         return IkResult(
             False, values, "unreachable", np.inf, np.inf, 1, 0, "position", "no pose at these rotary angles"
         )
-    outside = query.outside(x)
+    outside = mechanism.limits.violated(row.axes)
     if outside:
         reason = f"only reached outside the limits of {', '.join(outside)}"
-        return IkResult(False, branch.axes, "limits", branch.position_error, 0.0, 1, 0, "position", reason)
-    return branch
+        return IkResult(False, row.axes, "limits", row.distance, 0.0, 1, 0, "position", reason, outside)
+    return row.branch("position")
 
 
-def _candidates(query: Query) -> Iterator[tuple[Vector, tuple[str, ...]]]:
+def _candidates(query: Query) -> Iterator[Candidate]:
     """Yield SI axis values that may be solutions, with the names of their free axes."""
     structure = query.structure
     columns = structure.rotary[: len(structure.revolute)]  # axes beyond these (a virtual one) stay at the start
@@ -146,7 +110,7 @@ def _with_linear_axes(query: Query, x: Vector) -> Vector | None:
     """Return x with the linear axes that bring the tip to the target's position."""
     linear, target = query.structure.linear, query.target
     for _ in range(_LINEAR_STEPS):
-        T, J = query.robot.kinematics.pose_and_jacobian(x)
+        T, J = query.mechanism.kinematics.pose_and_jacobian(x)
         error = T.rotation.T @ (target.translation - T.translation)
         if not np.isfinite(error).all():
             return None
@@ -162,8 +126,8 @@ def _rotary_solutions(query: Query) -> Iterator[tuple[Turns, NDArray[np.intp]]]:
     keep = tuple(float(value) for value in query.q0[joints])
     axes = [screw.direction for screw in screws]
     R = query.target.rotation @ serial.M[:3, :3].T
-    task = query.robot.task
-    column = 0 if query.robot.chain.tool_axis == "x" else 2
+    task = query.mechanism.task
+    column = query.mechanism.chain.tool_column
     if task == "position":
         found = [Turns(keep, (True,) * len(axes))] if axes else [Turns((), ())]
     elif task == "direction":

@@ -14,18 +14,17 @@ from numpy.typing import NDArray
 
 from chainbuild.ik.branches.core.axis_values import turned_axes
 from chainbuild.ik.branches.core.query import Query
-from chainbuild.kinematics.evaluation import damped_step
+from chainbuild.kinematics.newton import Stall, below, newton, shrinking
 
 Vector = NDArray[np.float64]
 
 _MOST_STARTS: Final = 400
 _IDLE_STARTS: Final = 60  # starts in a row without a new branch that end the search
-_STEPS: Final = 40
-_STALL: Final = 5
-_SAME: Final = 1e-5
-_FOUND: Final = 1e-16  # squared residual
-_DAMPING: Final = 1e-3
-_FLOOR: Final = 1e-12
+_STEPS: Final = 40  # at most, of one descent
+_STALL: Final = Stall(5, 0.9)
+_SAME: Final = 1e-5  # solutions closer than this in every axis [m, rad] are one
+_MET: Final = below(1e-16)
+_DAMPING: Final = shrinking(1e-3, 1e-12)
 
 
 def gather(query: Query) -> Iterator[Vector]:
@@ -35,7 +34,7 @@ def gather(query: Query) -> Iterator[Vector]:
     lower = np.where(np.isfinite(query.lower), query.lower, -np.pi)[free]
     upper = np.where(np.isfinite(query.upper), query.upper, np.pi)[free]
     # One turn is enough: whole turns are added to what is found.
-    rotary = np.array([query.robot.axes[n].kind == "rotary" for n in free], dtype=bool)
+    rotary = np.array([query.mechanism.axes[n].kind == "rotary" for n in free], dtype=bool)
     lower[rotary] = np.maximum(lower[rotary], -np.pi)
     upper[rotary] = np.minimum(upper[rotary], np.pi)
     known: list[Vector] = []
@@ -64,21 +63,6 @@ def _apart(a: Vector, b: Vector, query: Query) -> float:
 
 def _descend(query: Query, start: Vector) -> Vector | None:
     """Return the axis values where the residual vanishes, or None."""
-    residual = query.robot.kinematics.residual(query.target, query.robot.task)
-    free, x = query.structure.free, start.copy()
-    mark, since = np.inf, 0
-    for _ in range(_STEPS):
-        error, J = residual(x)
-        squared = float(error @ error)
-        if squared < _FOUND:
-            return x
-        if not np.isfinite(squared):
-            return None
-        if squared > 0.9 * mark:
-            since += 1
-            if since >= _STALL:
-                return None
-        else:
-            mark, since = squared, 0
-        x[free] += damped_step(J[:, free], error, _DAMPING * squared + _FLOOR)
-    return None
+    residual = query.mechanism.kinematics.residual(query.target, query.mechanism.task)
+    ended = newton(residual, start, query.structure.free, _MET, _DAMPING, _STEPS, _STALL)
+    return ended.x if ended.met else None

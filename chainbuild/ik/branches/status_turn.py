@@ -12,7 +12,7 @@ from chainbuild.ik.branches.arms.arms import wrist_centre
 from chainbuild.ik.branches.core.serial import Screw, structure_of, unroll
 
 if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
+    from chainbuild.kinematics.mechanism import Mechanism
 
 WRIST_BEHIND: Final = 1
 WRIST_IN_FRONT: Final = 2
@@ -21,38 +21,38 @@ HAND_NEGATIVE: Final = 4
 _KINEMATIC: Final = "KIN_TYP 45"
 
 
-def has_status(robot: Robot) -> bool:
+def has_status(mechanism: Mechanism) -> bool:
     """Tell whether the controller defines status and turn for a robot's kinematic."""
-    return robot.chain.kinematic == _KINEMATIC
+    return mechanism.chain.kinematic == _KINEMATIC
 
 
-def status_turn(robot: Robot, axes: ArrayLike) -> tuple[int, int]:
+def status_turn(mechanism: Mechanism, axes: ArrayLike) -> tuple[int, int]:
     """Return status and turn of axis values (KIN_TYP manual 3.3.3).
 
     Status: 1 where the wrist is behind axis 1, 2 where it is in front of the line through axes 2 and 3, 4 where axis 5
     is negative. Turn: bits 1, 2, 4, 8, 16, 32 for axes 1 to 6 below 0. On a boundary the bit is not set.
 
     Args:
-        robot: A robot of KIN_TYP 45.
+        mechanism: A robot of KIN_TYP 45.
         axes: (6,) axis values in degrees, as the controller shows them.
 
     Raises:
         ChainbuildError: the controller defines no status for this kinematic.
         AxisValueError: wrong count or not finite.
     """
-    if not has_status(robot):
+    if not has_status(mechanism):
         raise ChainbuildError(f"status and turn are defined for {_KINEMATIC} only", permitted=_KINEMATIC)
-    values = robot.axis_values(axes)
+    values = mechanism.axis_values(axes)
     turn = sum(1 << n for n, value in enumerate(values) if value < 0.0)
-    behind, in_front = _wrist_place(robot, robot.q(values))
+    behind, in_front = _wrist_place(mechanism, mechanism.q(values))
     status = WRIST_BEHIND * behind + WRIST_IN_FRONT * in_front + HAND_NEGATIVE * bool(values[4] < 0.0)
     return status, turn
 
 
-def _wrist_place(robot: Robot, q: np.ndarray) -> tuple[bool, bool]:
+def _wrist_place(mechanism: Mechanism, q: np.ndarray) -> tuple[bool, bool]:
     """Return whether the wrist is behind axis 1, and whether it is in front of the line through axes 2 and 3."""
-    structure = structure_of(robot, np.zeros(len(robot.axes), dtype=bool))
-    serial = unroll(robot.chain, q, structure.moving)
+    structure = structure_of(mechanism, np.zeros(len(mechanism.axes), dtype=bool))
+    serial = unroll(mechanism.chain, q, structure.moving)
     if [screw.joint for screw in serial.screws] != sorted(screw.joint for screw in serial.screws):
         serial = serial.reversed()  # the arm carries the workpiece
     one, two, three, *hand = serial.screws

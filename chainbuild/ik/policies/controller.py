@@ -15,25 +15,21 @@ ITERLIMIT2 is refused with alarm 75370, 75371 or 75372 (11.5). The manual does n
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from chainbuild import tolerances
 from chainbuild.chain.elements import ControllerSolver
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import turned_axes
 from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult, Status
-from chainbuild.ik.start import Held
-from chainbuild.kinematics.evaluation import damped_step
+from chainbuild.ik.verify import is_met
+from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.kinematics.newton import newton
 from chainbuild.units import mm_from_m
-
-if TYPE_CHECKING:
-    import pinocchio as pin
-
-    from chainbuild.kinematics.mechanism import Robot
 
 Vector = NDArray[np.float64]
 
@@ -43,51 +39,53 @@ _FULL_TURN_DEG: Final = 360.0
 ALARMS_SINGULAR: Final = (75370, 75371, 75372)  # interpreter, block preparation, interpolation
 
 
-def budget_of(robot: Robot) -> ControllerSolver:
+def budget_of(mechanism: Mechanism) -> ControllerSolver:
     """Return the budget that a robot's machine data grant.
 
     Raises:
         ChainbuildError: the data name none.
     """
-    budget = robot.chain.controller_solver
+    budget = mechanism.chain.controller_solver
     if budget is None:
         raise ChainbuildError(
-            f"the machine data of {robot.chain.title} grant the controller no iteration budget",
+            f"the machine data of {mechanism.chain.title} grant the controller no iteration budget",
             parameter="solver",
             permitted="auto, damped, analytic; controller only for ROBX with ITERMAXCOUNT and ITERPRECISION",
         )
     return budget
 
 
-def solve_controller(
-    robot: Robot, target: pin.SE3, start: ArrayLike | None, held: Held | None, budget: ControllerSolver
-) -> IkResult:
+def solve_controller(request: IkRequest) -> IkResult:
     """Return what Newton steps from the start reach within the controller's budget: one start, no restarts.
 
-    Args:
-        robot: The robot.
-        target: Tool in the workpiece frame [m].
-        start: See `Robot.ik`; where the controller stands.
-        held: See `Robot.ik`.
-        budget: The controller's budget.
+    Raises:
+        ChainbuildError: the machine data grant no budget.
     """
-    query = Query.of(robot, target, start, held)
-    residual = robot.kinematics.residual(target, robot.task)
-    free, steps = query.structure.free, 0
-    x = _retracted(query, query.x0.copy(), budget)
-    error, J = residual(x)
-    while steps < budget.max_count and _target_function(error) > budget.precision and np.isfinite(error).all():
-        damping = _SINGULAR_DAMPING * float(error @ error) if _singular(query, x, budget) else 0.0
-        x = x.copy()
-        x[free] += damped_step(J[:, free], error, damping + _FLOOR)
-        steps += 1
-        error, J = residual(x)
+    mechanism = request.mechanism
+    budget, query = budget_of(mechanism), Query.of(request)
+    residual = mechanism.kinematics.residual(query.target, mechanism.task)
+
+    def damping(x: Vector, error: Vector) -> float:
+        singular = _SINGULAR_DAMPING * float(error @ error) if _singular(query, x, budget) else 0.0
+        return singular + _FLOOR
+
+    ended = newton(
+        residual,
+        _retracted(query, query.x0.copy(), budget),
+        query.structure.free,
+        lambda error: _target_function(error) <= budget.precision,
+        damping,
+        budget.max_count,
+    )
+    x = ended.x
     if np.isfinite(x).all():
-        x = next(turned_axes(query, x, free))
-    distance, angle = robot.kinematics.errors(x, target, robot.task)
-    status, reason = _judge(query, x, error, (distance, angle), budget)
-    values = x / robot.kinematics.si_factors
-    return IkResult(status == "ok", values, status, distance, angle, steps, 0, robot.task, reason)
+        x = next(turned_axes(query, x, query.structure.free))
+    distance, angle = mechanism.kinematics.errors(x, query.target, mechanism.task)
+    status, reason = _judge(query, x, ended.error, (distance, angle), budget)
+    return IkResult(
+        status == "ok", query.shown(x), status, distance, angle, ended.steps, 0, mechanism.task, reason,
+        mechanism.limits.violated(query.shown(x)) if status == "limits" else (),
+    )  # fmt: skip
 
 
 def _target_function(error: Vector) -> float:
@@ -99,7 +97,7 @@ def _hand_deg(query: Query, x: Vector, budget: ControllerSolver) -> float | None
     """Return the mathematical angle of axis 5 in (-180, 180]; None where the robot has none."""
     if budget.hand_angle is None:
         return None
-    return math.remainder(budget.hand_angle.value(x / query.robot.kinematics.si_factors), _FULL_TURN_DEG)
+    return math.remainder(budget.hand_angle.value(query.shown(x)), _FULL_TURN_DEG)
 
 
 def _singular(query: Query, x: Vector, budget: ControllerSolver) -> bool:
@@ -115,7 +113,7 @@ def _retracted(query: Query, x: Vector, budget: ControllerSolver) -> Vector:
     n = int(np.argmax(np.abs(budget.hand_angle.coefficients)))
     if n in query.structure.free:
         away = math.copysign(budget.limit2_deg, hand) - hand
-        x[n] += away / budget.hand_angle.coefficients[n] * query.robot.kinematics.si_factors[n]
+        x[n] += away / budget.hand_angle.coefficients[n] * query.mechanism.kinematics.si_factors[n]
     return x
 
 
@@ -131,9 +129,7 @@ def _judge(
         missed: Distance [m] and angle [rad] to the target.
         budget: The controller's budget.
     """
-    angle = 0.0 if query.robot.task == "position" else missed[1]
-    close = missed[0] <= tolerances.IK_POSITION_M and angle <= tolerances.IK_ROTATION_RAD
-    if not close and not _target_function(error) <= budget.precision:
+    if not is_met(query.mechanism.task, *missed) and not _target_function(error) <= budget.precision:
         rest = _target_function(error)
         return "stalled", f"the controller's budget of {budget.max_count} iterations ends at {rest:.3g} mm or rad"
     hand = _hand_deg(query, x, budget)
@@ -141,7 +137,7 @@ def _judge(
         alarms = ", ".join(map(str, ALARMS_SINGULAR))
         text = f"axis 5 comes within {abs(hand):.4g} degrees of 0, ITERLIMIT2 is {budget.limit2_deg:g}"
         return "limits", f"{text}: alarm {alarms} (interpreter, preparation, interpolation)"
-    outside = query.outside(x)
+    outside = query.mechanism.limits.violated(query.shown(x))
     if outside:
         return "limits", f"only reached outside the limits of {', '.join(outside)}"
     return "ok", ""

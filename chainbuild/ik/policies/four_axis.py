@@ -15,36 +15,32 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import Final, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+import pinocchio as pin
+from numpy.typing import NDArray
 
 from chainbuild import frames, tolerances
 from chainbuild.chain.elements import AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import turned_axes
-from chainbuild.ik.branches.core.query import LIMIT_SLACK, Query
-from chainbuild.ik.limits import freedoms_of
+from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.region import freedoms_of
+from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
-from chainbuild.ik.start import Held
-from chainbuild.kinematics.evaluation import damped_step
-from chainbuild.kinematics.mechanism import as_pose
-from chainbuild.units import deg_from_rad, rad_from_deg
-
-if TYPE_CHECKING:
-    import pinocchio as pin
-
-    from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.kinematics.newton import below, newton, shrinking
+from chainbuild.units import rad_from_deg
 
 Vector = NDArray[np.float64]
-Solve = Callable[["pin.SE3", ArrayLike | None], IkResult]
+Matrix = NDArray[np.float64]
+Solve = Callable[[IkRequest], IkResult]
 
-_STEPS: Final = 40
-_STARTS: Final = 24
-_DAMPING: Final = 1e-3  # share of the squared error
-_FLOOR: Final = 1e-14
-_MET: Final = 1e-20  # squared error [m², rad²]
+_STEPS: Final = 40  # at most, of one descent
+_STARTS: Final = 24  # places that a descent begins at where the start leads nowhere
+_DAMPING: Final = shrinking(1e-3, 1e-14)
+_MET: Final = below(1e-20)
 _BLIND: Final = 1e-6  # a C that moves less than this with any axis is not what can be programmed
 _SAME: Final = 1e-6
 _FULL_TURN_DEG: Final = 360.0
@@ -100,74 +96,73 @@ def _angle_rates(angle_mode: str, angles: tuple[float, float, float]) -> Vector:
     return row
 
 
-def solve_programmed(
-    robot: Robot,
-    target: pin.SE3,
-    start: ArrayLike | None,
-    held: Held | None,
-    solve: Solve,
-    absolute_c_deg: float | None = None,
-) -> IkResult:
-    """Return axis values for what is programmed: the pose, or on robots that follow C its position and C.
+def as_programmed(
+    request: IkRequest, solve: Solve, absolute_c_deg: float | None = None, *, from_start: bool = False
+) -> tuple[IkRequest, IkResult]:
+    """Return an answer for what is programmed: the pose, or on robots that follow C its position and C.
 
     Args:
-        robot: The robot.
-        target: Tool in the workpiece frame [m].
-        start: See `Robot.ik`.
-        held: See `Robot.ik`.
-        solve: The solver for a whole pose: target and start → result.
+        request: What is asked.
+        solve: The solver for a whole pose.
         absolute_c_deg: See `Robot.ik`.
+        from_start: True: `solve` is to begin at the start of the request, whatever the orientation it is handed.
+
+    Returns:
+        The request that was answered, with the orientation that A and B were given, and its answer.
 
     Raises:
         ChainbuildError: an absolute C for a robot whose C does not run on, or one that is not finite.
     """
-    chain = robot.chain
+    chain = request.mechanism.chain
     if absolute_c_deg is not None:
-        return _with_running_c(robot, target, start, held, solve, absolute_c_deg)
-    found = solve(target, start)
+        return _with_running_c(request, solve, absolute_c_deg, from_start)
+    found = solve(request)
     if found.success or found.status == "limits" or not chain.follows_c:
-        return found
-    if float(np.linalg.norm(target.translation)) > freedoms_of(robot).reach:
-        return found  # too far for any orientation
-    c_deg = frames.angles_from_matrix(chain.angle_mode, target.rotation)[2]
-    return _following(Query.of(robot, target, start, held), PoseAngle(chain.angle_mode, c_deg), solve) or found
+        return request, found
+    if float(np.linalg.norm(request.target[:3, 3])) > freedoms_of(request.mechanism).reach:
+        return request, found  # too far for any orientation
+    c_deg = frames.angles_from_matrix(chain.angle_mode, request.target[:3, :3])[2]
+    followed = _following(request, PoseAngle(chain.angle_mode, c_deg), solve, from_start)
+    return followed or (request, found)
 
 
-def _with_running_c(
-    robot: Robot, target: pin.SE3, start: ArrayLike | None, held: Held | None, solve: Solve, c_deg: float
-) -> IkResult:
-    total = robot.chain.absolute_c
+def _with_running_c(request: IkRequest, solve: Solve, c_deg: float, from_start: bool) -> tuple[IkRequest, IkResult]:
+    mechanism = request.mechanism
+    total = mechanism.chain.absolute_c
     if total is None:
         raise ChainbuildError(
-            f"the angle C of {robot.chain.title} does not run on beyond a turn",
+            f"the angle C of {mechanism.chain.title} does not run on beyond a turn",
             parameter="absolute_c_deg",
             permitted="robots with an absolute angle C (ROBX 4-axis SCARA with bit 0 of SPECIAL_FEATURE_MASK)",
         )
     if not abs(c_deg) < tolerances.HUGE_AXIS_VALUE:
         raise ChainbuildError("the absolute angle C is not finite", parameter="absolute_c_deg", permitted="degrees")
 
-    def turned(target: pin.SE3, begin: ArrayLike | None) -> IkResult:
-        found = solve(target, begin)
-        return _wound(robot, found, total, c_deg) if found.success else found
+    def turned(asked: IkRequest) -> IkResult:
+        found = solve(asked)
+        return _wound(mechanism, found, total, c_deg) if found.success else found
 
-    found = turned(target, start)
+    found = turned(request)
     off = rad_from_deg(c_deg - total.value(found.axes))
     if found.success and abs(off) <= tolerances.IK_ROTATION_RAD:
-        return found
-    query = Query.of(robot, target, start, held)
-    return _following(query, RunningAngle(total, robot.kinematics.si_factors, c_deg), turned) or found
+        return request, found
+    angle = RunningAngle(total, mechanism.kinematics.si_factors, c_deg)
+    return _following(request, angle, turned, from_start) or (request, found)
 
 
-def _following(query: Query, angle: Angle, solve: Solve) -> IkResult | None:
+def _following(request: IkRequest, angle: Angle, solve: Solve, from_start: bool) -> tuple[IkRequest, IkResult] | None:
     """Return the answer for a reachable orientation with the C given, or a failure of one, or None: there is none."""
-    failed = None
+    query, failed = Query.of(request), None
+    kinematics = request.mechanism.kinematics
     for x in _places(query, angle):
-        T = query.robot.kinematics.pose(query.robot.kinematics.q(x))
-        reachable = as_pose(frames.transform(T.rotation, query.target.translation))
-        found = solve(reachable, x / query.robot.kinematics.si_factors)
+        T = kinematics.pose(kinematics.q(x))
+        reachable = request.to(
+            frames.transform(T.rotation, query.target.translation), request.start if from_start else query.shown(x)
+        )
+        found = solve(reachable)
         if found.success:
-            return found
-        failed = failed or found
+            return reachable, found
+        failed = failed or (reachable, found)
     return failed
 
 
@@ -199,40 +194,34 @@ def _places(query: Query, angle: Angle) -> Iterator[Vector]:
 
 def _descend(query: Query, angle: Angle, x: Vector) -> Vector | None:
     """Return SI axis values that meet position and C, by damped Newton steps from x, or None."""
-    free, error = query.structure.free, np.empty(4)
-    for _ in range(_STEPS):
-        T, J = query.robot.kinematics.pose_and_jacobian(x)
-        error[:3] = T.rotation.T @ (query.target.translation - T.translation)
-        error[3], row = angle.row(x, T, J)
-        if not np.isfinite(error).all() or np.abs(row[free]).max(initial=0.0) < _BLIND:
-            return None
-        squared = float(error @ error)
-        if squared < _MET:
-            return x
-        x = x.copy()
-        x[free] += damped_step(np.vstack((J[:3, free], row[free])), error, _DAMPING * squared + _FLOOR)
-    return None
+    kinematics, free = query.mechanism.kinematics, query.structure.free
+
+    def residual(x: Vector) -> tuple[Vector, Matrix]:
+        T, J = kinematics.pose_and_jacobian(x)
+        missing, row = angle.row(x, T, J)
+        if np.abs(row[free]).max(initial=0.0) < _BLIND:
+            missing = math.nan  # ends the descent
+        return np.append(T.rotation.T @ (query.target.translation - T.translation), missing), np.vstack((J[:3], row))
+
+    ended = newton(residual, x, free, _MET, _DAMPING, _STEPS)
+    return ended.x if ended.met else None
 
 
-def _wound(robot: Robot, found: IkResult, total: AxisSum, c_deg: float) -> IkResult:
+def _wound(mechanism: Mechanism, found: IkResult, total: AxisSum, c_deg: float) -> IkResult:
     """Return a solution whose last rotary axis has made the whole turns that an absolute C asks for."""
-    n = _last_axis(robot, total)
-    axis, factor = robot.axes[n], total.coefficients[n]
+    n = _last_axis(mechanism, total)
+    axis, factor = mechanism.axes[n], total.coefficients[n]
     turns = round((c_deg - total.value(found.axes)) / (_FULL_TURN_DEG * factor))
     axes = found.axes.copy()
     axes[n] += turns * _FULL_TURN_DEG
-    if axis.endless or axis.lower - _slack_deg() <= axes[n] <= axis.upper + _slack_deg():
+    if n not in mechanism.limits.outside(axes):
         return replace(found, axes=axes)
     reason = f"C = {c_deg:.6g} needs {axis.name} = {axes[n]:.6g}, outside its limits {axis.lower:g} … {axis.upper:g}"
     return replace(found, axes=axes, success=False, status="limits", reason=reason, violated=(axis.name,))
 
 
-def _slack_deg() -> float:
-    return deg_from_rad(LIMIT_SLACK)
-
-
-def _last_axis(robot: Robot, total: AxisSum) -> int:
+def _last_axis(mechanism: Mechanism, total: AxisSum) -> int:
     """Return the axis of the sum that drives the joint next to the tool."""
-    slopes = robot.kinematics.dq_dx(np.zeros(len(robot.axes)))
+    slopes = mechanism.kinematics.dq_dx(np.zeros(len(mechanism.axes)))
     counted = [n for n, coefficient in enumerate(total.coefficients) if coefficient]
     return max(counted, key=lambda n: int(np.flatnonzero(slopes[:, n])[-1]))

@@ -9,75 +9,66 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, Literal, get_args
+from typing import Final, Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+import pinocchio as pin
+from numpy.typing import NDArray
 
 from chainbuild import tolerances
+from chainbuild.chain.elements import Task
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.limits import freedoms_of
+from chainbuild.ik.region import freedoms_of
+from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
-from chainbuild.ik.start import Held, start_point
-from chainbuild.kinematics.evaluation import Residual, damped_step
-
-if TYPE_CHECKING:
-    import pinocchio as pin
-
-    from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.kinematics.newton import Residual, below, newton, shrinking
 
 Vector = NDArray[np.float64]
 Preference = Literal["near", "middle", "dexterous"]
 Cost = Callable[[Vector], float]
 
 _STEPS: Final = 200
-_MENDING_STEPS: Final = 8
-_DAMPING: Final = 1e-12
+_BACK_STEPS: Final = 8  # at most, back onto the pose after a step in the null space
+_MET: Final = below(tolerances.IK_RESIDUAL_SQUARED)
+_DAMPING: Final = shrinking(0.0, 1e-12)
 _FIRST_STRIDE: Final = 0.3  # [m, rad], over the free axes together
 _LAST_STRIDE: Final = 1e-6
 _GROWTH: Final = 2.0
 _DIFFERENCE: Final = 1e-6
 _RANK: Final = 1e-9
 _WORTH: Final = 1e-12  # share of the cost that a step must gain
-_SLACK: Final = 1e-9
+_AT_LIMIT: Final = 1e-9  # an axis this close to its limit [m, rad] is taken to stand at it
 
 
-def preferred(
-    robot: Robot,
-    found: IkResult,
-    target: pin.SE3,
-    prefer: Preference,
-    start: ArrayLike | None = None,
-    held: Held | None = None,
-) -> IkResult:
+def preferred(request: IkRequest, found: IkResult, prefer: Preference | None) -> IkResult:
     """Return a solution moved to where a preference is best, the tool staying where it is.
 
     Args:
-        robot: The robot.
+        request: What was asked; the start counts for "near", without one the middle of the limits.
         found: A solution; a failure is returned as it is.
-        target: Tool in the workpiece frame [m].
         prefer: "near": as near to the start as the pose allows [m and rad alike]; "middle": every axis as near to the
             middle of its limits as it gets, as a share of their range; "dexterous": away from singular positions, where
-            the product of the singular values of the Jacobian (metres, radians) is large.
-        start: Axis values (n_axes,), mm and degrees; None: near the middle of the limits.
-        held: See `Robot.ik`.
+            the product of the singular values of the Jacobian (metres, radians) is large; None: nothing.
 
     Raises:
-        AxisValueError: start or held of wrong count, unknown name or not finite.
+        AxisValueError: held of wrong count, unknown name or not finite.
         ChainbuildError: an unknown preference.
     """
+    if prefer is None:
+        return found
     if prefer not in get_args(Preference):
         raise ChainbuildError(
             f"unknown preference {prefer!r}", parameter="prefer", permitted=", ".join(get_args(Preference))
         )
-    x0, fixed = start_point(robot, start, held)
+    x0, fixed = request.start_point()
     if not found.success:
         return found
-    free = np.flatnonzero(~fixed)
-    x = found.axes * robot.kinematics.si_factors
-    search = _Search(robot, target, robot.kinematics.residual(target, found.task), found.task, free)
-    cost = search.costs(x0)[prefer]
-    return search.run(found, x, cost)
+    mechanism = request.mechanism
+    x = found.axes * mechanism.kinematics.si_factors
+    residual = mechanism.kinematics.residual(request.pose, found.task)
+    search = _Search(mechanism, request.pose, residual, found.task, np.flatnonzero(~fixed))
+    return search.run(found, x, search.costs(x0)[prefer])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,22 +76,22 @@ class _Search:
     """One descent.
 
     Attributes:
-        robot: The robot.
+        mechanism: The mechanism.
         target: Tool in the workpiece frame [m].
         residual: Error and Jacobian of the task.
         task: The task.
         free: Indices of the axes that may move.
     """
 
-    robot: Robot
+    mechanism: Mechanism
     target: pin.SE3
     residual: Residual
-    task: str
+    task: Task
     free: NDArray[np.intp]
 
     def costs(self, x0: Vector) -> dict[str, Cost]:
         """Return what each preference makes small."""
-        axes, factors = self.robot.axes, self.robot.kinematics.si_factors
+        axes, factors = self.mechanism.axes, self.mechanism.kinematics.si_factors
         middle = np.array([0.5 * (axis.lower + axis.upper) for axis in axes]) * factors
         half = np.array([0.5 * (axis.upper - axis.lower) for axis in axes]) * factors
 
@@ -125,17 +116,17 @@ class _Search:
             direction = self.downhill(x, cost)
             if direction is None:
                 break
-            there = self.mended(self.clamped(x + stride * direction))
+            there = self.back_on_pose(self.clamped(x + stride * direction))
             if there is not None and cost(there) < best - _WORTH * max(1.0, abs(best)):
                 x, best, stride = there, cost(there), stride * _GROWTH
             else:
                 stride /= _GROWTH
         if best >= begin:
             return found
-        distance, angle = self.robot.kinematics.errors(x, self.target, found.task)
+        distance, angle = self.mechanism.kinematics.errors(x, self.target, found.task)
         return replace(
             found,
-            axes=x / self.robot.kinematics.si_factors,
+            axes=x / self.mechanism.kinematics.si_factors,
             position_error=distance,
             rotation_error=angle,
             iterations=found.iterations + steps,
@@ -160,7 +151,7 @@ class _Search:
             step = -(N @ (N.T @ slope))
             blocked = [
                 k for k, n in enumerate(moving)
-                if (x[n] <= lower[n] + _SLACK and step[k] < 0.0) or (x[n] >= upper[n] - _SLACK and step[k] > 0.0)
+                if (x[n] <= lower[n] + _AT_LIMIT and step[k] < 0.0) or (x[n] >= upper[n] - _AT_LIMIT and step[k] > 0.0)
             ]  # fmt: skip
             if not blocked:
                 length = float(np.linalg.norm(step))
@@ -174,15 +165,12 @@ class _Search:
                 return None
         return None
 
-    def mended(self, x: Vector) -> Vector | None:
+    def back_on_pose(self, x: Vector) -> Vector | None:
         """Return a point near x where the tool is on the target and all limits are kept, or None."""
-        for _ in range(_MENDING_STEPS):
-            error, J = self.residual(x)
-            if float(error @ error) < tolerances.IK_RESIDUAL_SQUARED:
-                return None if self.robot.violated_limits(x / self.robot.kinematics.si_factors) else x
-            x = x.copy()
-            x[self.free] += damped_step(J[:, self.free], error, _DAMPING)
-        return None
+        ended = newton(self.residual, x, self.free, _MET, _DAMPING, _BACK_STEPS)
+        if not ended.met or self.mechanism.limits.violated(ended.x / self.mechanism.kinematics.si_factors):
+            return None
+        return ended.x
 
     def clamped(self, x: Vector) -> Vector:
         lower, upper = self.limits()
@@ -191,7 +179,7 @@ class _Search:
         return moved
 
     def limits(self) -> tuple[Vector, Vector]:
-        box = freedoms_of(self.robot).box
+        box = freedoms_of(self.mechanism).box
         return box.lower, box.upper
 
 

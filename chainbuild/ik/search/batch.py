@@ -12,19 +12,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from chainbuild import tolerances
 from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.ik import rules
 from chainbuild.ik.options import DEFAULT, IkOptions
-from chainbuild.ik.search import rules
+from chainbuild.ik.request import Held, IkRequest, matrix_of
+from chainbuild.ik.result import STATUSES
 from chainbuild.ik.search.compiled import packing as compiled
 from chainbuild.ik.search.problem import Problem, problem_of
-from chainbuild.ik.search.solver import find, matrix_of, refusal, solve
-from chainbuild.ik.search.table import STATUSES, IkTable, Words
+from chainbuild.ik.search.solver import find, refusal, search
+from chainbuild.ik.search.table import IkTable, Words
 from chainbuild.ik.search.words import Failures, Said
-from chainbuild.ik.start import Held
+from chainbuild.kinematics.mechanism import Mechanism
 
 if TYPE_CHECKING:
     import pinocchio as pin
-
-    from chainbuild.kinematics.mechanism import Robot
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -66,7 +66,7 @@ class Columns:
 
 
 def solve_many(
-    robot: Robot,
+    mechanism: Mechanism,
     poses: Sequence[pin.SE3] | ArrayLike,
     starts: ArrayLike | None = None,
     held: Held | None = None,
@@ -75,15 +75,15 @@ def solve_many(
 ) -> IkTable:
     """Find axis values for many poses; see `Robot.ik_batch`."""
     options = options or DEFAULT
-    targets, begin = pose_array(poses), start_array(robot, starts)
+    targets, begin = pose_array(poses), start_array(mechanism, starts)
     if begin is not None and len(begin) not in {1, len(targets)}:
         raise AxisValueError(
             f"{len(begin)} rows of start values for {len(targets)} poses", permitted="one, or one a pose"
         )
     with bar(len(targets), progress) as advance:
-        if begin is not None and len(begin) > 1 and robot.kinematics.has_input_axes:
-            return _row_by_row(robot, targets, begin, held, options, advance)
-        problem = problem_of(robot, None if begin is None else begin[0], held, options)
+        if begin is not None and len(begin) > 1 and mechanism.kinematics.has_input_axes:
+            return _row_by_row(mechanism, targets, begin, held, options, advance)
+        problem = problem_of(mechanism, None if begin is None else begin[0], held, options)
         first = None if problem.home is None else problem.home[None]
         if begin is not None:
             first = np.ascontiguousarray(begin[:, problem.free] * problem.factors)
@@ -136,21 +136,21 @@ def _one_by_one(
 
 
 def _row_by_row(
-    robot: Robot, targets: Matrix, begin: Matrix, held: Held | None, options: IkOptions, advance: Any
+    mechanism: Mechanism, targets: Matrix, begin: Matrix, held: Held | None, options: IkOptions, advance: Any
 ) -> IkTable:
     """Solve where input axes stand elsewhere in each row: each row is a problem of its own."""
     axes, errors = np.empty(begin.shape), np.empty((len(targets), 2))
     counts = np.empty((len(targets), 3), np.int64)
     words: dict[int, Words] = {}
     for row, (target, start) in enumerate(zip(targets, begin, strict=True)):
-        found = solve(robot, target, start, held, options)
+        found = search(IkRequest(mechanism, target, start, held, options))
         axes[row] = found.axes
         counts[row] = STATUSES.index(found.status), found.iterations, found.restarts
         errors[row] = found.position_error, found.rotation_error
         if not found.success:
             words[row] = Words(found.reason, found.violated)
         advance(1)
-    return IkTable(axes, counts, errors, robot.task, Said(words).explain)
+    return IkTable(axes, counts, errors, mechanism.task, Said(words).explain)
 
 
 def pose_array(poses: Sequence[pin.SE3] | ArrayLike) -> Matrix:
@@ -174,7 +174,7 @@ def pose_array(poses: Sequence[pin.SE3] | ArrayLike) -> Matrix:
     return result
 
 
-def start_array(robot: Robot, starts: ArrayLike | None) -> Matrix | None:
+def start_array(mechanism: Mechanism, starts: ArrayLike | None) -> Matrix | None:
     """Return start values as an array (1 or N, n_axes), mm and degrees, or None.
 
     Raises:
@@ -186,7 +186,7 @@ def start_array(robot: Robot, starts: ArrayLike | None) -> Matrix | None:
         values = np.atleast_2d(np.asarray(starts, dtype=float))
     except (TypeError, ValueError):
         raise AxisValueError("start values must be numbers") from None
-    n = len(robot.axes)
+    n = len(mechanism.axes)
     if values.ndim != 2 or values.shape[1] != n or not (np.abs(values) < tolerances.HUGE_AXIS_VALUE).all():
         permitted = f"finite numbers of shape ({n},) or (N, {n})"
         raise AxisValueError("bad start values", parameter="starts", permitted=permitted)

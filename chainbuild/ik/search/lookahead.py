@@ -15,8 +15,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.ik import rules
 from chainbuild.ik.options import IkOptions
-from chainbuild.ik.search import rules
 from chainbuild.ik.search.problem import Problem
 from chainbuild.ik.search.solver import find
 

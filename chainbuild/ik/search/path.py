@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from chainbuild.ik import rules
 from chainbuild.ik.options import DEFAULT, IkOptions
-from chainbuild.ik.search import rules
+from chainbuild.ik.request import Held
 from chainbuild.ik.search.batch import Columns, bar, pose_array, start_array
 from chainbuild.ik.search.compiled import packing as compiled
 from chainbuild.ik.search.found import Found
@@ -23,12 +24,10 @@ from chainbuild.ik.search.lookahead import best_sequence, branches
 from chainbuild.ik.search.problem import Problem, problem_of
 from chainbuild.ik.search.solver import find
 from chainbuild.ik.search.table import IkTable
-from chainbuild.ik.start import Held
+from chainbuild.kinematics.mechanism import Mechanism
 
 if TYPE_CHECKING:
     import pinocchio as pin
-
-    from chainbuild.kinematics.mechanism import Robot
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -41,7 +40,7 @@ _CHUNK: Final = 4096
 
 
 def follow(
-    robot: Robot,
+    mechanism: Mechanism,
     poses: Sequence[pin.SE3] | ArrayLike,
     start: ArrayLike | None = None,
     held: Held | None = None,
@@ -50,8 +49,8 @@ def follow(
 ) -> IkTable:
     """Find axis values along a path; see `Robot.ik_path`."""
     options = options or DEFAULT
-    targets, begin = pose_array(poses), start_array(robot, start)
-    problem = problem_of(robot, None if begin is None else begin[0], held, options)
+    targets, begin = pose_array(poses), start_array(mechanism, start)
+    problem = problem_of(mechanism, None if begin is None else begin[0], held, options)
     columns = Columns.of(len(targets), len(problem.free))
     begin_part = None if begin is None else problem.free_part(begin[0])
     last = begin_part

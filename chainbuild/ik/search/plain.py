@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild import tolerances
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.search import rules
+from chainbuild.ik import rules
 from chainbuild.ik.search.found import Found
 from chainbuild.kinematics.task_error import Task
 
@@ -40,24 +39,6 @@ def search(problem: Problem, target: Matrix, start: Vector | None, wanted: Vecto
         options: Tolerances and budget.
     """
     return _Search(problem, target, wanted, options).run(start, options.max_restarts)
-
-
-def is_rigid(target: Matrix) -> bool:
-    """Return whether a (4, 4) array has a right-handed rotation and finite numbers; plain floats, it is few of them."""
-    (a, b, c, x), (d, e, f, y), (g, h, i, z), last = target.tolist()
-    most = tolerances.ROTATION_MATRIX
-    rigid: bool = (
-        abs(a * a + d * d + g * g - 1.0) < most
-        and abs(b * b + e * e + h * h - 1.0) < most
-        and abs(c * c + f * f + i * i - 1.0) < most
-        and abs(a * b + d * e + g * h) < most
-        and abs(a * c + d * f + g * i) < most
-        and abs(b * c + e * f + h * i) < most
-        and a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) > 0.0
-        and max(abs(x), abs(y), abs(z)) < tolerances.HUGE_POSITION_M
-        and last == [0.0, 0.0, 0.0, 1.0]
-    )
-    return rigid
 
 
 class _Search:
@@ -188,10 +169,8 @@ class _Search:
 
 def task_of(problem: Problem) -> Task:
     """Return a problem's task, prepared at first use."""
-    if not problem.plain:
-        weights = (problem.weights, problem.axis, problem.shown_axis)
-        problem.plain.append(Task(problem.robot.kinematics, problem.free, problem.x, *weights))
-    return problem.plain[0]
+    weights = (problem.weights, problem.axis, problem.shown_axis)
+    return problem.prepared("plain task", lambda: Task(problem.mechanism.kinematics, problem.free, problem.x, *weights))
 
 
 def _is_sharp(step: Vector, share: float) -> bool:

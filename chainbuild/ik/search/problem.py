@@ -5,31 +5,27 @@ Everything here is prepared once for a robot, its held axes and the options, and
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final
-from weakref import WeakKeyDictionary
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.chain.elements import Task as TaskKind
-from chainbuild.ik.limits import Box, freedoms_of
 from chainbuild.ik.options import IkOptions
+from chainbuild.ik.region import Box, freedoms_of
+from chainbuild.ik.request import Held, IkRequest, start_point
 from chainbuild.ik.search.starts.arm_reach import ArmReach, arm_reach
 from chainbuild.ik.search.starts.sampled import Starts, starts_of
 from chainbuild.ik.search.starts.turned import TurnedStarts, turned_starts
-from chainbuild.ik.start import Held, start_point
+from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import Product
-from chainbuild.kinematics.task_error import Task
-
-if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+T = TypeVar("T")
 
-_ROUNDED: Final = 1e-6  # mm or degrees: a held axis this close beyond its limit stands on it
 _KEPT: Final = 16  # problems kept a robot: additional axes may take another value with every pose
 
 
@@ -38,7 +34,7 @@ class Problem:
     """What is asked of which axes.
 
     Attributes:
-        robot: The robot.
+        mechanism: The mechanism.
         task: "pose", "direction" or "position".
         weights: (6,) weights of the error in the tool frame, 0 where it does not count.
         axis: Tool axis whose direction alone is asked for (0, 1, 2), or -1 where the whole rotation is.
@@ -59,12 +55,9 @@ class Problem:
         turns: Whether any turn counts.
         held_beyond: Words for each held axis that stands outside its limits: no answer is one then.
         seed: Seed of the tables.
-        turned: The table of turned starts or None, filled in at its first use.
-        plain: The task for the plain path, filled in at its first use.
-        compiled: The problem in few arrays for the compiled path, filled in at its first use.
     """
 
-    robot: Robot
+    mechanism: Mechanism
     task: TaskKind
     weights: Vector
     axis: int
@@ -84,17 +77,34 @@ class Problem:
     turns: bool
     held_beyond: tuple[str, ...]
     seed: int = 0
-    turned: list[TurnedStarts | None] = field(default_factory=list)
-    plain: list[Task] = field(default_factory=list)
-    compiled: list[Any] = field(default_factory=list)
+
+    def prepared(self, kind: str, make: Callable[[], T]) -> T:
+        """Return what was made once for this problem; see `Mechanism.prepared`."""
+        return self.mechanism.prepared(kind, make, self, 2 * _KEPT)
 
     def turned_starts(self) -> TurnedStarts | None:
         """Return the table of turned starts where all six parts of the pose are asked for and the arm has one."""
-        if not self.turned:
-            row = self.row if _whole(self.weights, self.axis) else None
-            made = None if row is None else turned_starts(self.robot, row, self.box, self.middle, self.seed)
-            self.turned.append(made)
-        return self.turned[0]
+        row = self.row
+        if row is None or not _whole(self.weights, self.axis):
+            return None
+        return self.prepared(
+            "turned starts", lambda: turned_starts(self.mechanism, row, self.box, self.middle, self.seed)
+        )
+
+    def position_only(self) -> Problem:
+        """Return the problem without its turns."""
+        return self.prepared("position only", self._without_turns)
+
+    def _without_turns(self) -> Problem:
+        weights, scale = self.weights.copy(), self.starts.scale.copy()
+        weights[3:] = 0.0
+        scale.reshape(3, 4)[:, :3] = 0.0
+        return replace(self, weights=weights, axis=-1, starts=self.starts.scaled(scale), turns=False, arm=None)
+
+    def beyond_bound(self, target: Matrix) -> bool:
+        """Return whether a target (4, 4) is farther away than all parts of the kinematic put in one line."""
+        x, y, z = target[:3, 3].tolist()
+        return bool(self.bounded and x * x + y * y + z * z > self.reach**2)
 
     def arm_too_short(self, target: Matrix) -> ArmReach | None:
         """Return the arm where it is certainly too short for a target (4, 4)."""
@@ -120,14 +130,11 @@ class Problem:
         return part
 
 
-_prepared: WeakKeyDictionary[Robot, dict[object, Problem]] = WeakKeyDictionary()
-
-
-def problem_of(robot: Robot, start: ArrayLike | None, held: Held | None, options: IkOptions) -> Problem:
-    """Return the problem of a robot with its held axes, prepared at first use.
+def problem_of(mechanism: Mechanism, start: ArrayLike | None, held: Held | None, options: IkOptions) -> Problem:
+    """Return the problem of a mechanism with its held axes, prepared at first use.
 
     Args:
-        robot: The robot.
+        mechanism: The mechanism.
         start: Axis values (n_axes,) from which held axes are taken that `held` does not name.
         held: See `Robot.ik`.
         options: Weights and seed.
@@ -135,45 +142,49 @@ def problem_of(robot: Robot, start: ArrayLike | None, held: Held | None, options
     Raises:
         AxisValueError: start or held of wrong count, unknown name or not finite.
     """
-    known = _prepared.get(robot)
-    if known is None:
-        known = _prepared[robot] = {}
-    if held is None and not robot.kinematics.has_input_axes:
-        key: object = (options.weights, options.seed)
-        fixed, x = None, None
-    else:
-        x, fixed = start_point(robot, start, held)
-        key = (options.weights, options.seed, fixed.tobytes(), x[fixed].tobytes())
-    found = known.get(key)
-    if found is None:
-        if len(known) >= _KEPT:
-            del known[next(iter(known))]
-        if x is None or fixed is None:
-            x, fixed = start_point(robot, None, None)
-        found = known[key] = _prepare(robot, np.where(fixed, x, 0.0), fixed, options)
-    return found
+    if held is None and not mechanism.kinematics.has_input_axes:
+        return mechanism.prepared(
+            "problem", lambda: _prepare(mechanism, None, options), (options.weights, options.seed), _KEPT
+        )
+    x, fixed = start_point(mechanism, start, held)
+    key = (options.weights, options.seed, fixed.tobytes(), x[fixed].tobytes())
+    return mechanism.prepared("problem", lambda: _prepare(mechanism, (x, fixed), options), key, _KEPT)
 
 
-def _prepare(robot: Robot, x: Vector, fixed: NDArray[np.bool_], options: IkOptions) -> Problem:
-    freedoms = freedoms_of(robot)
-    free = np.flatnonzero(~fixed)
-    weights, axis = _weights(robot, options)
+def asked(request: IkRequest) -> Problem:
+    """Return the problem of a request; see `problem_of`."""
+    return problem_of(request.mechanism, request.start, request.held, request.options)
+
+
+def _prepare(mechanism: Mechanism, held: tuple[Vector, NDArray[np.bool_]] | None, options: IkOptions) -> Problem:
+    """Build a problem.
+
+    Args:
+        mechanism: Whose.
+        held: SI values (n_axes,) and which of them are held; None: no axis is.
+        options: Weights and seed.
+    """
+    freedoms = freedoms_of(mechanism)
+    count = len(mechanism.axes)
+    values, fixed = (np.zeros(count), np.zeros(count, dtype=bool)) if held is None else held
+    x, free = np.where(fixed, values, 0.0), np.flatnonzero(~fixed)
+    weights, axis = _weights(mechanism, options)
     box = freedoms.box.restricted(free, x)
-    product = robot.kinematics.product
+    product = mechanism.kinematics.product
     row = None if product is None else product.by_axes(free, x)
-    starts = starts_of(robot, box, freedoms.middle[free], free, x, weights, axis, options.seed)
+    starts = starts_of(mechanism, box, freedoms.middle[free], free, x, weights, axis, options.seed)
     return Problem(
-        robot=robot,
-        task=robot.task,
+        mechanism=mechanism,
+        task=mechanism.task,
         weights=weights,
         axis=axis,
-        shown_axis=axis if weights[3:].any() else robot.kinematics.tool_axis,
+        shown_axis=axis if weights[3:].any() else mechanism.kinematics.tool_axis,
         free=free,
         x=x,
         axes=x / freedoms.si_factors,
         box=box,
         middle=freedoms.middle[free],
-        home=None if robot.task == "pose" else box.clamp(np.zeros(len(free))),
+        home=None if mechanism.task == "pose" else box.clamp(np.zeros(len(free))),
         factors=freedoms.si_factors[free],
         reach=freedoms.reach,
         bounded=bool((weights[:3] > 0.0).all()),
@@ -181,7 +192,7 @@ def _prepare(robot: Robot, x: Vector, fixed: NDArray[np.bool_], options: IkOptio
         arm=arm_reach(row) if row is not None and _whole(weights, axis) else None,
         starts=starts,
         turns=bool(weights[3:].any()),
-        held_beyond=tuple(_held_beyond(robot, x / freedoms.si_factors, fixed)),
+        held_beyond=tuple(_held_beyond(mechanism, x / freedoms.si_factors, fixed)),
         seed=options.seed,
     )
 
@@ -191,18 +202,19 @@ def _whole(weights: Vector, axis: int) -> bool:
     return axis < 0 and bool((weights > 0.0).all())
 
 
-def _held_beyond(robot: Robot, values: Vector, fixed: NDArray[np.bool_]) -> Iterator[str]:
-    for axis, value, held in zip(robot.axes, values.tolist(), fixed.tolist(), strict=True):
-        if held and not axis.endless and not axis.lower - _ROUNDED <= value <= axis.upper + _ROUNDED:
-            yield f"{axis.name} at {value:.3f} {axis.unit} (limits {axis.lower:g} … {axis.upper:g})"
+def _held_beyond(mechanism: Mechanism, values: Vector, fixed: NDArray[np.bool_]) -> Iterator[str]:
+    for n in mechanism.limits.outside(values):
+        if fixed[n]:
+            axis = mechanism.axes[n]
+            yield f"{axis.name} at {values[n]:.3f} {axis.unit} (limits {axis.lower:g} … {axis.upper:g})"
 
 
-def _weights(robot: Robot, options: IkOptions) -> tuple[Vector, int]:
+def _weights(mechanism: Mechanism, options: IkOptions) -> tuple[Vector, int]:
     """Return the weights of task and user together, and the tool axis whose direction alone counts."""
     weights = np.array(options.weights)
-    if robot.task == "position":
+    if mechanism.task == "position":
         weights[3:] = 0.0
-    elif robot.task == "direction":
-        weights[3 + robot.kinematics.tool_axis] = 0.0
+    elif mechanism.task == "direction":
+        weights[3 + mechanism.kinematics.tool_axis] = 0.0
     idle = np.flatnonzero(weights[3:] == 0.0)
     return weights, int(idle[0]) if len(idle) == 1 else -1

@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.ik import rules
 from chainbuild.ik.options import IkOptions
-from chainbuild.ik.search import rules
 from chainbuild.ik.search.found import Found
 from chainbuild.ik.search.problem import Problem
 
@@ -19,12 +19,6 @@ Matrix = NDArray[np.float64]
 Search = Callable[[Problem, Matrix, Vector | None, IkOptions], Found]
 
 _RESTARTS = 8  # enough to find out about the position alone
-
-
-def beyond_bound(problem: Problem, target: Matrix) -> bool:
-    """Return whether a target (4, 4) is farther away than all parts of the kinematic put in one line."""
-    x, y, z = target[:3, 3].tolist()
-    return bool(problem.bounded and x * x + y * y + z * z > problem.reach**2)
 
 
 def reason_of(problem: Problem, target: Matrix, found: Found, options: IkOptions, search: Search) -> str:
@@ -48,13 +42,13 @@ def reason_of(problem: Problem, target: Matrix, found: Found, options: IkOptions
 
 def _unreachable(problem: Problem, target: Matrix, found: Found, options: IkOptions, search: Search) -> str:
     """Tell a pose that is too far or too near from one whose orientation is the trouble."""
-    if beyond_bound(problem, target):
+    if problem.beyond_bound(target):
         distance = math.dist(target[:3, 3], (0.0, 0.0, 0.0))
         reach = f"the kinematic reaches {problem.reach * 1000:.1f} mm"
         return f"too far: {distance * 1000:.1f} mm from the workpiece frame, {reach}"
     place = found
     if problem.turns and problem.weights[:3].any():
-        place = search(_position_only(problem), target, found.y, replace(options, max_restarts=_RESTARTS))
+        place = search(problem.position_only(), target, found.y, replace(options, max_restarts=_RESTARTS))
         if place.outcome == rules.OK:
             what = "orientation" if problem.axis < 0 else "tool direction"
             words = f"the position can be reached, but not with this {what}; the nearest is {_gap(found)} off"
@@ -75,32 +69,22 @@ def _arm_too_short(problem: Problem, target: Matrix) -> str:
 
 
 def _violations(problem: Problem, y: Vector) -> list[str]:
-    box = problem.box
+    limits, values = problem.mechanism.limits, problem.shown(y)
     words = []
-    for n, value, limit in box.violated(y):
-        unit = problem.robot.axes[problem.free[n]].unit
-        shown, bound = value / problem.factors[n], limit / problem.factors[n]
-        words.append(f"{box.names[n]} at {shown:.3f} {unit} (limit {bound:.3f})")
-    return words + box.violated_sums(y)
+    for n in limits.outside(values):
+        axis, value = limits.axes[n], float(values[n])
+        bound = axis.lower if value < axis.lower else axis.upper
+        words.append(f"{axis.name} at {value:.3f} {axis.unit} (limit {bound:.3f})")
+    return words + [limit.label for limit in limits.broken_sums(values)]
 
 
 def _gap(found: Found) -> str:
     return f"{found.distance * 1000:.3f} mm and {math.degrees(found.angle):.3f}°"
 
 
-def _position_only(problem: Problem) -> Problem:
-    """Return the problem without its turns."""
-    weights, scale = problem.weights.copy(), problem.starts.scale.copy()
-    weights[3:] = 0.0
-    scale.reshape(3, 4)[:, :3] = 0.0
-    starts = problem.starts.scaled(scale)
-    shifts = replace(problem, weights=weights, axis=-1, starts=starts, turns=False, arm=None)
-    return replace(shifts, turned=[], plain=[], compiled=[])
-
-
 def _far_or_near(problem: Problem, target: Matrix, place: Found) -> str:
     """Tell which side of the reachable positions a target lies on, seen from their middle."""
-    kinematics, centre = problem.robot.kinematics, problem.starts.centre
+    kinematics, centre = problem.mechanism.kinematics, problem.starts.centre
     nearest = kinematics.pose(kinematics.q(problem.full(place.y))).translation
     far = math.dist(target[:3, 3], centre) > math.dist(nearest, centre)
     return "too far" if far else "too near"

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.chain.elements import Task
-from chainbuild.ik.result import IkResult, Status
+from chainbuild.ik.result import STATUSES, IkResult, Status
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-
-STATUSES: Final[tuple[Status, ...]] = ("ok", "limits", "stalled", "unreachable")
 
 
 class Words(NamedTuple):

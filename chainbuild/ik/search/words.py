@@ -9,13 +9,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.ik import rules
 from chainbuild.ik.options import IkOptions
-from chainbuild.ik.result import IkResult
-from chainbuild.ik.search import rules
+from chainbuild.ik.result import STATUSES, IkResult
 from chainbuild.ik.search.found import Found
 from chainbuild.ik.search.problem import Problem
 from chainbuild.ik.search.solver import find, result_of
-from chainbuild.ik.search.table import STATUSES, Words
+from chainbuild.ik.search.table import Words
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -11,7 +11,7 @@ A robot that carries the workpiece stands on its wrist: the same arms are solved
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
@@ -22,7 +22,7 @@ from chainbuild.frames import inverse
 from chainbuild.ik.branches.arms.orientation import across, for_rotation
 from chainbuild.ik.branches.arms.positioner import MEETING, meeting_point, parallel, positioner, two_parallel_turns
 from chainbuild.ik.branches.arms.two_joints import reach_by_two
-from chainbuild.ik.branches.core.serial import Screw, Serial, image
+from chainbuild.ik.branches.core.serial import ArmSolver, Screw, Serial, Solution, image
 from chainbuild.ik.branches.core.subproblems import norm, part_across, rotate, subproblem_1, subproblem_4
 
 if TYPE_CHECKING:
@@ -31,10 +31,16 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 ArmName = Literal["spherical wrist", "single wrist axis", "parallel arm", "position"]
-Solution = tuple[Vector, tuple[bool, ...]]  # joint values in the order of the screws, and which of them are free
-ArmSolver = Callable[[Matrix, Sequence[float]], list[Solution]]  # (target (4, 4), values to keep) → solutions
 
-_ACROSS: Final = 1e-9
+# Why each of them is solved as it is, for `SolverPlan`.
+ARMS: Final[Mapping[str, str]] = {
+    "spherical wrist": "the hand axes meet in a point: three joints place it, three turn about it",
+    "single wrist axis": "three joints place a point of the fourth axis, the fourth turns about it",
+    "parallel arm": "a column, three parallel axes and a hand axis across them",
+    "position": "two or three axes that place the tip and nothing else",
+}
+
+_ACROSS: Final = 1e-9  # cosine of two axes at right angles, but for rounding
 _ALONG: Final = (0.0, 0.25, -0.25, 0.4)  # m
 
 

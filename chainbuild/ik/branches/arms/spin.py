@@ -9,7 +9,7 @@ in which these stand still, and the caller, who verifies all, keeps no others.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,14 +20,12 @@ from chainbuild.ik.branches.core.serial import Screw, Serial
 from chainbuild.ik.branches.core.subproblems import rotation, subproblem_1
 
 if TYPE_CHECKING:
-    from chainbuild.ik.branches.arms.arms import ArmSolver, Solution
+    from chainbuild.ik.branches.core.serial import ArmSolver, Solution
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-ToolAxis = Literal["x", "z"]
 
 NO_JOINT: Final = -1
-_COLUMNS: Final[dict[ToolAxis, int]] = {"x": 0, "z": 2}
 
 
 def one_axis(serial: Serial) -> Vector | None:
@@ -36,16 +34,15 @@ def one_axis(serial: Serial) -> Vector | None:
     return axes[0] if axes and all(parallel(axes[0], axis) for axis in axes) else None
 
 
-def despun(solver: ArmSolver, serial: Serial, tool_axis: ToolAxis, axis: Vector) -> ArmSolver:
+def despun(solver: ArmSolver, serial: Serial, column: int, axis: Vector) -> ArmSolver:
     """Return a solver that takes the turn about the tool vector from the chain instead of the target.
 
     Args:
         solver: A solver of whole poses.
         serial: Its chain.
-        tool_axis: See `with_spin`.
+        column: See `with_spin`.
         axis: What `one_axis` found.
     """
-    column = _COLUMNS[tool_axis]
 
     def solve(target: Matrix, keep: Sequence[float]) -> list[Solution]:
         turn = subproblem_1(axis, serial.M[:3, column], target[:3, column])
@@ -55,14 +52,13 @@ def despun(solver: ArmSolver, serial: Serial, tool_axis: ToolAxis, axis: Vector)
     return solve
 
 
-def with_spin(serial: Serial, tool_axis: ToolAxis) -> Serial:
+def with_spin(serial: Serial, column: int) -> Serial:
     """Return a chain that goes on with a turn about its tool vector.
 
     Args:
         serial: The chain as screws.
-        tool_axis: Axis of the tool frame that is the tool vector.
+        column: Which column of the tool frame is the tool vector; see `Chain.tool_column`.
     """
-    column = _COLUMNS[tool_axis]
     spin = Screw("revolute", serial.M[:3, column], serial.M[:3, 3], NO_JOINT)
     return Serial((*serial.screws, spin), serial.M)
 

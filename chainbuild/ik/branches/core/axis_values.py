@@ -6,19 +6,16 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
-from weakref import WeakKeyDictionary
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.ik.branches.core.query import LIMIT_SLACK, Query
+from chainbuild.ik.branches.core.query import Query
 from chainbuild.ik.branches.core.serial import Indices
-from chainbuild.ik.limits import periodic_axes
-
-if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
+from chainbuild.ik.region import periodic_axes
+from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 
@@ -27,6 +24,7 @@ _MAP_STARTS: Final = 12
 _MAP_STRIDE: Final = 1.0  # longest step [rad]
 _MAP_EXACT: Final = 1e-14
 _MAP_CLOSE: Final = 1e-9  # what rounding may leave; the pose is verified and polished afterwards
+_ROUNDED_TURN: Final = 1e-9  # turns of a joint are counted with so much to spare
 _MOST_TURNS: Final = 4096  # bound on the combinations of whole turns that are looked at for one branch
 
 
@@ -41,11 +39,11 @@ def axes_for(query: Query, joints: Indices, values: Vector, columns: Indices) ->
     """
     if not len(columns):
         return [query.x0.copy()]
-    axis_map = query.robot.chain.axis_map
+    axis_map = query.mechanism.chain.axis_map
     if not isinstance(axis_map, AffineMap):
         x = _through_nonlinear_map(query, joints, values, columns)
         return [] if x is None else list(turned_axes(query, x, columns))
-    block = _block_of(query.robot, axis_map, joints, columns)
+    block = _block_of(query.mechanism, axis_map, joints, columns)
     if block is None:
         return []
     x = query.x0.copy()
@@ -76,26 +74,23 @@ class _Block:
     turns_per_axis: bool
 
 
-_blocks: WeakKeyDictionary[Robot, dict[bytes, _Block | None]] = WeakKeyDictionary()
-
-
-def _block_of(robot: Robot, axis_map: AffineMap, joints: Indices, columns: Indices) -> _Block | None:
+def _block_of(mechanism: Mechanism, axis_map: AffineMap, joints: Indices, columns: Indices) -> _Block | None:
     """Return the block of some joints and axes, prepared at first use; None where they do not determine the axes."""
-    known = _blocks.setdefault(robot, {})
-    key = joints.tobytes() + b"|" + columns.tobytes()
-    if key not in known:
-        known[key] = _prepare_block(robot, axis_map, joints, columns)
-    return known[key]
+    return mechanism.prepared(
+        "block of an axis map",
+        lambda: _prepare_block(mechanism, axis_map, joints, columns),
+        joints.tobytes() + b"|" + columns.tobytes(),
+    )
 
 
-def _prepare_block(robot: Robot, axis_map: AffineMap, joints: Indices, columns: Indices) -> _Block | None:
+def _prepare_block(mechanism: Mechanism, axis_map: AffineMap, joints: Indices, columns: Indices) -> _Block | None:
     rows = np.array(_independent_rows(axis_map.A[np.ix_(joints, columns)]), dtype=np.intp)
     if len(rows) < len(columns):
         return None
     block = axis_map.A[np.ix_(joints[rows], columns)]
-    others = np.setdiff1d(np.arange(len(robot.axes)), columns)
-    rotary = [n for n in columns if robot.axes[n].kind == "rotary"]
-    per_axis = bool(periodic_axes(robot.chain)[rotary].all()) and abs(abs(np.linalg.det(block)) - 1.0) < 1e-9
+    others = np.setdiff1d(np.arange(len(mechanism.axes)), columns)
+    rotary = [n for n in columns if mechanism.axes[n].kind == "rotary"]
+    per_axis = bool(periodic_axes(mechanism.chain)[rotary].all()) and abs(abs(np.linalg.det(block)) - 1.0) < 1e-9
     from_others = axis_map.A[np.ix_(joints[rows], others)]
     return _Block(
         rows, np.asarray(np.linalg.inv(block), dtype=float), others, from_others, axis_map.b[joints[rows]], per_axis
@@ -110,7 +105,7 @@ def _through_nonlinear_map(query: Query, joints: Indices, values: Vector, column
     q = query.q0
     q[joints] = values
     x = query.x0.copy()
-    x[columns] = (query.robot.chain.axis_map.axes(q) * query.robot.kinematics.si_factors)[columns]
+    x[columns] = (query.mechanism.chain.axis_map.axes(q) * query.mechanism.kinematics.si_factors)[columns]
     rng = np.random.default_rng(0)
     for attempt in range(_MAP_STARTS):
         found = _newton_on_map(query, joints, values, columns, x.copy())
@@ -123,8 +118,8 @@ def _through_nonlinear_map(query: Query, joints: Indices, values: Vector, column
 
 
 def _newton_on_map(query: Query, joints: Indices, values: Vector, columns: Indices, x: Vector) -> Vector | None:
-    kinematics = query.robot.kinematics
-    turns = np.array([query.robot.chain.joints[n].kind == "revolute" for n in joints])
+    kinematics = query.mechanism.kinematics
+    turns = np.array([query.mechanism.chain.joints[n].kind == "revolute" for n in joints])
     for _ in range(_MAP_STEPS):
         error = values - kinematics.q(x)[joints]
         if not np.isfinite(error).all():
@@ -153,9 +148,10 @@ def turned_axes(query: Query, x: Vector, columns: Indices) -> Iterator[Vector]:
 def _places(query: Query, value: float, n: int) -> list[float]:
     """Return value + whole turns within the limits of axis n, nearest to the start first; [value] if none is."""
     lower, upper, wanted = float(query.lower[n]), float(query.upper[n]), float(query.x0[n])
+    slack = float(query.slack[n])
     nearest = round((wanted - value) / math.tau)
-    first = nearest - 1 if math.isinf(lower) else math.ceil((lower - LIMIT_SLACK - value) / math.tau)
-    last = nearest + 1 if math.isinf(upper) else math.floor((upper + LIMIT_SLACK - value) / math.tau)
+    first = nearest - 1 if math.isinf(lower) else math.ceil((lower - slack - value) / math.tau)
+    last = nearest + 1 if math.isinf(upper) else math.floor((upper + slack - value) / math.tau)
     places = [value + k * math.tau for k in range(first, last + 1)]
     places.sort(key=lambda place: abs(place - wanted))
     return places or [value]
@@ -163,23 +159,24 @@ def _places(query: Query, value: float, n: int) -> list[float]:
 
 def _turned_joints(query: Query, x: Vector, block: _Block, joints: Indices, columns: Indices) -> list[Vector]:
     """Return the axis values of joint values moved by whole turns: where a gear makes a turn of no axis whole."""
-    chain = query.robot.chain
+    chain = query.mechanism.chain
     low = np.where(np.isfinite(query.lower), query.lower, query.x0 - math.tau)
     high = np.where(np.isfinite(query.upper), query.upper, query.x0 + math.tau)
-    factors = query.robot.kinematics.si_factors
+    factors = query.mechanism.kinematics.si_factors
     q_low, q_high = chain.axis_map.q_bounds(low / factors, high / factors)
-    q = query.robot.kinematics.q(x)
+    q = query.mechanism.kinematics.q(x)
     ranges = []
     for n in joints:
         turns = chain.joints[n].kind == "revolute"
-        first = math.ceil((q_low[n] - q[n]) / math.tau - LIMIT_SLACK) if turns else 0
-        last = math.floor((q_high[n] - q[n]) / math.tau + LIMIT_SLACK) if turns else 0
+        first = math.ceil((q_low[n] - q[n]) / math.tau - _ROUNDED_TURN) if turns else 0
+        last = math.floor((q_high[n] - q[n]) / math.tau + _ROUNDED_TURN) if turns else 0
         ranges.append(range(first, last + 1))
     found = []
     for turns_of_joints in itertools.islice(itertools.product(*ranges), _MOST_TURNS):
         turned = x.copy()
         turned[columns] += block.inverse @ (math.tau * np.array(turns_of_joints, dtype=float))
-        if not query.outside(turned, columns):
+        outside = query.mechanism.limits.outside(query.shown(turned))
+        if not np.isin(outside, columns).any():
             found.append(turned)
     found.sort(key=query.distance)
     return found if query.windings else found[:1]

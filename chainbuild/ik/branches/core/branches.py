@@ -3,26 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild import tolerances
+from chainbuild.chain.elements import Task
 from chainbuild.ik.branches.core.query import Query
 from chainbuild.ik.result import IkResult
-from chainbuild.kinematics.evaluation import damped_step
+from chainbuild.ik.verify import is_met, on_limits
+from chainbuild.kinematics.newton import below, newton, shrinking
 
 Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Candidate = tuple[Vector, tuple[str, ...]]  # SI axis values, and the names of axes that are free there
 
 # Errors above this are polished by Newton steps: closed forms lose digits near singular points.
 _POLISH_FROM: Final = 1e-11
 # Errors above this are no lost digits but another place.
 _POLISH_TO: Final = 1e-3
 _POLISH_STEPS: Final = 3
-_POLISH_DAMPING: Final = 1e-14
+_POLISH: Final = shrinking(0.0, 1e-14)
 _SAME: Final = 1e-5  # branches closer than this in every axis [m, rad] are one
 
 
@@ -34,7 +38,7 @@ class Branch(IkResult):
         free_axes: Names of axes that have no bearing on this pose; they keep their start value.
         status_bits: Pose status as the controller numbers it (KIN_TYP 45), else None.
         turn_bits: Signs of the axes as the controller numbers them (KIN_TYP 45), else None.
-        method: What found it; see `analytic.method_of`.
+        method: What found it; the name of a `SolverPlan`.
     """
 
     free_axes: tuple[str, ...] = ()
@@ -43,8 +47,80 @@ class Branch(IkResult):
     method: str = ""
 
 
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Branches(Sequence[Branch]):
+    """All solutions for a pose, nearest to the start first: arrays, of which `branches[n]` is the n-th as a `Branch`.
+
+    Attributes:
+        axes: (k, n_axes) axis values, mm and degrees.
+        position_error: (k,) distances to the pose wanted [m].
+        rotation_error: (k,) angles to it [rad]; of the tool vector where the task is not a full pose.
+        iterations: (k,) polishing steps.
+        free_axes: For each the names of axes that have no bearing on the pose.
+        status_bits: (k,) pose status as the controller numbers it (KIN_TYP 45), else None.
+        turn_bits: (k,) signs of the axes as the controller numbers them (KIN_TYP 45), else None.
+        task: "pose", "direction" or "position": what was solved for.
+        method: What found them; the name of a `SolverPlan`.
+    """
+
+    axes: Matrix
+    position_error: Vector
+    rotation_error: Vector
+    iterations: Integers
+    free_axes: tuple[tuple[str, ...], ...]
+    task: Task
+    status_bits: Integers | None = None
+    turn_bits: Integers | None = None
+    method: str = ""
+
+    def __len__(self) -> int:
+        return len(self.axes)
+
+    @overload
+    def __getitem__(self, index: int) -> Branch: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Branch, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Branch | tuple[Branch, ...]:
+        if isinstance(index, slice):
+            return tuple(self[n] for n in range(len(self))[index])
+        n = range(len(self))[index]
+        left = float(self.position_error[n]), float(self.rotation_error[n])
+        return Branch(
+            True, self.axes[n], "ok", *left, int(self.iterations[n]), 0, self.task,
+            free_axes=self.free_axes[n], status_bits=_at(self.status_bits, n), turn_bits=_at(self.turn_bits, n),
+            method=self.method,
+        )  # fmt: skip
+
+    def __iter__(self) -> Iterator[Branch]:
+        return (self[n] for n in range(len(self)))
+
+    def __repr__(self) -> str:
+        bits = "" if self.status_bits is None else ", .status_bits, .turn_bits"
+        return f"<Branches of a pose: {len(self)} by {self.method or 'candidates'}; .axes{bits}, [n]>"
+
+
+def _at(column: Integers | None, n: int) -> int | None:
+    return None if column is None else int(column[n])
+
+
+class Row(NamedTuple):
+    """A solution by itself: axis values in mm and degrees, distance [m], angle [rad], steps, free axes."""
+
+    axes: Vector
+    distance: float
+    angle: float
+    steps: int
+    free_axes: tuple[str, ...] = ()
+
+    def branch(self, task: Task) -> Branch:
+        """Return it as a branch by itself."""
+        return Branch(True, self.axes, "ok", self.distance, self.angle, self.steps, 0, task, free_axes=self.free_axes)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class Solutions:
     """What a closed form came up with.
 
     Attributes:
@@ -53,60 +129,76 @@ class Found:
         outside: Names of the limits in the way where there is no branch inside.
     """
 
-    branches: tuple[Branch, ...]
+    branches: Branches
     beyond: Branch | None
     outside: tuple[str, ...]
 
 
-def verified(query: Query, x: Vector) -> Branch | None:
-    """Return x as a branch if forward kinematics meets the target, polished by Newton steps where it helps."""
-    kinematics, task = query.robot.kinematics, query.robot.task
-    for attempt in range(_POLISH_STEPS + 1):
-        distance, angle = kinematics.errors(x, query.target, task)
-        if not math.isfinite(distance + angle):
-            return None
-        judged = 0.0 if task == "position" else angle
-        if attempt == 0 and max(distance, judged) > _POLISH_TO:
-            return None
-        if max(distance, judged) < _POLISH_FROM or attempt == _POLISH_STEPS:
-            break
-        x = _newton(query, x)
-    if distance > tolerances.IK_POSITION_M or judged > tolerances.IK_ROTATION_RAD:
+def verified(query: Query, x: Vector) -> Row | None:
+    """Return x as a solution if forward kinematics meets the target, polished by Newton steps where it helps."""
+    kinematics, task = query.mechanism.kinematics, query.mechanism.task
+    distance, angle = kinematics.errors(x, query.target, task)
+    largest = distance if task == "position" else max(distance, angle)
+    if not largest <= _POLISH_TO:  # not a number among them
         return None
-    return Branch(True, x / kinematics.si_factors, "ok", distance, angle, attempt, 0, task)
+    steps = 0
+    if largest >= _POLISH_FROM:
+        residual = kinematics.residual(query.target, task)
+        ended = newton(residual, x, query.structure.free, below(_POLISH_FROM**2), _POLISH, _POLISH_STEPS)
+        x, steps = ended.x, ended.steps
+        distance, angle = kinematics.errors(x, query.target, task)
+    if not (math.isfinite(distance + angle) and is_met(task, distance, angle)):
+        return None
+    return Row(query.shown(x), distance, angle, steps)
 
 
-def _newton(query: Query, x: Vector) -> Vector:
-    error, J = query.robot.kinematics.residual(query.target, query.robot.task)(x)
-    moved = x.copy()
-    moved[query.structure.free] += damped_step(J[:, query.structure.free], error, _POLISH_DAMPING)
-    return moved
-
-
-def collect(query: Query, candidates: Iterable[tuple[Vector, tuple[str, ...]]]) -> Found:
-    """Return the candidates that are solutions, once each, sorted by distance to the start.
-
-    Args:
-        query: The query.
-        candidates: SI axis values and the names of axes that are free there.
-    """
-    inside: list[tuple[float, Branch]] = []
-    beyond: list[tuple[float, Branch, tuple[str, ...]]] = []
-    factors = query.robot.kinematics.si_factors
+def collect(query: Query, candidates: Iterable[Candidate]) -> Solutions:
+    """Return the candidates that are solutions, once each, sorted by distance to the start."""
+    mechanism = query.mechanism
+    inside: list[tuple[float, Row]] = []
+    beyond: list[tuple[float, Row, tuple[str, ...]]] = []
+    factors = mechanism.kinematics.si_factors
+    known = np.empty((0, len(factors)))
     for x, free_axes in candidates:
-        branch = verified(query, x)
-        if branch is None:
+        row = verified(query, x)
+        if row is None:
             continue
-        reached = branch.axes * factors
-        if any(np.abs(reached - other.axes * factors).max() < _SAME for _, other in inside):
+        reached = row.axes * factors
+        if len(known) and (np.abs(known - reached).max(axis=1) < _SAME).any():
             continue
-        out = query.outside(reached)
-        branch = replace(branch, free_axes=free_axes)
+        row = row._replace(free_axes=free_axes)
+        out = mechanism.limits.violated(row.axes)
         if out:
-            beyond.append((query.distance(reached), branch, out))
-        else:
-            inside.append((query.distance(reached), branch))
+            beyond.append((query.distance(reached), row, out))
+            continue
+        moved = on_limits(mechanism, query.target, row.axes, mechanism.task)
+        if moved is not None:
+            row = row._replace(axes=moved[0], distance=moved[1], angle=moved[2])
+        inside.append((query.distance(reached), row))
+        known = np.vstack((known, reached))
     inside.sort(key=lambda item: item[0])
     nearest = min(beyond, key=lambda item: item[0], default=None)
     outside = () if nearest is None or inside else nearest[2]
-    return Found(tuple(branch for _, branch in inside), None if nearest is None else nearest[1], outside)
+    branches = _as_arrays([row for _, row in inside], len(factors), mechanism.task)
+    return Solutions(branches, None if nearest is None else nearest[1].branch(mechanism.task), outside)
+
+
+def _as_arrays(rows: Sequence[Row], n_axes: int, task: Task) -> Branches:
+    axes = np.array([row.axes for row in rows]).reshape(-1, n_axes)
+    left = np.array([(row.distance, row.angle) for row in rows]).reshape(-1, 2)
+    steps = np.array([row.steps for row in rows], dtype=np.int64)
+    return Branches(axes, left[:, 0], left[:, 1], steps, tuple(row.free_axes for row in rows), task)
+
+
+def named(branches: Branches, method: str, bits: Sequence[tuple[int, int]] | None) -> Branches:
+    """Return branches with what found them, and with status and turn where the controller numbers them.
+
+    Args:
+        branches: The branches.
+        method: Name of a `SolverPlan`.
+        bits: Status and turn of each, or None.
+    """
+    if bits is None:
+        return replace(branches, method=method)
+    columns = np.array(bits, dtype=np.int64).reshape(-1, 2)
+    return replace(branches, method=method, status_bits=columns[:, 0], turn_bits=columns[:, 1])

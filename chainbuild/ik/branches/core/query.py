@@ -1,27 +1,21 @@
-"""The question a closed form answers: robot, pose, start, held axes, limits."""
+"""The question that closed forms answer: a request with its structure and its limits."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+import pinocchio as pin
+from numpy.typing import NDArray
 
 from chainbuild.ik.branches.core.serial import Indices, Serial, Structure, structure_of, unrolled
-from chainbuild.ik.limits import freedoms_of
-from chainbuild.ik.start import Held, start_point
-
-if TYPE_CHECKING:
-    import pinocchio as pin
-
-    from chainbuild.kinematics.mechanism import Robot
+from chainbuild.ik.region import freedoms_of
+from chainbuild.ik.request import IkRequest
+from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.tolerances import LIMIT_SLACK
 
 Vector = NDArray[np.float64]
-
-LIMIT_SLACK: Final = 1e-9  # a limit [m, rad] is still kept this far beyond it: the answer is rounded
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,70 +23,67 @@ class Query:
     """One question: which axis values bring the tool there?
 
     Attributes:
-        robot: The robot.
+        mechanism: Whose axis values.
         target: Tool in the workpiece frame [m].
         x0: (n_axes,) start in SI; held axes stand at their values.
         structure: Which axes are free and what they move.
         lower: (n_axes,) limits in SI, infinite where endless.
         upper: The same.
+        slack: (n_axes,) how far beyond a limit [m, rad] still counts as inside.
         periodic: (n_axes,) True where a whole turn of the axis leads to the same pose.
         windings: True: every whole turn within the limits is a branch of its own; False: only the nearest one.
     """
 
-    robot: Robot
+    mechanism: Mechanism
     target: pin.SE3
     x0: Vector
     structure: Structure
     lower: Vector
     upper: Vector
+    slack: Vector
     periodic: NDArray[np.bool_]
     windings: bool = False
 
     @classmethod
-    def of(
-        cls, robot: Robot, target: pin.SE3, start: ArrayLike | None, held: Held | None, windings: bool = False
-    ) -> Query:
-        """Build a query; see `Robot.ik` for start and held."""
-        x0, fixed = start_point(robot, start, held)
-        factors = robot.kinematics.si_factors
-        lower = np.array([-math.inf if axis.endless else axis.lower for axis in robot.axes]) * factors
-        upper = np.array([math.inf if axis.endless else axis.upper for axis in robot.axes]) * factors
-        periodic = freedoms_of(robot).box.periodic
-        return cls(robot, target, x0, structure_of(robot, fixed), lower, upper, periodic, windings)
+    def of(cls, request: IkRequest, windings: bool = False) -> Query:
+        """Build the query of a request.
+
+        Raises:
+            AxisValueError: held of wrong count, unknown name or not finite.
+            ChainbuildError: the target is no rigid transform.
+        """
+        mechanism = request.mechanism
+        x0, fixed = request.start_point()
+        box = freedoms_of(mechanism).box
+        structure = structure_of(mechanism, fixed)
+        slack = LIMIT_SLACK * mechanism.kinematics.si_factors
+        return cls(mechanism, request.pose, x0, structure, box.lower, box.upper, slack, box.periodic, windings)
 
     @property
     def q0(self) -> Vector:
         """Joint values at the start."""
-        return self.robot.kinematics.q(self.x0)
+        return self.mechanism.kinematics.q(self.x0)
 
     def serial(self) -> Serial:
         """Return the chain as screws, held axes at their values."""
-        return unrolled(self.robot, self.q0, self.structure.moving)
+        return unrolled(self.mechanism, self.q0, self.structure.moving)
+
+    def shown(self, x: Vector) -> Vector:
+        """Return SI axis values (n_axes,) in mm and degrees."""
+        values: Vector = x / self.mechanism.kinematics.si_factors
+        return values
 
     def axis_names(self, indices: Iterable[int]) -> tuple[str, ...]:
         """Return the names of axes."""
-        return tuple(self.robot.axes[n].name for n in indices)
+        return tuple(self.mechanism.axes[n].name for n in indices)
 
     def loose_axes(self, joints: Indices, free: Iterable[bool], columns: Indices) -> list[int]:
         """Return the axes behind joints that are free: for each the one that moves it most."""
         loose = [n for n, is_free in enumerate(free) if is_free]
         if not loose:
             return []
-        slopes = np.abs(self.robot.kinematics.dq_dx(self.x0)[np.ix_(joints, columns)])
+        slopes = np.abs(self.mechanism.kinematics.dq_dx(self.x0)[np.ix_(joints, columns)])
         return [int(columns[int(np.argmax(slopes[n]))]) for n in loose]
-
-    def outside(self, x: Vector, columns: Indices | None = None) -> tuple[str, ...]:
-        """Return the names of the axes, and where no columns are named the coupled limits, that x violates."""
-        look = self.structure.free if columns is None else columns
-        names = [
-            self.robot.axes[n].name
-            for n in look
-            if not self.lower[n] - LIMIT_SLACK <= x[n] <= self.upper[n] + LIMIT_SLACK
-        ]
-        if columns is None:
-            values = x / self.robot.kinematics.si_factors
-            names += [c.name for c in self.robot.chain.constraints if c.margin(values) < -LIMIT_SLACK]
-        return tuple(names)
 
     def distance(self, x: Vector) -> float:
         """Return the distance to the start [m and rad alike]."""

@@ -7,9 +7,8 @@ constants.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,13 +17,14 @@ from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import BASE_LINK, Chain, Joint, JointKind
 from chainbuild.frames import inverse, transform
 from chainbuild.ik.branches.core.subproblems import rotation
-
-if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
+from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 Indices = NDArray[np.intp]
+
+Solution = tuple[Vector, tuple[bool, ...]]  # joint values in the order of the screws, and which of them are free
+ArmSolver = Callable[[Matrix, Sequence[float]], list[Solution]]  # (target (4, 4), values to keep) → solutions
 
 _SAMPLES = 4
 
@@ -74,7 +74,7 @@ class Screw:
         return moved
 
 
-@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Serial:
     """Screws from the workpiece to the tool, and the pose at their zero.
 
@@ -118,27 +118,20 @@ class Structure:
     revolute: Indices
 
 
-_structures: WeakKeyDictionary[Robot, dict[bytes, Structure]] = WeakKeyDictionary()
-
-
-def structure_of(robot: Robot, fixed: NDArray[np.bool_]) -> Structure:
+def structure_of(mechanism: Mechanism, fixed: NDArray[np.bool_]) -> Structure:
     """Return the structure of a robot with some axes fixed, prepared at first use.
 
     Args:
-        robot: The robot.
+        mechanism: The mechanism.
         fixed: (n_axes,) True for held axes.
     """
-    known = _structures.setdefault(robot, {})
-    found = known.get(fixed.tobytes())
-    if found is None:
-        found = known[fixed.tobytes()] = _prepare(robot, fixed)
-    return found
+    return mechanism.prepared("structure of free axes", lambda: _prepare(mechanism, fixed), fixed.tobytes())
 
 
-def _prepare(robot: Robot, fixed: NDArray[np.bool_]) -> Structure:
-    chain = robot.chain
+def _prepare(mechanism: Mechanism, fixed: NDArray[np.bool_]) -> Structure:
+    chain = mechanism.chain
     between = _path(chain, "tool") ^ _path(chain, "workpiece")
-    driven = _driven(robot)
+    driven = _driven(mechanism)
     free = np.flatnonzero(~fixed)
     moving = [n for n, joint in enumerate(chain.joints) if joint.child in between and driven[n, free].any()]
     revolute = [n for n in moving if chain.joints[n].kind == "revolute"]
@@ -150,16 +143,16 @@ def _indices(values: list[int]) -> Indices:
     return np.array(values, dtype=np.intp)
 
 
-def _driven(robot: Robot) -> NDArray[np.bool_]:
+def _driven(mechanism: Mechanism) -> NDArray[np.bool_]:
     """Return (n_q, n_axes): True where a joint depends on an axis."""
-    axis_map = robot.chain.axis_map
+    axis_map = mechanism.chain.axis_map
     if isinstance(axis_map, AffineMap):
         driven: NDArray[np.bool_] = axis_map.A != 0.0
         return driven
     rng = np.random.default_rng(0)
-    lower = np.array([max(axis.lower, -100.0) for axis in robot.axes])
-    upper = np.array([min(axis.upper, 100.0) for axis in robot.axes])
-    seen = np.zeros((len(robot.chain.joints), len(robot.axes)), dtype=bool)
+    lower = np.array([max(axis.lower, -100.0) for axis in mechanism.axes])
+    upper = np.array([min(axis.upper, 100.0) for axis in mechanism.axes])
+    seen = np.zeros((len(mechanism.chain.joints), len(mechanism.axes)), dtype=bool)
     for share in np.linspace(0.1, 0.4, _SAMPLES):
         values = lower + (upper - lower) * (0.5 + share * (rng.random(len(lower)) - 0.5))
         seen |= axis_map.dq_daxes(values) != 0.0
@@ -181,21 +174,15 @@ def _branch(chain: Chain, frame: str) -> list[Joint]:
     return joints[::-1]
 
 
-_serials: WeakKeyDictionary[Robot, dict[bytes, Serial]] = WeakKeyDictionary()
 _MOST_SERIALS = 64  # a held axis makes a chain of its own for every value
 
 
-def unrolled(robot: Robot, q: Vector, moving: Indices) -> Serial:
+def unrolled(mechanism: Mechanism, q: Vector, moving: Indices) -> Serial:
     """Return `unroll` of a robot's chain, remembered as long as the constant joints stand still."""
     constant = np.ones(len(q), dtype=bool)
     constant[moving] = False
     key = moving.tobytes() + q[constant].tobytes()
-    known = _serials.setdefault(robot, {})
-    if key not in known:
-        if len(known) >= _MOST_SERIALS:
-            known.clear()
-        known[key] = unroll(robot.chain, q, moving)
-    return known[key]
+    return mechanism.prepared("serial", lambda: unroll(mechanism.chain, q, moving), key, _MOST_SERIALS)
 
 
 def unroll(chain: Chain, q: Vector, moving: Indices) -> Serial:

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from chainbuild.ik.branches.arms.arms import ArmSolver, Solution
-    from chainbuild.ik.branches.core.serial import Serial
+    from chainbuild.ik.branches.core.serial import ArmSolver, Serial, Solution
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -25,7 +25,7 @@ from chainbuild.ik.branches.elimination.eliminant import SINGULAR
 from chainbuild.ik.branches.elimination.loop import Loop, closed, eliminant, equations, inner_order
 
 if TYPE_CHECKING:
-    from chainbuild.ik.branches.arms.arms import Solution
+    from chainbuild.ik.branches.core.serial import Solution
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

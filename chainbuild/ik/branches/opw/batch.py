@@ -4,35 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from chainbuild import tolerances
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.branches.core.query import LIMIT_SLACK
+from chainbuild.frames import rigid_rows
 from chainbuild.ik.branches.opw.constants import opw_constants
 from chainbuild.ik.branches.opw.formulas import BRANCHES, finished, flipped, rows_of, upper_branches
 from chainbuild.ik.search.batch import at_row, pose_array
 from chainbuild.ik.search.compiled import packing as door
 from chainbuild.ik.search.solver import refusal
+from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.tolerances import LIMIT_SLACK
 
 if TYPE_CHECKING:
     import pinocchio as pin
-
-    from chainbuild.kinematics.mechanism import Robot
 
 Array = NDArray[np.float64]
 
 _CHUNK: Final = 2048  # poses at a time: what they need stays in the processor's cache
 _LAST_ROW: Final = (0.0, 0.0, 0.0, 1.0)
 
-_known: WeakKeyDictionary[Robot, dict[bool, Array | None]] = WeakKeyDictionary()
-
 
 def ik_all_batch(
-    robot: Robot, poses: Sequence[pin.SE3] | ArrayLike, *, limits: bool = True, compiled: bool = True
+    mechanism: Mechanism, poses: Sequence[pin.SE3] | ArrayLike, *, limits: bool = True, compiled: bool = True
 ) -> Array:
     """Return all branches (n, 8, 6) of poses, mm and degrees; not a number where a branch does not exist.
 
@@ -43,7 +39,7 @@ def ik_all_batch(
     coincide fill the first of their slots.
 
     Args:
-        robot: A six-axis arm whose axes stand at right angles or parallel, with a spherical wrist.
+        mechanism: A six-axis arm whose axes stand at right angles or parallel, with a spherical wrist.
         poses: (n, 4, 4) tool in the workpiece frame [m], or `pin.SE3`.
         limits: True: axes are moved by whole turns into their limits, and branches outside them left out; False:
             every branch, whatever the limits.
@@ -53,7 +49,7 @@ def ik_all_batch(
         ChainbuildError: the robot is no such arm, or a pose is no rigid transform.
     """
     targets = pose_array(poses)
-    constants = _constants(robot, limits)
+    constants = _constants(mechanism, limits)
     axes, doubtful = np.empty((len(targets), BRANCHES, 6)), np.empty(len(targets), dtype=bool)
     if compiled and door.available():
         from chainbuild.ik.branches.opw.compiled import write_branches
@@ -62,18 +58,15 @@ def ik_all_batch(
     else:
         _write_branches(targets, constants, axes, doubtful)
     _refuse_what_is_not_rigid(targets, np.flatnonzero(doubtful))
-    if limits and robot.chain.constraints:
+    if limits and mechanism.chain.constraints:
         for chunk in _chunks(len(targets)):
-            _keep_sums(robot, axes[chunk])
+            _keep_sums(mechanism, axes[chunk])
     return axes
 
 
-def _constants(robot: Robot, limits: bool) -> Array:
+def _constants(mechanism: Mechanism, limits: bool) -> Array:
     """Return the constants of a robot, prepared at first use."""
-    known = _known.setdefault(robot, {})
-    if limits not in known:
-        known[limits] = opw_constants(robot, limits=limits)
-    constants = known[limits]
+    constants = mechanism.prepared("OPW constants", lambda: opw_constants(mechanism, limits=limits), limits)
     if constants is None:
         raise ChainbuildError(
             "there is no closed form over arrays for this kinematic",
@@ -100,9 +93,9 @@ def _write_branches(targets: Array, constants: Array, axes: Array, doubtful: NDA
         doubtful[chunk] = np.isnan(found[0]).all(axis=0) | (targets[chunk, 3] != _LAST_ROW).any(axis=1)
 
 
-def _keep_sums(robot: Robot, axes: Array) -> None:
+def _keep_sums(mechanism: Mechanism, axes: Array) -> None:
     """Leave out branches (m, 8, 6) that break a limit on a sum of axes."""
-    for constraint in robot.chain.constraints:
+    for constraint in mechanism.chain.constraints:
         total = axes @ np.array(constraint.sum.coefficients) + constraint.sum.offset
         kept = (total >= constraint.lower - LIMIT_SLACK) & (total <= constraint.upper + LIMIT_SLACK)
         axes[~kept] = np.nan
@@ -113,11 +106,7 @@ def _refuse_what_is_not_rigid(targets: Array, doubtful: NDArray[np.intp]) -> Non
     for first in range(0, len(doubtful), _CHUNK):
         rows = doubtful[first : first + _CHUNK]
         T = targets[rows]
-        R = T[:, :3, :3]
-        with np.errstate(invalid="ignore", over="ignore"):
-            off = np.abs(R.transpose(0, 2, 1) @ R - np.eye(3)).max(axis=(1, 2))
-            good = (off < tolerances.ROTATION_MATRIX) & (np.linalg.det(R) > 0.0) & (T[:, 3] == _LAST_ROW).all(axis=1)
-        good &= (np.abs(T[:, :3, 3]) < tolerances.HUGE_POSITION_M).all(axis=1)
+        good = rigid_rows(T)
         if not good.all():
             row = int(rows[np.argmin(good)])
             raise at_row(refusal(targets[row]), row)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 from chainbuild import tolerances
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.frames import inverse
-from chainbuild.ik.branches.core.query import LIMIT_SLACK, Query
+from chainbuild.ik.branches.core.query import Query
 from chainbuild.ik.branches.opw.formulas import CONSTANTS, confirmed, product, rows_of
 from chainbuild.ik.branches.opw.parameters import OpwArm, opw_arm
-from chainbuild.kinematics.mechanism import as_pose
-
-if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
+from chainbuild.ik.request import IkRequest
+from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.tolerances import LIMIT_SLACK
 
 Matrix = NDArray[np.float64]
 
@@ -28,17 +27,17 @@ _SAMPLES: Final = 16
 _EXACT: Final = 1e-9  # what samples may miss [m, rad]
 
 
-def opw_constants(robot: Robot, *, limits: bool) -> Matrix | None:
+def opw_constants(mechanism: Mechanism, *, limits: bool) -> Matrix | None:
     """Return the constants (n, 6) of a robot, see `opw_branches.CONSTANTS`; None where the closed form is not its own.
 
     Args:
-        robot: The robot.
+        mechanism: The mechanism.
         limits: False: as if no axis had any.
     """
-    axis_map = robot.chain.axis_map
-    if not isinstance(axis_map, AffineMap) or len(robot.axes) != 6 or robot.chain.loops:
+    axis_map = mechanism.chain.axis_map
+    if not isinstance(axis_map, AffineMap) or len(mechanism.axes) != 6 or mechanism.chain.loops:
         return None
-    query = Query.of(robot, as_pose(np.eye(4)), None, None)
+    query = Query.of(IkRequest(mechanism, np.eye(4)))
     serial = query.serial()
     arm = opw_arm(serial)
     if arm is None or not query.periodic.all():
@@ -51,12 +50,12 @@ def opw_constants(robot: Robot, *, limits: bool) -> Matrix | None:
         return None
     parts = _filled(arm, arm.signs[:, None] * A * factors, arm.signs * b + arm.offsets, query, limits)
     constants = np.concatenate([np.asarray(parts[name], dtype=float).reshape(-1, 6) for name in CONSTANTS])
-    return constants if _confirmed(robot, constants) else None
+    return constants if _confirmed(mechanism, constants) else None
 
 
 def _filled(arm: OpwArm, back: Matrix, zero: Matrix, query: Query, limits: bool) -> dict[str, object]:
     """Return the constants by name; back and zero lead from axis values to angles."""
-    p, factors = arm.parameters, query.robot.kinematics.si_factors
+    p, factors = arm.parameters, query.mechanism.kinematics.si_factors
     forearm, bend = math.hypot(p["a2"], p["c3"]), math.atan2(p["a2"], p["c3"])
     wanted = query.x0 / factors
     first, _, _, fourth, _, _ = back @ wanted + zero
@@ -79,15 +78,15 @@ def _filled(arm: OpwArm, back: Matrix, zero: Matrix, query: Query, limits: bool)
         "per_turn": factors / math.tau,
         "lower": lower if limits else np.full(6, -_NO_LIMIT),
         "upper": upper if limits else np.full(6, _NO_LIMIT),
-        "slack": LIMIT_SLACK / factors,
+        "slack": np.full(6, LIMIT_SLACK),
     }
 
 
-def _confirmed(robot: Robot, constants: Matrix) -> bool:
+def _confirmed(mechanism: Mechanism, constants: Matrix) -> bool:
     """Return whether what branches are confirmed by is the robot's own forward kinematics, on random axis values."""
     base, flange, arm, _, backward, _ = rows_of(constants)
     axes = np.random.default_rng(0).uniform(-170.0, 170.0, (_SAMPLES, 6))
-    T = robot.fk_batch(axes)[:, :3].reshape(_SAMPLES, 12).T
+    T = mechanism.fk_batch(axes)[:, :3].reshape(_SAMPLES, 12).T
     M = product(product(base, T), flange)
     strict = (*arm[:3], (*arm[3][:3], _EXACT**2, _EXACT**2))
     return bool(np.all(confirmed(axes.T, M, strict, backward)))

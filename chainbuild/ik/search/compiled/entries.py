@@ -15,7 +15,7 @@ import numba
 import numpy as np
 
 from chainbuild import tolerances
-from chainbuild.ik.search import rules
+from chainbuild.ik import rules
 from chainbuild.ik.search.compiled import (
     kernels as compiled_kernels,
 )

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from chainbuild.ik.search import rules
+from chainbuild.ik import rules
 from chainbuild.ik.search.compiled.kernels import jit
 
 _TURN: Final = 2.0 * math.pi

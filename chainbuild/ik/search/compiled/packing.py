@@ -5,17 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.ik.options import IkOptions
 from chainbuild.ik.search.found import Found
-
-if TYPE_CHECKING:
-    from chainbuild.ik.search.problem import Problem
-    from chainbuild.ik.search.starts.turned import TurnedStarts
+from chainbuild.ik.search.problem import Problem
+from chainbuild.ik.search.starts.turned import TurnedStarts
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -58,10 +56,7 @@ class Packed:
 
 def packed(problem: Problem) -> Packed | None:
     """Return a problem in few arrays, or None where its axis map is not affine."""
-    if not problem.compiled:
-        problem.compiled.append(_pack(problem))
-    found: Packed | None = problem.compiled[0]
-    return found
+    return problem.prepared("packed", lambda: _pack(problem))
 
 
 def _pack(problem: Problem) -> Packed | None:

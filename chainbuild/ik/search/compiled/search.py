@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from chainbuild import tolerances
-from chainbuild.ik.search import rules
+from chainbuild.ik import rules
 from chainbuild.ik.search.compiled.kernels import damped_step, jit, pose_and_jacobian, tool_error, weigh
 from chainbuild.ik.search.compiled.limits import excess, near, onto_sums, turn_inside, turned_inside
 from chainbuild.ik.search.compiled.starts import forget_edges, next_start, rank_starts

@@ -11,7 +11,7 @@ from typing import Any, Final
 import numba
 import numpy as np
 
-from chainbuild.ik.search import rules
+from chainbuild.ik import rules
 from chainbuild.ik.search.compiled.kernels import jit
 from chainbuild.ik.search.compiled.limits import turned_inside
 from chainbuild.ik.search.starts.turned import LARGEST_STEP

@@ -8,17 +8,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.limits import Box, finite_span
+from chainbuild.ik.region import Box, finite_span
+from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import poses_at
-
-if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -67,7 +65,7 @@ def _features(T: Matrix) -> Matrix:
 
 
 def starts_of(
-    robot: Robot,
+    mechanism: Mechanism,
     box: Box,
     middle: Vector,
     free: NDArray[np.intp],
@@ -79,7 +77,7 @@ def starts_of(
     """Draw the table of starts.
 
     Args:
-        robot: The robot.
+        mechanism: The mechanism.
         box: Limits of the free axes.
         middle: (n_free,) near the middle of the limits.
         free: Indices of the free axes.
@@ -91,7 +89,7 @@ def starts_of(
     points = points_inside(box, middle, np.random.default_rng(seed), _COUNT)
     full = np.repeat(x[None], len(points), axis=0)
     full[:, free] = points
-    T, known = _poses(robot, full)
+    T, known = _poses(mechanism, full)
     points, T = points[known], T[known]
     position = T[:, :3, 3]
     centre = position.mean(axis=0) if len(T) else np.zeros(3)
@@ -136,15 +134,15 @@ def _one_turn(box: Box, middle: Vector) -> tuple[Vector, Vector]:
     return np.maximum(lower, middle - most), np.minimum(upper, middle + most)
 
 
-def _poses(robot: Robot, x: Matrix) -> tuple[Matrix, NDArray[np.bool_]]:
+def _poses(mechanism: Mechanism, x: Matrix) -> tuple[Matrix, NDArray[np.bool_]]:
     """Return the poses (N, 4, 4) and where there is one."""
-    product = robot.kinematics.product
+    product = mechanism.kinematics.product
     if product is not None:
         return poses_at(product, x, np.ones(x.shape[1])), np.ones(len(x), dtype=bool)
     T = np.full((len(x), 4, 4), np.nan)
     for row, values in zip(T, x, strict=True):
         try:
-            row[:] = robot.kinematics.pose(robot.kinematics.q(values)).homogeneous
+            row[:] = mechanism.kinematics.pose(mechanism.kinematics.q(values)).homogeneous
         except ChainbuildError:
             continue
     return T, np.isfinite(T).all(axis=(1, 2))

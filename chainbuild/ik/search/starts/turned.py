@@ -9,19 +9,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
-from weakref import WeakKeyDictionary
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild.ik.limits import Box
+from chainbuild.ik.region import Box
 from chainbuild.ik.search.starts.arm_reach import ends_of
 from chainbuild.ik.search.starts.turned_table import NO_RADIUS, Points, points_of
+from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import Product
-
-if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -102,14 +99,11 @@ class TurnedStarts:
         return box.turned_to(y, (self.first, self.last), wanted)
 
 
-_tables: WeakKeyDictionary[Robot, dict[object, Points]] = WeakKeyDictionary()
-
-
-def turned_starts(robot: Robot, arm: Product, box: Box, middle: Vector, seed: int) -> TurnedStarts | None:
+def turned_starts(mechanism: Mechanism, arm: Product, box: Box, middle: Vector, seed: int) -> TurnedStarts | None:
     """Return the table of an arm, or None where its first or last axis is no such turn.
 
     Args:
-        robot: The robot.
+        mechanism: The mechanism.
         arm: From the workpiece to the tool, by the free axes.
         box: Limits of the free axes.
         middle: (n_free,) near the middle of the limits.
@@ -122,7 +116,7 @@ def turned_starts(robot: Robot, arm: Product, box: Box, middle: Vector, seed: in
     if first is None or last is None:
         return None
     signs = (float(arm.A[ends.begin, first]), float(arm.A[ends.end, last]))
-    known = _tables.setdefault(robot, {})
+    known: dict[object, Points] = mechanism.prepared("tables of turned starts", dict)
     key = (box.names, arm.b[ends.begin : ends.end].tobytes(), seed)
     if key not in known:
         if len(known) >= _KEPT:

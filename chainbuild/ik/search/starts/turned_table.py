@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild.ik.limits import Box
+from chainbuild.ik.region import Box
 from chainbuild.ik.search.starts.sampled import off_middle, points_inside
 from chainbuild.kinematics.product import Product, poses_at
 

@@ -43,5 +43,6 @@ NEAREST_SHRINK: Final = 0.2
 NEAREST_GAIN: Final = 1e-9
 # A remaining error below this is called "stalled", not "unreachable".
 CLOSE: Final = 1e-3
-# How far an answer may lie beyond a limit: rounding, not more.
+# A descent's end this far beyond its region [m and rad together] is inside but for the rounding of its last step, and
+# is put on the limit. What counts as inside the limits is asked of `kinematics.limits`, not here.
 INSIDE_SLACK: Final = 1e-12

@@ -5,18 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
-from weakref import WeakKeyDictionary
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import Chain
-from chainbuild.ik.search import rules
-
-if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Robot
+from chainbuild.ik import rules
+from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -38,7 +35,6 @@ class Box:
         sums: (c, n) rows g of the coupled limits sum_lower ≤ g·y ≤ sum_upper, each of length 1.
         sum_lower: (c,) lower coupled limits.
         sum_upper: (c,) upper coupled limits.
-        sum_names: Names of the coupled limits.
     """
 
     lower: Vector
@@ -48,7 +44,6 @@ class Box:
     sums: Matrix
     sum_lower: Vector
     sum_upper: Vector
-    sum_names: tuple[str, ...]
     _limits: list[tuple[float, float]] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -115,19 +110,6 @@ class Box:
             total += float(np.maximum(np.maximum(self.sum_lower - value, value - self.sum_upper), 0.0).sum())
         return float(total)
 
-    def violated(self, y: Vector) -> list[tuple[int, float, float]]:
-        """Return index, value and limit of each axis that y puts beyond its limits."""
-        beyond = [
-            (n, float(y[n]), float(self.lower[n] if y[n] < self.lower[n] else self.upper[n])) for n in self.outside(y)
-        ]
-        return [(n, value, limit) for n, value, limit in beyond if abs(value - limit) > rules.INSIDE_SLACK]
-
-    def violated_sums(self, y: Vector) -> list[str]:
-        """Return the names of the coupled limits that y violates."""
-        value = self.sums @ y
-        out = (value < self.sum_lower - rules.INSIDE_SLACK) | (value > self.sum_upper + rules.INSIDE_SLACK)
-        return [name for name, beyond in zip(self.sum_names, out, strict=True) if beyond]
-
     def nearest(self, y: Vector, wanted: Vector) -> Vector:
         """Return y with periodic axes moved by whole turns as near as all limits allow to `wanted`."""
         moved = y
@@ -170,7 +152,7 @@ class Box:
         names = tuple(self.names[n] for n in free)
         axes = (self.lower[free], self.upper[free], self.periodic[free], names)
         sums = (self.sums[:, free], self.sum_lower - fixed_part, self.sum_upper - fixed_part)
-        return Box(*axes, *_unit_rows(*sums, self.sum_names))
+        return Box(*axes, *_unit_rows(*sums))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -190,27 +172,22 @@ class Freedoms:
     reach: float
 
 
-_prepared: WeakKeyDictionary[Robot, Freedoms] = WeakKeyDictionary()
+def freedoms_of(mechanism: Mechanism) -> Freedoms:
+    """Return the freedoms of a mechanism, prepared at first use."""
+    return mechanism.prepared("freedoms", lambda: _prepare(mechanism))
 
 
-def freedoms_of(robot: Robot) -> Freedoms:
-    """Return the freedoms of a robot, prepared at first use."""
-    found = _prepared.get(robot)
-    if found is None:
-        found = _prepared[robot] = _prepare(robot)
-    return found
-
-
-def _prepare(robot: Robot) -> Freedoms:
-    axes = robot.axes
-    factors = robot.kinematics.si_factors
-    lower = _inner([-math.inf if a.endless else a.lower for a in axes], factors, math.inf)
-    upper = _inner([math.inf if a.endless else a.upper for a in axes], factors, -math.inf)
-    box = Box(lower, upper, periodic_axes(robot.chain), tuple(a.name for a in axes), *_coupled(robot.chain, factors))
+def _prepare(mechanism: Mechanism) -> Freedoms:
+    axes, limits = mechanism.axes, mechanism.limits
+    factors = mechanism.kinematics.si_factors
+    lower = _inner(limits.lower.tolist(), factors, math.inf)
+    upper = _inner(limits.upper.tolist(), factors, -math.inf)
+    periodic = periodic_axes(mechanism.chain)
+    box = Box(lower, upper, periodic, tuple(a.name for a in axes), *_coupled(mechanism.chain, factors))
     span_low, span_high = finite_span(lower, upper)
     stagger = _START_STAGGER * np.where(np.arange(len(axes)) % 2 == 0, 1.0, -1.0)
     middle = (span_low + span_high) / 2.0 + stagger * np.minimum(span_high - span_low, math.tau)
-    return Freedoms(box, middle, factors, _reach(robot))
+    return Freedoms(box, middle, factors, _reach(mechanism))
 
 
 def _inner(limits: Sequence[float], factors: Vector, inwards: float) -> Vector:
@@ -232,23 +209,20 @@ def finite_span(lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
     )
 
 
-def _coupled(chain: Chain, factors: Vector) -> tuple[Matrix, Vector, Vector, tuple[str, ...]]:
+def _coupled(chain: Chain, factors: Vector) -> tuple[Matrix, Vector, Vector]:
     """Return the chain's limits on sums of axes as rows over SI axis values."""
     rows = chain.constraints
     sums = np.array([row.sum.coefficients for row in rows]).reshape(len(rows), len(factors)) / factors
     offset = np.array([row.sum.offset for row in rows])
     lower, upper = (np.array([getattr(row, end) for row in rows], dtype=float) - offset for end in ("lower", "upper"))
-    names = [row.name if row.alarm is None else f"{row.name} (alarm {row.alarm})" for row in rows]
-    return _unit_rows(sums, lower, upper, names)
+    return _unit_rows(sums, lower, upper)
 
 
-def _unit_rows(
-    sums: Matrix, lower: Vector, upper: Vector, names: Sequence[str]
-) -> tuple[Matrix, Vector, Vector, tuple[str, ...]]:
+def _unit_rows(sums: Matrix, lower: Vector, upper: Vector) -> tuple[Matrix, Vector, Vector]:
     """Scale rows to length 1; a row that no axis moves stays as it is."""
     length = np.linalg.norm(sums, axis=1)
     length[length == 0.0] = 1.0
-    return sums / length[:, None], lower / length, upper / length, tuple(names)
+    return sums / length[:, None], lower / length, upper / length
 
 
 def periodic_axes(chain: Chain) -> NDArray[np.bool_]:
@@ -269,11 +243,11 @@ def periodic_axes(chain: Chain) -> NDArray[np.bool_]:
     return result
 
 
-def _reach(robot: Robot) -> float:
+def _reach(mechanism: Mechanism) -> float:
     """Return the sum of all fixed offsets and linear ranges between workpiece and tool frame [m]."""
-    chain = robot.chain
+    chain = mechanism.chain
     total = sum(float(np.linalg.norm(chain.frame(tip).T_link_frame[:3, 3])) for tip in ("tool", "workpiece"))
-    lower, upper = robot.model.lowerPositionLimit, robot.model.upperPositionLimit
+    lower, upper = mechanism.model.lowerPositionLimit, mechanism.model.upperPositionLimit
     for n, joint in enumerate(chain.joints):
         total += float(np.linalg.norm(joint.T_parent_joint[:3, 3]))
         if joint.kind == "prismatic":

@@ -1,0 +1,105 @@
+"""Every branch of a pose: closed forms, the elimination where six joints have none, damped descents for the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from chainbuild.errors import ChainbuildError
+from chainbuild.ik.branches.core.axis_values import axes_for
+from chainbuild.ik.branches.core.branches import Branches, Candidate, Solutions, collect, named
+from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.serial import ArmSolver
+from chainbuild.ik.branches.direct import find_direct
+from chainbuild.ik.branches.gather import gather
+from chainbuild.ik.branches.status_turn import has_status, status_turn
+from chainbuild.ik.plan import TASK_ROWS, plan_for
+from chainbuild.ik.request import Held, IkRequest
+from chainbuild.ik.result import IkResult
+from chainbuild.kinematics.mechanism import Mechanism
+
+
+def ik_all(
+    mechanism: Mechanism,
+    T: pin.SE3 | ArrayLike,
+    start: ArrayLike | None = None,
+    held: Held | None = None,
+    *,
+    windings: bool = False,
+) -> Branches:
+    """Return every branch of a pose inside all limits, nearest to the start first; see `Robot.ik_all`."""
+    return every_branch(Query.of(IkRequest.of(mechanism, T, start, held), windings)).branches
+
+
+def every_branch(query: Query) -> Solutions:
+    """Return the branches of a query by its plan.
+
+    Raises:
+        ChainbuildError: more axes are free than the task determines.
+    """
+    plan = plan_for(query)
+    if plan.name == "direct":
+        found = find_direct(query)
+    elif plan.solver is not None:
+        found = collect(query, _arm_candidates(query, plan.solver))
+    else:
+        _refuse_redundant(query)
+        found = collect(query, ((x, ()) for x in gather(query)))
+    bits = None
+    if has_status(query.mechanism):
+        bits = [status_turn(query.mechanism, axes) for axes in found.branches.axes]
+    return replace(found, branches=named(found.branches, plan.name, bits))
+
+
+def nearest_branch(request: IkRequest) -> IkResult | None:
+    """Return the branch nearest to the start, or a failure; None where branches would only be searched for."""
+    query = Query.of(request)
+    if not plan_for(query).complete:
+        return None
+    found = every_branch(query)
+    if len(found.branches):
+        return found.branches[0]
+    if found.beyond is not None:
+        reason = f"only reached outside the limits of {', '.join(found.outside)}"
+        return replace(found.beyond, success=False, status="limits", reason=reason, violated=found.outside)
+    mechanism = request.mechanism
+    distance, angle = mechanism.kinematics.errors(query.x0, query.target, mechanism.task)
+    reason = "no branch of the closed form reaches the pose"
+    return IkResult(False, query.shown(query.x0), "unreachable", distance, angle, 0, 0, mechanism.task, reason)
+
+
+def no_closed_form(request: IkRequest) -> ChainbuildError:
+    """Return the error for a closed form that was asked for and is not known."""
+    plan = plan_for(Query.of(request))
+    return ChainbuildError(
+        f"no closed form is known for this kinematic: {plan.reason}",
+        parameter="solver",
+        permitted="auto, damped",
+        hint="where more axes are free than the pose determines, hold some",
+    )
+
+
+def _arm_candidates(query: Query, solver: ArmSolver) -> Iterator[Candidate]:
+    joints = np.array([screw.joint for screw in query.serial().screws], dtype=np.intp)
+    keep = query.q0[joints].tolist()
+    free_axes = query.structure.free
+    for values, free in solver(query.target.homogeneous, keep):
+        for x in axes_for(query, joints, values, free_axes):
+            yield x, query.axis_names(query.loose_axes(joints, free, free_axes))
+
+
+def _refuse_redundant(query: Query) -> None:
+    """Refuse a chain whose branches are no points but curves."""
+    free, rows = query.structure.free, TASK_ROWS[query.mechanism.task]
+    if len(free) <= rows:
+        return
+    names = ", ".join(query.axis_names(free))
+    raise ChainbuildError(
+        f"{len(free)} axes are free and the pose determines {rows}: there is no end of solutions",
+        parameter="held",
+        permitted=f"{len(free) - rows} of {names} held",
+    )

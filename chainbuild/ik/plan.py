@@ -1,0 +1,115 @@
+"""How the poses of a mechanism are solved while some axes are held: by what, why, and whether completely."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Final, Literal
+
+import numpy as np
+
+from chainbuild.chain.elements import Task
+from chainbuild.ik.branches.arms.arms import ARMS, ArmName, arm_solver
+from chainbuild.ik.branches.arms.spin import despun, first_joints, one_axis, with_idle, with_spin
+from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.serial import ArmSolver, Serial
+from chainbuild.ik.branches.direct import query_is_direct
+from chainbuild.ik.branches.elimination.eaik_arm import eaik_solver
+from chainbuild.ik.branches.elimination.elimination import JOINTS, elimination
+from chainbuild.ik.request import IkRequest
+from chainbuild.kinematics.mechanism import Mechanism
+
+PlanName = ArmName | Literal["direct", "EAIK", "elimination", "search"]
+
+TASK_ROWS: Final[Mapping[Task, int]] = {"pose": 6, "direction": 5, "position": 3}  # freedoms that a task determines
+_MOST_IDLE: Final = 2
+_KEPT: Final = 64  # a held axis makes a chain of its own for every value
+_REASONS: Final[Mapping[str, str]] = {
+    **ARMS,
+    "direct": "three independent linear axes: the rotary ones give the orientation, the linear ones the position",
+    "EAIK": "six joints whose wrist is not spherical, decomposed into subproblems by EAIK",
+    "elimination": "joints without a known structure: all at once, as the eigenvalues of one matrix",
+}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SolverPlan:
+    """What finds every branch of a pose, chosen once for each set of held axes.
+
+    Attributes:
+        name: "direct", "spherical wrist", "single wrist axis", "parallel arm", "position", "EAIK", "elimination", or
+            "search": damped descents from many starts.
+        reason: Why, in words.
+        complete: True where no branch is missing; False where branches are only searched for.
+    """
+
+    name: PlanName
+    reason: str
+    complete: bool
+    solver: ArmSolver | None = field(default=None, repr=False)
+
+
+def plan_of(mechanism: Mechanism, held: Mapping[str, float] | Iterable[str] = ()) -> SolverPlan:
+    """Return the plan of a mechanism; see `Robot.plan`."""
+    values = held if isinstance(held, Mapping) else dict.fromkeys(held, 0.0)
+    return plan_for(Query.of(IkRequest(mechanism, np.eye(4), held=values)))
+
+
+def plan_for(query: Query) -> SolverPlan:
+    """Return the plan of a query, chosen at the first one of its kind."""
+    if query.mechanism.chain.loops:
+        return _searched("the chain has closed loops")
+    if query_is_direct(query):
+        return _complete("direct")
+    serial = query.serial()
+    return query.mechanism.prepared("plan", lambda: _chosen(query, serial), serial, _KEPT)
+
+
+def _complete(name: PlanName, solver: ArmSolver | None = None) -> SolverPlan:
+    return SolverPlan(name, _REASONS[name], True, solver)
+
+
+def _searched(reason: str) -> SolverPlan:
+    return SolverPlan("search", f"{reason}: branches are searched for", False)
+
+
+def _chosen(query: Query, serial: Serial) -> SolverPlan:
+    task, count = query.mechanism.task, len(serial.screws)
+    if task == "pose":
+        found = _for_pose(serial)
+    elif task == "direction" and count < JOINTS:
+        found = _for_direction(query, serial)
+    else:
+        known = arm_solver(serial, task)
+        found = None if known is None else _complete(*known)
+    if found is not None:
+        return found
+    free = len(query.structure.free)
+    if free > TASK_ROWS[task]:
+        return _searched(f"{free} axes are free and the task determines {TASK_ROWS[task]}")
+    return _searched(f"no closed form is known for {count} joints in this arrangement")
+
+
+def _for_direction(query: Query, serial: Serial) -> SolverPlan | None:
+    """Return a plan for position and tool direction: the turn about the tool vector is taken for one more joint."""
+    column, axis = query.mechanism.chain.tool_column, one_axis(serial)
+    known = None if axis is None else arm_solver(serial, "direction")
+    if axis is not None and known is not None:
+        return _complete(known[0], despun(known[1], serial, column, axis))
+    found = _for_pose(with_spin(serial, column))
+    if found is None or found.solver is None:
+        return None
+    return _complete(found.name, first_joints(found.solver, len(serial.screws), len(serial.screws) + 1))
+
+
+def _for_pose(serial: Serial) -> SolverPlan | None:
+    known = arm_solver(serial, "pose")
+    if known is not None:
+        return _complete(*known)
+    count = len(serial.screws)
+    solver = elimination(with_idle(serial, JOINTS - count)) if JOINTS - _MOST_IDLE <= count <= JOINTS else None
+    eliminating = None if solver is None else first_joints(solver.solve, count, JOINTS)
+    through_eaik = eaik_solver(serial, eliminating)
+    if through_eaik is not None:
+        return _complete("EAIK", through_eaik)
+    return None if eliminating is None else _complete("elimination", eliminating)

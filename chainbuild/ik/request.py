@@ -1,0 +1,145 @@
+"""One question of inverse kinematics: what every stage of the pipeline is handed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from numbers import Real
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from chainbuild.errors import AxisValueError
+from chainbuild.ik.options import DEFAULT, IkOptions
+from chainbuild.ik.region import freedoms_of
+from chainbuild.kinematics.inputs import as_pose
+from chainbuild.kinematics.mechanism import Mechanism
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+Held = Mapping[str, float] | Sequence[float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class IkRequest:
+    """Which axis values bring the tool there?
+
+    Attributes:
+        mechanism: Whose axis values.
+        target: (4, 4) tool in the workpiece frame [m]; whether it is rigid is looked at by whoever solves.
+        start: (n_axes,) axis values to start from, mm and degrees, or None.
+        held: Axis name → value to hold, or one value for each input axis in order, or None.
+        options: Options of the damped search.
+    """
+
+    mechanism: Mechanism
+    target: Matrix
+    start: Vector | None = None
+    held: Held | None = None
+    options: IkOptions = DEFAULT
+
+    @classmethod
+    def of(
+        cls,
+        mechanism: Mechanism,
+        T: pin.SE3 | ArrayLike,
+        start: ArrayLike | None = None,
+        held: Held | None = None,
+        options: IkOptions | None = None,
+    ) -> IkRequest:
+        """Return a request of what a user handed over; see `Robot.ik`.
+
+        Raises:
+            AxisValueError: start of wrong count or not finite.
+            ChainbuildError: T is not 4×4 real numbers.
+        """
+        begin = None if start is None else mechanism.axis_values(start)
+        return cls(mechanism, matrix_of(T), begin, held, options or DEFAULT)
+
+    def to(self, target: Matrix, start: Vector | None) -> IkRequest:
+        """Return the same question for another target (4, 4) and start (n_axes,)."""
+        return replace(self, target=target, start=start)
+
+    @property
+    def pose(self) -> pin.SE3:
+        """The target as a pose.
+
+        Raises:
+            ChainbuildError: it is no rigid transform.
+        """
+        return as_pose(self.target)
+
+    def start_point(self) -> tuple[Vector, NDArray[np.bool_]]:
+        """Return the SI start values (n_axes,) and which axes are held at them; see `start_point`."""
+        return start_point(self.mechanism, self.start, self.held)
+
+
+def matrix_of(target: pin.SE3 | ArrayLike) -> Matrix:
+    """Return a pose as a (4, 4) array; whether it is rigid is looked at by the search.
+
+    Raises:
+        ChainbuildError: not 4×4 real numbers.
+    """
+    T = getattr(target, "homogeneous", target)
+    if type(T) is np.ndarray and T.dtype == np.float64 and T.shape == (4, 4):
+        return np.ascontiguousarray(T)
+    matrix: Matrix = np.ascontiguousarray(as_pose(target).homogeneous)
+    return matrix
+
+
+def start_point(mechanism: Mechanism, start: ArrayLike | None, held: Held | None) -> tuple[Vector, NDArray[np.bool_]]:
+    """Return the SI start values (n_axes,) and which axes are held at them.
+
+    Args:
+        mechanism: The mechanism.
+        start: Axis values (n_axes,), mm and degrees; None: near the middle of the limits, input axes at 0.
+        held: Axis name → value to hold, or one value for each input axis in order.
+
+    Raises:
+        AxisValueError: start or held of wrong count, unknown name or not finite.
+    """
+    freedoms = freedoms_of(mechanism)
+    fixed = np.array([axis.held for axis in mechanism.axes])
+    if start is None:
+        values = freedoms.middle / freedoms.si_factors
+        values[fixed] = 0.0
+    else:
+        values = mechanism.axis_values(start).copy()
+    names = [axis.name for axis in mechanism.axes]
+    for name, value in _by_name(mechanism, held).items():
+        if name not in names:
+            raise AxisValueError(f"there is no axis '{name}' to hold", parameter="held", permitted=", ".join(names))
+        values[names.index(name)], fixed[names.index(name)] = _number(name, value), True
+    return mechanism.axis_values(values) * freedoms.si_factors, fixed
+
+
+def _by_name(mechanism: Mechanism, held: Held | None) -> Mapping[str, float]:
+    if held is None:
+        return {}
+    if isinstance(held, Mapping):
+        return held
+    names = [axis.name for axis in mechanism.axes if axis.held]
+    permitted = ", ".join(names) or "a mapping of axis name to value"
+    if not isinstance(held, Sequence | np.ndarray) or isinstance(held, str | bytes):
+        text = "held is neither a mapping nor a sequence of numbers"
+        raise AxisValueError(text, parameter="held", permitted=permitted)
+    if len(held) != len(names):
+        raise AxisValueError(
+            f"{len(held)} held values are given, the robot has {len(names)} input axes",
+            parameter="held",
+            permitted=permitted,
+        )
+    return dict(zip(names, held, strict=True))
+
+
+def _number(name: str, value: object) -> float:
+    """Return a held value; whether it is finite is looked at with the others."""
+    if not isinstance(value, Real):
+        text = f"axis {name} is held at {value!r}"
+        raise AxisValueError(text, parameter="held", permitted="a number in mm or degrees")
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf

@@ -1,0 +1,37 @@
+"""Whether axis values are an answer: the pose is met, and what rounding put beyond a limit stands on it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from chainbuild.chain.elements import Task
+from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.tolerances import IK_POSITION_M, IK_ROTATION_RAD
+
+Vector = NDArray[np.float64]
+
+
+def is_met(task: Task, distance: float, angle: float) -> bool:
+    """Return whether a pose that is missed by a distance [m] and an angle [rad] counts as met."""
+    return distance <= IK_POSITION_M and (task == "position" or angle <= IK_ROTATION_RAD)
+
+
+def on_limits(mechanism: Mechanism, target: pin.SE3, axes: Vector, task: Task) -> tuple[Vector, float, float] | None:
+    """Return axis values moved onto the limits that rounding put them beyond, with the errors they then have.
+
+    Args:
+        mechanism: Whose axes.
+        target: Tool in the workpiece frame [m].
+        axes: (n_axes,) mm and degrees, none farther beyond its limit than `tolerances.LIMIT_SLACK`.
+        task: What was solved for.
+
+    Returns:
+        Axis values, distance [m], angle [rad]; None where nothing is to be moved, or the pose would not be met then.
+    """
+    moved = mechanism.limits.onto(axes)
+    if np.array_equal(moved, axes):
+        return None
+    distance, angle = mechanism.kinematics.errors(moved * mechanism.kinematics.si_factors, target, task)
+    return (moved, distance, angle) if is_met(task, distance, angle) else None

@@ -1,0 +1,68 @@
+"""Inside the limits or not: the one answer, for axes and for sums of axes.
+
+Axis values are rounded, sums of them more so. A value counts as inside up to `tolerances.LIMIT_SLACK` beyond its
+limit, in mm and degrees, and in metres and radians by the same amount turned into SI; solvers that hand such a value
+out put it on its limit. Software limits belong to the drives: a kinematic whose drives stand elsewhere than its axes
+would be looked at here through them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.chain.elements import Axis, AxisConstraint, Chain
+from chainbuild.tolerances import LIMIT_SLACK
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Limits:
+    """The limits of a chain, in mm and degrees.
+
+    Attributes:
+        axes: The axes.
+        lower: (n_axes,) lower limits, -inf where an axis is endless.
+        upper: (n_axes,) upper limits, +inf where it is.
+        sums: Limits on sums of axes.
+    """
+
+    axes: tuple[Axis, ...]
+    lower: Vector
+    upper: Vector
+    sums: tuple[AxisConstraint, ...]
+
+    @classmethod
+    def of(cls, chain: Chain) -> Limits:
+        """Return the limits of a chain."""
+        lower = np.array([-math.inf if axis.endless else axis.lower for axis in chain.axes])
+        upper = np.array([math.inf if axis.endless else axis.upper for axis in chain.axes])
+        return cls(chain.axes, lower, upper, chain.constraints)
+
+    def outside(self, values: Vector) -> list[int]:
+        """Return the indices of the axes that values (n_axes,) put beyond their limits; not a number is outside."""
+        # Plain floats: for a handful of axes quicker than arrays.
+        rows = enumerate(zip(values.tolist(), self.lower.tolist(), self.upper.tolist(), strict=True))
+        return [n for n, (value, low, high) in rows if not low - LIMIT_SLACK <= value <= high + LIMIT_SLACK]
+
+    def broken_sums(self, values: Vector) -> tuple[AxisConstraint, ...]:
+        """Return the limits on sums of axes that values (n_axes,) violate."""
+        return tuple(limit for limit in self.sums if limit.margin(values) < -LIMIT_SLACK)
+
+    def violated(self, values: Vector) -> tuple[str, ...]:
+        """Return the names of the axes beyond their limits, then of the limits on sums that are violated."""
+        axes = (self.axes[n].name for n in self.outside(values))
+        return (*axes, *(limit.name for limit in self.broken_sums(values)))
+
+    def onto(self, values: Vector) -> Vector:
+        """Return values (n_axes,) with every axis beyond its limit moved onto it."""
+        return np.minimum(np.maximum(values, self.lower), self.upper)
+
+    def in_words(self, n: int, value: float) -> str:
+        """Return what is wrong with a value of axis n, such as "A3 stands at 170.2, outside -120 … 156 deg"."""
+        axis = self.axes[n]
+        return f"{axis.name} stands at {value:.6g}, outside {axis.lower:g} … {axis.upper:g} {axis.unit}"
