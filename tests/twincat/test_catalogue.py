@@ -15,7 +15,7 @@ from chainbuild.formats.twincat.lists.hdtable import type_data
 from chainbuild.formats.twincat.recipes.recipe import Drive, Params, table_flag, table_rotary, zero_and_sign
 from chainbuild.formats.twincat.types.catalogue import catalogue, kin_type, title_of, why_unsupported
 
-PACKAGE = Path(chainbuild.__file__).parent / "twincat"
+PACKAGE = Path(chainbuild.__file__).parent / "formats" / "twincat"
 
 
 def test_kin_45_is_built() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-DATA = Path(__file__).parents[2] / "chainbuild" / "twincat" / "data"
+DATA = Path(__file__).parents[2] / "chainbuild" / "formats" / "twincat" / "data"
 
 # Channel order of the axes; the two letters say what kind and what it carries: l linear, r rotary; t tool, w workpiece.
 AXES: dict[int, str] = {

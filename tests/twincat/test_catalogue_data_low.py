@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-DATA = Path(__file__).parents[2] / "chainbuild" / "twincat" / "data"
+DATA = Path(__file__).parents[2] / "chainbuild" / "formats" / "twincat" / "data"
 
 # Channel order of the axes; the lower-case letter says what they carry: t tool, w workpiece (sections 2.1 to 2.25).
 AXES: dict[int, str] = {
