@@ -22,7 +22,8 @@ from chainbuild.errors import ChainbuildError
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Axis, Chain
     from chainbuild.conventions import UsedConvention
-    from chainbuild.machine import KinematicEntry, Machine, ParameterRow
+    from chainbuild.machine import Machine, ParameterRow
+    from chainbuild.selection import KinematicEntry
 
 
 def info(
