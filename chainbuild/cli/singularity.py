@@ -76,7 +76,7 @@ def singularity(
     rows = rows_of(robot, at, axes)
     if not len(rows):
         raise UsageError("--at or --axes is due")
-    limits = thresholds_of(machine, chain)
+    limits = thresholds_of(chain)
     shown = _Shown(robot, rows, limits, measures)
     if picture:
         note(f"wrote {shown.draw(picture)}")

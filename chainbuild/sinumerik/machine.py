@@ -18,7 +18,13 @@ from chainbuild.sinumerik.data_table import DataTable, tabulate
 from chainbuild.sinumerik.limits import machine_axes, warn_of_orphans
 from chainbuild.sinumerik.main_axes import basic_moves
 from chainbuild.sinumerik.parameters import parameter_rows
-from chainbuild.sinumerik.pose_data import absolute_c, check_pose_data, constraints, controller_solver
+from chainbuild.sinumerik.pose_data import (
+    absolute_c,
+    check_pose_data,
+    constraints,
+    controller_solver,
+    singularity_watch,
+)
 from chainbuild.sinumerik.reader import read_assignments
 from chainbuild.sinumerik.robx import WRISTS, Robx
 from chainbuild.sinumerik.rules_axes import check_axes, check_gripper
@@ -222,6 +228,7 @@ def _build(
         tool_axis="z" if robx.tool_dir == 1 else "x",
         follows_c=robx.num_axes == 4,
         controller_solver=controller_solver(robx, translation, axes),
+        singularity_watch=singularity_watch(machine.table),
     )
 
 
