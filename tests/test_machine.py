@@ -11,7 +11,7 @@ import pytest
 
 import chainbuild
 from chainbuild import sinumerik, tolerances, twincat
-from chainbuild.errors import ChainbuildError, ChainError, ConventionError, MachineDataError
+from chainbuild.errors import ChainbuildError, ChainError, ConventionError, MachineDataError, UnsupportedKinematicError
 from chainbuild.findings import Collector
 from chainbuild.machine import Machine
 from chainbuild.overlay import find_overlay
@@ -236,6 +236,23 @@ def test_a_lenient_machine_goes_on_to_find_more(dialect: Dialect, tmp_path: Path
     with pytest.raises(MachineDataError) as caught:
         chainbuild.load(path).chain()
     assert caught.value.message == first.text
+
+
+def test_a_strict_machine_stops_at_the_first_error(
+    dialect: Dialect, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    machine = chainbuild.load(write(tmp_path, dialect.good))
+    collectors: list[Collector] = []
+
+    def translate(_selected: object, _length: float, _choose: object, collector: Collector) -> None:
+        collectors.append(collector)
+        for code in ("CB401", "CB304"):
+            collector.add(code, code, error=UnsupportedKinematicError)
+
+    monkeypatch.setattr(machine, "_translate", translate)
+    with pytest.raises(UnsupportedKinematicError, match="CB401"):
+        machine.chain(tool_length_mm=1.0)
+    assert collectors[0].findings == []
 
 
 def test_a_sound_kinematic_beside_a_faulty_one(tmp_path: Path) -> None:
