@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
@@ -98,3 +98,22 @@ class Collector:
                 error.alarm,
             )
         )
+
+
+def refuse_errors(findings: Iterable[Finding]) -> None:
+    """Raise the first error among findings, which a lenient collector has let through.
+
+    Raises:
+        MachineDataError: with everything that the finding says.
+    """
+    for finding in findings:
+        if finding.severity == "error":
+            raise MachineDataError(
+                finding.text,
+                span=finding.span,
+                parameter=finding.parameter,
+                permitted=finding.permitted,
+                alarm=finding.alarm,
+                hint=finding.hint,
+                code=finding.code,
+            )

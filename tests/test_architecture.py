@@ -21,6 +21,7 @@ ORDER = [
     "text",
     "chain",
     "overlay",
+    "selection",
     "machine",
     "sinumerik",
     "twincat",

@@ -196,6 +196,21 @@ class ControllerSolver:
     hand_angle: AxisSum | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class SingularityWatch:
+    """What a control itself watches near singularities (ROBX manual 10).
+
+    Attributes:
+        threshold: SD41670: at and below it a position is singular; None where the file does not give it.
+        clearance: SD41671: between the two a position is looked at more closely; None as well.
+        speed_alarm: Alarm where an axis would have to be too quick.
+    """
+
+    threshold: float | None
+    clearance: float | None
+    speed_alarm: int
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Partial:
     """One of the kinematics that a composed chain was made of, for those who have to move it by itself.
@@ -245,6 +260,7 @@ class Chain:
         partials: What a composed chain was made of, in the order of the axes; empty for a single kinematic.
         follows_c: True where position and pose angle C are programmed and A and B follow (ROBX robots of four axes).
         controller_solver: Budget of the control's own iterative inverse, where its data are known.
+        singularity_watch: What the control watches near singularities, where that is known.
         geometry: What the overlay says about its bodies.
     """
 
@@ -268,6 +284,7 @@ class Chain:
     partials: tuple[Partial, ...] = ()
     follows_c: bool = False
     controller_solver: ControllerSolver | None = None
+    singularity_watch: SingularityWatch | None = None
     geometry: Geometry = NO_GEOMETRY
 
     def __repr__(self) -> str:

@@ -6,7 +6,6 @@ from chainbuild.cli.show import finding_data, print_findings, print_json, refusa
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, all_findings
 from chainbuild.errors import ChainbuildError
 from chainbuild.findings import Collector, Finding
-from chainbuild.robot import Robot
 
 
 def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT_OPTIONS) -> int:
@@ -44,7 +43,6 @@ def _with_selection(file: str, options: MachineOptions, findings: tuple[Finding,
         machine = options.machine(file)
         chain = options.chain(machine)
         collector.findings.extend(all_findings(machine, chain))
-        Robot(chain)
     except ChainbuildError as error:
         collector.add_error(error)
     return tuple(dict.fromkeys(collector.findings))

@@ -10,7 +10,6 @@ from cyclopts import Parameter
 
 from chainbuild.cli.show import note, print_json
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
-from chainbuild.robot import Robot
 from chainbuild.units import m_from_mm, rad_from_deg
 
 if TYPE_CHECKING:
@@ -106,12 +105,10 @@ def _compare(file: str, other: Path | str, check_options: CheckOptions, options:
     from chainbuild.comparison.crosscheck import crosscheck as compare
     from chainbuild.tables.recording import read_recording
 
-    machine = options.machine(file)
-    chain = options.chain(machine)
-    options.announce(file, machine, chain)
+    machine, robot = options.built(file)
     return compare(
-        Robot(chain),
-        read_recording(other, chain) if isinstance(other, Path) else other,
+        robot,
+        read_recording(other, robot.chain) if isinstance(other, Path) else other,
         check_options,
         machine=machine,
         selection=Selection(options.kinematic, options.channel, options.tool_length),

@@ -10,7 +10,6 @@ from typing import Final
 from chainbuild.cli.show import console, counted_findings, table
 from chainbuild.cli.urdf import Folder
 from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, all_findings
-from chainbuild.robot import Robot
 
 _EXAMPLE: Final = "kr6r900"
 _LOOK: Final = (
@@ -33,6 +32,7 @@ def demo(
         options: Which kinematic.
     """
     from chainbuild.machines import shipped
+    from chainbuild.robot import Robot
     from chainbuild.writers.urdf import write_urdf
 
     shown = table("Written", "Name", "Kinematic", "Machine")

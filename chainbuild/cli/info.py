@@ -22,7 +22,8 @@ from chainbuild.errors import ChainbuildError
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Axis, Chain
     from chainbuild.convention import UsedConvention
-    from chainbuild.formats.machine import KinematicEntry, Machine, ParameterRow
+    from chainbuild.formats.machine import Machine, ParameterRow
+    from chainbuild.formats.selection import KinematicEntry
 
 
 def info(

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from chainbuild.chain.elements import Axis, Chain
     from chainbuild.convention import UsedConvention
     from chainbuild.errors import Span
-    from chainbuild.formats.machine import KinematicEntry, Machine, ParameterRow
+    from chainbuild.formats.machine import Machine, ParameterRow
+    from chainbuild.formats.selection import KinematicEntry
 
 _WIDE: Final = 120  # columns of a screen on which long texts stand side by side
 

@@ -12,7 +12,6 @@ from cyclopts import Parameter
 from chainbuild.cli.axisvalues import At, rows_of
 from chainbuild.cli.show import console, note, number, print_json, table
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
-from chainbuild.robot import Robot
 from chainbuild.units import mm_from_m
 
 if TYPE_CHECKING:
@@ -70,14 +69,11 @@ def singularity(
     """
     from chainbuild.analysis.singularity.thresholds import thresholds_of
 
-    machine = options.machine(file)
-    chain = options.chain(machine)
-    options.announce(file, machine, chain)
-    robot = Robot(chain)
+    robot = options.robot(file)
     rows = rows_of(robot, at, axes)
     if not len(rows):
         raise UsageError("--at or --axes is due")
-    limits = thresholds_of(machine, chain)
+    limits = thresholds_of(robot.chain)
     shown = _Shown(robot, rows, limits, measures)
     if picture:
         note(f"wrote {shown.draw(picture)}")

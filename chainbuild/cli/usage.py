@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from chainbuild.findings import Finding
-from chainbuild.robot import Robot
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain
@@ -79,10 +78,16 @@ class MachineOptions:
 
     def robot(self, file: str) -> Robot:
         """Read a machine file and build the robot; stderr says that there are warnings."""
+        return self.built(file)[1]
+
+    def built(self, file: str) -> tuple[Machine, Robot]:
+        """Read a machine file and build the robot, as `robot` does, and return both."""
+        from chainbuild.robot import Robot
+
         machine = self.machine(file)
         chain = self.chain(machine)
         self.announce(file, machine, chain)
-        return Robot(chain)
+        return machine, Robot(chain)
 
     def announce(self, file: str, machine: Machine, chain: Chain) -> None:
         """Say on stderr what was chosen among several, what has no effect, and that there are warnings."""

@@ -19,7 +19,6 @@ from chainbuild.findings import Collector, Finding
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay, find_overlay
 from chainbuild.formats.text import SourceText, read_source
-from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.machines import shipped, shipped_path
 
 
@@ -91,11 +90,10 @@ def _note_assumed(machine: Machine, chain: Chain | None, collector: Collector) -
 def _try_chain(
     machine: Machine, kinematic: int | str | None, channel: int | None, collector: Collector
 ) -> Chain | None:
-    """Translate a kinematic and build its model; what is refused becomes a finding, and None is returned."""
+    """Translate a kinematic; what is refused becomes a finding, and None is returned."""
     try:
         chain = machine.chain(kinematic=kinematic, channel=channel)
         collector.findings.extend(chain.findings)
-        Mechanism(chain)
         return chain
     except UnsupportedKinematicError as error:
         if kinematic is None:

@@ -2,47 +2,26 @@
 
 from __future__ import annotations
 
-import math
-import operator
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from numbers import Real
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
 
-from chainbuild import tolerances
+from chainbuild.chain.check import check_chain
 from chainbuild.chain.elements import Chain
-from chainbuild.closest import listed
-from chainbuild.errors import ConventionError, MachineDataError, Span
-from chainbuild.findings import Collector, Finding
+from chainbuild.convention import Choices
+from chainbuild.errors import ChainbuildError, ConventionError, MachineDataError, Span
+from chainbuild.findings import Collector, Finding, refuse_errors
 from chainbuild.formats.overlay import Overlay
-
-_ID_DIGITS: Final = 9
-_HUGE_NUMBER: Final = 10**_ID_DIGITS  # beyond any id or channel
-
-
-@dataclass(frozen=True, slots=True)
-class KinematicEntry:
-    """A kinematic that the file configures.
-
-    Attributes:
-        id: Configured id; for ROBX the transformation number.
-        name: Configured name, or an empty string.
-        type: "KIN_TYP 45", "ROBX NR, 6 axes" … .
-        title: English title.
-        channel: Channel number (SINUMERIK) or index (TwinCAT).
-        default: True where `chain()` without arguments takes it.
-        span: Where the file configures it.
-    """
-
-    id: int
-    name: str
-    type: str
-    title: str
-    channel: int
-    default: bool
-    span: Span | None = None
+from chainbuild.formats.selection import (
+    KinematicEntry,
+    Selected,
+    blame_channel,
+    checked_channel,
+    checked_kinematic,
+    choose_kinematic,
+    finite_length_mm,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,10 +53,24 @@ class ParameterRow:
     si_unit: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class _Outcome:
+    """What a translation led to: a chain or an error, and what it found on its way."""
+
+    findings: tuple[Finding, ...]
+    chain: Chain | None = None
+    error: ChainbuildError | None = None
+
+
 class Machine(ABC):
     """A machine file, read and typed.
 
+    A machine that `load` has read is strict: reading and translation raise the first error they find. One that is
+    read leniently, as `check` does it, goes on past errors as far as there is something to judge and keeps them in
+    `findings`. Neither hands out a chain in which, or in whose file, an error was found.
+
     Attributes:
+        file: Name of the machine file for messages.
         path: The machine file.
         dialect: "SINUMERIK ROBX" or "TwinCAT CNC".
         overlay: What the file beside it adds.
@@ -85,10 +78,14 @@ class Machine(ABC):
 
     dialect: str
 
-    def __init__(self, path: Path, overlay: Overlay, collector: Collector) -> None:
+    def __init__(self, file: str, path: Path, overlay: Overlay, collector: Collector) -> None:
+        """Take over what was read; the collector holds the findings of reading, which every chain begins with."""
+        self.file = file
         self.path = path
         self.overlay = overlay
         self._collector = collector
+        self._reading = tuple(collector.findings)
+        self._kept: dict[Selected, _Outcome] = {}
 
     def __repr__(self) -> str:
         types = list(dict.fromkeys(entry.type for entry in self.kinematics()))
@@ -119,7 +116,6 @@ class Machine(ABC):
     def parameters(self, kinematic: int | str | None = None, channel: int | None = None) -> tuple[ParameterRow, ...]:
         """Return every parameter of a kinematic with value, meaning and source."""
 
-    @abstractmethod
     def chain(
         self,
         kinematic: int | str | None = None,
@@ -129,8 +125,12 @@ class Machine(ABC):
     ) -> Chain:
         """Translate a kinematic into a chain.
 
+        What was translated with the overlay's conventions and without another tool length is kept with the machine:
+        asking again costs nothing.
+
         Args:
-            kinematic: Configured id or name; for ROBX the transformation number. None: the file's default.
+            kinematic: Configured id or name; for ROBX the transformation number, or "gripper" for gripper-referred
+                motion. None: the file's default.
             channel: Channel; None with several: the first that has a transformation, and a finding.
             tool_length_mm: Added to the active tool's length, along minus the tool vector.
             conventions: Convention name → choice; wins over the overlay.
@@ -139,7 +139,22 @@ class Machine(ABC):
             MachineDataError: the data cannot be a machine, or the kinematic or channel does not exist.
             UnsupportedKinematicError: the kinematic is not built by this version.
             ConventionError: an unknown convention or choice.
+            ChainError: the chain contradicts itself.
         """
+        kinematic, channel = checked_kinematic(kinematic), checked_channel(channel)
+        tool_length_mm = finite_length_mm(tool_length_mm)
+        chosen = self.chosen_conventions(conventions)
+        collector = Collector(self._collector.strict, list(self._reading))
+        try:
+            selected = self._select(kinematic, channel, collector)
+            chain = self._translated(selected, tool_length_mm, chosen, collector)
+        except ChainbuildError:
+            if not collector.strict:
+                self._note(collector.findings)
+            raise
+        used = {one.convention.name for one in chain.conventions}
+        self._tell_unused([name for name in sorted(chosen) if name not in used], conventions or {}, collector)
+        return replace(chain, findings=tuple(dict.fromkeys(collector.findings)))
 
     def chosen_conventions(self, conventions: Mapping[str, str] | None) -> dict[str, str]:
         """Return the user's choices: the overlay's, overridden by the argument."""
@@ -147,108 +162,96 @@ class Machine(ABC):
             raise ConventionError("conventions must be a mapping of name to choice")
         return {**self.overlay.conventions, **(conventions or {})}
 
+    @abstractmethod
+    def _channel(self, wanted: int | None, collector: Collector) -> int:
+        """Return the channel that is wanted; None: the first with a kinematic, and a finding where there are several.
 
-def finite_length_mm(value: object) -> float:
-    """Return a tool length as a float; any real number is one, also numpy's and arrays without dimension.
+        Raises:
+            MachineDataError: there is no such channel, or none at all.
+        """
 
-    Raises:
-        MachineDataError: not a finite number of plausible size.
-    """
-    if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):
-        value = value.item()
-    wrong, length, shown = "is not a number", 0.0, ""
-    if isinstance(value, Real) and not isinstance(value, bool):
+    @abstractmethod
+    def _translate(self, selected: Selected, tool_length_mm: float, choose: Choices, collector: Collector) -> Chain:
+        """Return the chain of a kinematic: named, its axes with limits, without the bodies of the overlay.
+
+        Args:
+            selected: The kinematic.
+            tool_length_mm: Added to the active tool's length, the overlay's share among it.
+            choose: Conventions; remembers which were asked for.
+            collector: Takes the findings of the translation.
+        """
+
+    @abstractmethod
+    def _tell_unused(self, names: Sequence[str], asked: Mapping[str, str], collector: Collector) -> None:
+        """Note the chosen conventions that a kinematic does not use.
+
+        Args:
+            names: Their names.
+            asked: Those chosen for this very chain; the others are the overlay's.
+            collector: Takes the finding.
+        """
+
+    def _named(self, wanted: int | str | None, entries: Sequence[KinematicEntry]) -> KinematicEntry:
+        """Return which of a channel's kinematics is wanted; None: the default."""
+        return choose_kinematic(entries, wanted, self.file)
+
+    def _second(self, entry: KinematicEntry, wanted: int | str | None, collector: Collector) -> KinematicEntry | None:
+        """Return what stands on a kinematic in a second transformation step, which not every dialect has."""
+        return None
+
+    def _is_main(self, selected: Selected) -> bool:
+        """Tell whether the overlay's bodies are meant for a kinematic."""
+        return True
+
+    def _select(self, kinematic: int | str | None, channel: int | None, collector: Collector) -> Selected:
+        """Return the kinematic that an id or name means in a channel; None: the overlay's, else the file's default."""
+        if not self.kinematics():
+            refuse_errors(self._reading)  # what reading refused may be all there is
+        number = self._channel(channel, collector)
+        wanted = self.overlay.kinematic if kinematic is None else kinematic
         try:
-            length = float(value)
-        except OverflowError:
-            length = tolerances.HUGE_AXIS_VALUE
-        shown = f" {length:g}"
-        wrong = "" if math.isfinite(length) else "is not finite"
-        if not wrong and abs(length) >= tolerances.HUGE_AXIS_VALUE:
-            wrong = "is too large"
-    if wrong:
-        raise MachineDataError(
-            f"the tool length{shown or f' {value!r:.40}'} {wrong}", parameter="tool_length_mm",
-            permitted=f"a number in mm, below {tolerances.HUGE_AXIS_VALUE:g} in size",
-        )  # fmt: skip
-    return length
+            entry = self._named(wanted, [entry for entry in self.kinematics() if entry.channel == number])
+        except MachineDataError as error:
+            blame_channel(error, self.kinematics(), wanted, number)
+            raise error if kinematic is not None else self.overlay.blamed(error, "kinematic") from None
+        return Selected(entry, self._second(entry, wanted, collector))
 
+    def _translated(
+        self, selected: Selected, tool_length_mm: float, chosen: Mapping[str, str], collector: Collector
+    ) -> Chain:
+        """Return the chain of a kinematic, the one kept where the same was translated before.
 
-def checked_kinematic(value: object) -> int | str | None:
-    """Return what names a kinematic: an id, a name, or None.
+        Only the overlay's own choices are kept: there are as many as kinematics, of the others any number.
+        """
+        usual = tool_length_mm == 0.0 and chosen == self.overlay.conventions
+        outcome = self._kept.get(selected) if usual else None
+        if outcome is None:
+            outcome = self._outcome(selected, tool_length_mm, chosen)
+            if usual:
+                self._kept[selected] = outcome
+        collector.findings.extend(outcome.findings)
+        if outcome.chain is None:
+            assert outcome.error is not None
+            raise outcome.error
+        return outcome.chain
 
-    Raises:
-        MachineDataError: anything else, True and "" among it.
-    """
-    if value is None or (isinstance(value, str) and value):
-        return value
-    number = _as_int(value)
-    if number is None or abs(number) >= _HUGE_NUMBER:
-        shown = "a huge number" if number else f"{value!r:.40}"
-        raise MachineDataError(f"{shown} names no kinematic", parameter="kinematic", permitted="an id, a name or None")
-    return number
+    def _outcome(self, selected: Selected, tool_length_mm: float, chosen: Mapping[str, str]) -> _Outcome:
+        """Translate a kinematic; a strict machine raises what a lenient one keeps."""
+        collector = Collector(self._collector.strict)
+        choose = Choices(chosen)
+        try:
+            chain = self._translate(selected, tool_length_mm + self.overlay.tool_length_mm, choose, collector)
+            refuse_errors((*self._reading, *collector.findings))
+            if self._is_main(selected):
+                chain = self.overlay.apply_geometry(chain)
+            check_chain(chain)
+        except ChainbuildError as error:
+            if collector.strict:
+                raise
+            return _Outcome(tuple(collector.findings), error=error)
+        return _Outcome(tuple(collector.findings), replace(chain, conventions=choose.used()))
 
-
-def checked_channel(value: object) -> int | None:
-    """Return what names a channel: a whole number or None.
-
-    Raises:
-        MachineDataError: anything else.
-    """
-    number = _as_int(value)
-    if (number is None and value is not None) or abs(number or 0) >= _HUGE_NUMBER:
-        shown = "a huge number" if number else f"{value!r:.40}"
-        raise MachineDataError(f"{shown} names no channel", parameter="channel", permitted="a whole number or None")
-    return number
-
-
-def _as_int(value: object) -> int | None:
-    """Return a whole number of any kind, numpy's among them, as int; None where it is none."""
-    if value is None or isinstance(value, bool):
-        return None
-    try:
-        return operator.index(value)  # type: ignore[arg-type]
-    except TypeError:
-        return None
-
-
-def blame_channel(
-    error: MachineDataError, entries: Sequence[KinematicEntry], wanted: int | str | None, channel: int
-) -> None:
-    """Let an error on a kinematic that a channel lacks say which other channel has it."""
-    matches = [e for e in entries if e.channel != channel and (wanted == e.name or matching_id([e], wanted))]
-    if wanted is not None and matches:
-        channels = " and ".join(dict.fromkeys(str(entry.channel) for entry in matches))
-        error.message = f"channel {channel} configures no kinematic {wanted!r}"
-        error.hint = f"channel {channels} has it: choose the channel, too"
-
-
-def choose_kinematic(entries: Sequence[KinematicEntry], wanted: int | str | None, file: str) -> KinematicEntry:
-    """Return the entry that `wanted` names by id or name; None: the one marked default.
-
-    An id that stands for several means the one without a name, which no name could tell, else the first.
-
-    Raises:
-        MachineDataError: nothing is configured, or `wanted` is not among it.
-    """
-    if not entries:
-        raise MachineDataError("the file configures no kinematic", span=Span(file))
-    if wanted is None:
-        return next((entry for entry in entries if entry.default), entries[0])
-    matches = [e for e in entries if wanted == e.name] or matching_id(entries, wanted)
-    if not matches:
-        shown = [f"{e.id} ({e.name})" if e.name else str(e.id) for e in entries]
-        known = listed(str(wanted), shown, called=[e.name or str(e.id) for e in entries])
-        raise MachineDataError(
-            f"the file configures no kinematic {wanted!r:.60}", span=Span(file), parameter="kinematic", permitted=known
-        )
-    return next((e for e in matches if not e.name), matches[0])
-
-
-def matching_id(entries: Sequence[KinematicEntry], wanted: int | str | None) -> list[KinematicEntry]:
-    """Return the entries with an id, given as a number or as its digits."""
-    if isinstance(wanted, str):
-        if not (wanted.isascii() and wanted.isdigit() and len(wanted) <= _ID_DIGITS):
-            return []
-        wanted = int(wanted)
-    return [entry for entry in entries if entry.id == wanted]
+    def _note(self, findings: Iterable[Finding]) -> None:
+        """Add to the machine's findings what is not among them."""
+        known = set(self._collector.findings)
+        self._collector.findings.extend(one for one in dict.fromkeys(findings) if one not in known)

@@ -120,17 +120,16 @@ def test_speeds_blow_up_at_the_singularity() -> None:
 def test_thresholds_of_the_control(tmp_path) -> None:
     machine = chainbuild.load("kr6r900")
     chain = machine.chain()
-    limits = thresholds_of(machine, chain)
+    limits = thresholds_of(chain)
     assert limits == Thresholds(2e-6, 1e-3, 3.0, ())
     text = machine.path.read_text("utf-8").replace("M17", "$SN_SINGULARITY_THRESHOLD=1e-5\nM17")
     file = tmp_path / "own.tea"
     file.write_text(text, "utf-8")
     own = chainbuild.load(file)
-    given = thresholds_of(own, own.chain())
+    given = thresholds_of(own.chain())
     assert given is not None
     assert (given.threshold, given.given) == (1e-5, ("SINGULARITY_THRESHOLD",))
-    other = chainbuild.load("kr6r900_2")
-    assert thresholds_of(other, other.chain()) is None
+    assert thresholds_of(chainbuild.load("kr6r900_2").chain()) is None
 
 
 def test_judgements_of_the_control() -> None:

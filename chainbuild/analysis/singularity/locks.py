@@ -61,13 +61,13 @@ def _gimbal_locks(robot: Mechanism, axes: Vector) -> Iterator[Singularity]:
     angles = dict(zip("ABC", frames.angles_from_matrix(mode.name, R), strict=True))
     middle = math.radians(angles[b])
     value = abs(math.sin(middle)) if first == last else abs(math.cos(middle))
-    sinumerik = robot.chain.dialect.startswith("SINUMERIK")
+    watched = robot.chain.singularity_watch is not None
     if value <= NEAR_LOCK:
         condition = f"the pose angles {a} and {c} turn about the same line ({b} = {angles[b]:.4g}°, {mode.meaning})"
-        remark = "ROBX manual 10.1.3 names B = 0, which is the lock of Euler angles" if sinumerik else ""
+        remark = "ROBX manual 10.1.3 names B = 0, which is the lock of Euler angles" if watched else ""
         yield _lock(value, (a, c), condition, remark)
     tilt = float(np.hypot(R[0, 2], R[1, 2]))
-    if sinumerik and tilt <= NEAR_LOCK:
+    if watched and tilt <= NEAR_LOCK:
         condition = f"programmed as Euler angles, A and C turn about the same line (B = {_tilt_deg(R):.4g}°)"
         yield _lock(tilt, ("A", "C"), condition, "ROBX manual 10.1.3")
 

@@ -126,7 +126,7 @@ def _names(robot: Mechanism, axes: Vector, measures: Measures, speed: SpeedRepor
 def _named(robot: Mechanism, axes: Vector, factor: Factor, lost: str, cost: str) -> Singularity:
     condition, names = words.condition(robot, axes, factor)
     is_arm = robot.chain.kinematic.endswith(" NR")
-    alias = _ALIASES.get(factor.kind, "") if is_arm and robot.chain.dialect.startswith("SINUMERIK") else ""
+    alias = _ALIASES.get(factor.kind, "") if is_arm and robot.chain.singularity_watch is not None else ""
     remark = words.elbow_remark(robot, axes, factor) if factor.kind == "elbow" else ""
     value = 0.0 if math.isclose(factor.value, 0.0, abs_tol=1e-15) else factor.value
     return Singularity(factor.kind, alias, value, names, condition, f"{condition}: {lost}; {cost}", remark)

@@ -22,7 +22,6 @@ Vector = NDArray[np.float64]
 
 Motion = Literal["shift", "turn"]
 
-EXCESSIVE_SPEED_ALARM: Final = 75324
 _LOST: Final = 1e-9  # scaled singular values below this ask for no finite speed
 
 
@@ -56,7 +55,7 @@ class SpeedReport:
         axes: One for each axis, in channel order.
         possible: Largest speed of the tool in every direction that all axes with known limits can follow [mm/s,
             deg/s]; None where no limit is known.
-        alarm: 75324 where an axis of a SINUMERIK would have to be too quick, else None.
+        alarm: The control's where an axis would have to be too quick, such as 75324 for ROBX, else None.
     """
 
     motion: Motion
@@ -96,8 +95,8 @@ def speeds(
         for axis, factor in zip(robot.axes, factors, strict=True)
     )
     bounds = [a.max_speed / f for a, f in zip(robot.axes, factors.tolist(), strict=True) if a.max_speed and f > 0.0]
-    sinumerik = robot.chain.dialect.startswith("SINUMERIK")
-    alarm = EXCESSIVE_SPEED_ALARM if sinumerik and any(row.excessive for row in rows) else None
+    watch = robot.chain.singularity_watch
+    alarm = watch.speed_alarm if watch is not None and any(row.excessive for row in rows) else None
     return SpeedReport(motion, tool_speed, rows, min(bounds) if bounds else None, alarm)
 
 

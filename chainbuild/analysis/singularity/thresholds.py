@@ -20,7 +20,6 @@ from chainbuild.units import mm_from_m
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain
-    from chainbuild.formats.machine import Machine
 
 Vector = NDArray[np.float64]
 
@@ -86,25 +85,20 @@ class Stretch:
     alarm: int | None
 
 
-def thresholds_of(machine: Machine, chain: Chain) -> Thresholds | None:
-    """Return the thresholds of a ROBX machine; None for another dialect.
+def thresholds_of(chain: Chain) -> Thresholds | None:
+    """Return the thresholds of the control of a chain, with the manual's recommendations for what its file leaves out.
 
-    Args:
-        machine: The machine.
-        chain: One of its chains.
+    None where the control is not known to have such thresholds, or the chain is composed of several.
     """
-    from chainbuild.formats.sinumerik.machine import RobxMachine
-
-    if not isinstance(machine, RobxMachine) or chain.controller_solver is None:
+    watch, solver = chain.singularity_watch, chain.controller_solver
+    if watch is None or solver is None:
         return None
-    threshold = machine.table.shared("SINGULARITY_THRESHOLD", None)
-    clearance = machine.table.shared("MIN_DIST_TO_SINGULARITY", None)
-    rows = [row for row in (threshold, clearance) if row is not None]
+    given = {"SINGULARITY_THRESHOLD": watch.threshold, "MIN_DIST_TO_SINGULARITY": watch.clearance}
     return Thresholds(
-        RECOMMENDED_THRESHOLD if threshold is None else float(threshold.value),
-        RECOMMENDED_CLEARANCE if clearance is None else float(clearance.value),
-        chain.controller_solver.limit_deg,
-        tuple(row.datum.name for row in rows),
+        RECOMMENDED_THRESHOLD if watch.threshold is None else watch.threshold,
+        RECOMMENDED_CLEARANCE if watch.clearance is None else watch.clearance,
+        solver.limit_deg,
+        tuple(name for name, value in given.items() if value is not None),
     )
 
 

@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from chainbuild.chain.assemble import assemble
 from chainbuild.chain.elements import Chain
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, MachineDataError, Span
-from chainbuild.findings import Collector
-from chainbuild.formats.machine import (
-    KinematicEntry,
-    Machine,
-    ParameterRow,
-    blame_channel,
-    checked_channel,
-    checked_kinematic,
-    choose_kinematic,
-    finite_length_mm,
-)
+from chainbuild.findings import Collector, refuse_errors
+from chainbuild.formats.machine import Machine, ParameterRow
 from chainbuild.formats.overlay import Overlay
+from chainbuild.formats.selection import KinematicEntry, Selected, checked_channel, checked_kinematic
 from chainbuild.formats.sinumerik.geometry.main_axes import basic_moves
 from chainbuild.formats.sinumerik.geometry.tool import Tool
 from chainbuild.formats.sinumerik.geometry.tool_data import active_tool
@@ -34,7 +26,13 @@ from chainbuild.formats.sinumerik.reading.transformations import find_transforma
 from chainbuild.formats.sinumerik.rules.arms import check_geometry
 from chainbuild.formats.sinumerik.rules.axes import check_axes, check_gripper
 from chainbuild.formats.sinumerik.rules.limits import machine_axes, warn_of_orphans
-from chainbuild.formats.sinumerik.rules.pose_data import absolute_c, check_pose_data, constraints, controller_solver
+from chainbuild.formats.sinumerik.rules.pose_data import (
+    absolute_c,
+    check_pose_data,
+    constraints,
+    controller_solver,
+    singularity_watch,
+)
 from chainbuild.formats.text import SourceText
 
 GRIPPER = "gripper"
@@ -47,6 +45,27 @@ _NAMES = {
     "CS": "Cylindrical arm",
     "NN": "Arm with three rotary axes",
 }
+
+
+@dataclass(frozen=True, slots=True)
+class _Configured:
+    """An entry of the machine and what it stands for.
+
+    Attributes:
+        entry: The entry.
+        robx: The transformation.
+        gripper: True for gripper-referred motion.
+    """
+
+    entry: KinematicEntry
+    robx: Robx
+    gripper: bool
+
+    @property
+    def listed(self) -> bool:
+        """Whether the machine lists it: gripper-referred motion is for six axes and none that turn beyond them."""
+        robx = self.robx
+        return not self.gripper or (robx.num_axes == 6 and not robx.table.axes and not robx.flange.axes)
 
 
 class RobxMachine(Machine):
@@ -69,25 +88,15 @@ class RobxMachine(Machine):
         transformations: tuple[Robx, ...],
         tool: Tool,
     ) -> None:
-        super().__init__(path, overlay, collector)
+        super().__init__(table.reading.file, path, overlay, collector)
         self.table = table
         self.transformations = transformations
         self.tool = tool
-        self._reading_findings = tuple(collector.findings)
+        self._configured = tuple(one for robx in transformations for one in _entries(robx, robx is transformations[0]))
 
     def kinematics(self) -> tuple[KinematicEntry, ...]:
         """Return the transformations; each six-axis one without rotary additional axes also as "gripper"."""
-        entries: list[KinematicEntry] = []
-        for robx in self.transformations:
-            number, channel = robx.transformation, robx.data.channel_number
-            span = robx.data.span(f"TRAFO_TYPE_{number}")
-            wrist = WRISTS.get(robx.wrist, f"wrist type {robx.wrist}")
-            title = f"{_NAMES[robx.arrangement]} ({robx.arrangement}), {robx.num_axes} axes, {wrist}"
-            entry = KinematicEntry(number, robx.package, robx.type_text, title, channel, not entries, span)
-            entries.append(entry)
-            if robx.num_axes == 6 and not robx.table.axes and not robx.flange.axes:
-                entries.append(replace(entry, name=GRIPPER, title=f"{title}, gripper-referred", default=False))
-        return tuple(entries)
+        return tuple(one.entry for one in self._configured if one.listed)
 
     def parameters(self, kinematic: int | str | None = None, channel: int | None = None) -> tuple[ParameterRow, ...]:
         """Return every datum of a transformation with value, meaning and source."""
@@ -95,69 +104,64 @@ class RobxMachine(Machine):
 
     def transformation(self, kinematic: int | str | None = None, channel: int | None = None) -> Robx:
         """Return the typed data of a transformation; `control` holds motion limits and the iteration's budget."""
-        return self._choose(kinematic, channel, Collector())[0]
+        selected = self._select(checked_kinematic(kinematic), checked_channel(channel), Collector())
+        return self._found(selected.entry).robx
 
-    def chain(
-        self,
-        kinematic: int | str | None = None,
-        channel: int | None = None,
-        tool_length_mm: float = 0.0,
-        conventions: Mapping[str, str] | None = None,
-    ) -> Chain:
-        """Translate a transformation; see `Machine.chain`. The kinematic "gripper" is gripper-referred motion."""
-        self._refuse_if_faulty()
-        length_mm = finite_length_mm(tool_length_mm) + self.overlay.tool_length_mm
-        collector = Collector(strict=True)
-        robx, gripper = self._choose(kinematic, channel, collector)
-        choose = Choices(self.chosen_conventions(conventions))
-        check_axes(robx, self.table, collector)
-        chain = _build(self, robx, length_mm, gripper, choose, collector)
-        for name in choose.unused():
-            if name in (conventions or {}):
-                text = f"this kinematic does not use the convention {name}"
-                collector.add("CB339", text, span=Span(self.table.reading.file))
-        found = dict.fromkeys((*self._reading_findings, *collector.findings))
-        return replace(chain, conventions=choose.used(), findings=tuple(found))
+    def examine(self) -> None:
+        """Judge every transformation with the overlay's conventions; `chain` hands out what is built here.
 
-    def _refuse_if_faulty(self) -> None:
-        """Raise the first error that the lenient door has let through."""
-        for finding in self._collector.findings:
-            if finding.severity == "error":
-                raise MachineDataError(
-                    finding.text,
-                    span=finding.span,
-                    parameter=finding.parameter,
-                    permitted=finding.permitted,
-                    alarm=finding.alarm,
-                    hint=finding.hint,
-                    code=finding.code,
-                )
+        Raises:
+            ChainbuildError: what the controller would refuse; a lenient machine keeps it in `findings`.
+        """
+        for one in self._configured:
+            if one.gripper:
+                continue
+            collector = Collector(self._collector.strict)
+            try:
+                self._translated(Selected(one.entry), 0.0, self.overlay.conventions, collector)
+            except ChainbuildError as error:
+                if collector.strict:
+                    raise
+                collector.add_error(error)
+            self._note(collector.findings)
 
-    def _choose(self, kinematic: int | str | None, channel: int | None, collector: Collector) -> tuple[Robx, bool]:
-        """Return the transformation wanted and whether it is wanted gripper-referred."""
-        file = self.table.reading.file
-        kinematic, channel = checked_kinematic(kinematic), checked_channel(channel)
-        wanted = self.overlay.kinematic if kinematic is None else kinematic
+    def _found(self, entry: KinematicEntry) -> _Configured:
+        return next(one for one in self._configured if one.entry is entry)
+
+    def _channel(self, wanted: int | None, collector: Collector) -> int:
         channels = sorted({robx.data.channel_number for robx in self.transformations})
-        if channel is None:
-            channel = channels[0] if channels else 1
+        if wanted is None:
             if len(channels) > 1:
-                text = f"channels {', '.join(map(str, channels))} have transformations; channel {channel} is taken"
-                collector.add("CB340", text, span=Span(file))
-        elif channel not in channels:
-            text = f"channel {channel!r} has no ROBX transformation"
+                text = f"channels {', '.join(map(str, channels))} have transformations; channel {channels[0]} is taken"
+                collector.add("CB340", text, span=Span(self.file))
+            return channels[0] if channels else 1
+        if wanted not in channels:
+            text = f"channel {wanted!r} has no ROBX transformation"
             permitted = ", ".join(map(str, channels))
-            raise MachineDataError(text, span=Span(file), parameter="channel", permitted=permitted)
-        here = [robx for robx in self.transformations if robx.data.channel_number == channel]
-        if wanted == GRIPPER and here:
-            return here[0], True
-        entries = [entry for entry in self.kinematics() if entry.channel == channel]
-        try:
-            number = choose_kinematic(entries, wanted, file).id
-        except MachineDataError as error:
-            blame_channel(error, self.kinematics(), wanted, channel)
-            raise error if kinematic is not None else self.overlay.blamed(error, "kinematic") from None
-        return next(robx for robx in here if robx.transformation == number), False
+            raise MachineDataError(text, span=Span(self.file), parameter="channel", permitted=permitted)
+        return wanted
+
+    def _named(self, wanted: int | str | None, entries: Sequence[KinematicEntry]) -> KinematicEntry:
+        """Return the entry that is wanted; "gripper" is the channel's first transformation, possible or not."""
+        if wanted == GRIPPER and entries:
+            robx = self._found(entries[0]).robx
+            return next(one.entry for one in self._configured if one.robx is robx and one.gripper)
+        return super()._named(wanted, entries)
+
+    def _tell_unused(self, names: Sequence[str], asked: Mapping[str, str], collector: Collector) -> None:
+        """Note what was chosen for this chain only: the overlay's choices serve all transformations of a file."""
+        for name in names:
+            if name in asked:
+                text = f"this kinematic does not use the convention {name}"
+                collector.add("CB339", text, span=Span(self.file))
+
+    def _translate(self, selected: Selected, tool_length_mm: float, choose: Choices, collector: Collector) -> Chain:
+        if self.table.reading.refused:
+            refuse_errors(self._reading)  # what was refused would show as missing
+        found = self._found(selected.entry)
+        check_axes(found.robx, self.table, collector)
+        refuse_errors(collector.findings)  # nothing can be built on axes that contradict each other
+        return _build(self, found.robx, tool_length_mm, found.gripper, choose, collector)
 
 
 def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Collector) -> RobxMachine:
@@ -180,23 +184,19 @@ def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Co
     tool = active_tool(table, overlay, collector)
     machine = RobxMachine(path, overlay, collector, table, transformations, tool)
     if not reading.refused:
-        for robx in transformations:
-            _examine(machine, robx, collector)
+        machine.examine()
     return machine
 
 
-def _examine(machine: RobxMachine, robx: Robx, collector: Collector) -> None:
-    """Judge one transformation with the overlay's conventions."""
-    own = Collector(strict=collector.strict)
-    check_axes(robx, machine.table, own)
-    if not any(finding.severity == "error" for finding in own.findings):
-        try:
-            _build(machine, robx, 0.0, False, Choices(machine.overlay.conventions), own)
-        except ChainbuildError as error:
-            if collector.strict:
-                raise
-            own.add_error(error)
-    collector.findings.extend(finding for finding in own.findings if finding not in collector.findings)
+def _entries(robx: Robx, default: bool) -> tuple[_Configured, _Configured]:
+    """Return a transformation as it is and gripper-referred."""
+    number, channel = robx.transformation, robx.data.channel_number
+    span = robx.data.span(f"TRAFO_TYPE_{number}")
+    wrist = WRISTS.get(robx.wrist, f"wrist type {robx.wrist}")
+    title = f"{_NAMES[robx.arrangement]} ({robx.arrangement}), {robx.num_axes} axes, {wrist}"
+    entry = KinematicEntry(number, robx.package, robx.type_text, title, channel, default, span)
+    gripper = replace(entry, name=GRIPPER, title=f"{title}, gripper-referred", default=False)
+    return _Configured(entry, robx, False), _Configured(gripper, robx, True)
 
 
 def _build(
@@ -211,7 +211,7 @@ def _build(
     axes = machine.overlay.apply_limits(axes)
     check_pose_data(robx, translation, axes, collector)
     body = assemble(axes, translation.tool, translation.workpiece)
-    chain = Chain(
+    return Chain(
         name=_chain_name(machine, robx, gripper),
         title=f"{machine.title}, gripper-referred" if gripper else machine.title,
         dialect=machine.dialect,
@@ -228,8 +228,8 @@ def _build(
         tool_axis="z" if robx.tool_dir == 1 else "x",
         follows_c=robx.num_axes == 4,
         controller_solver=controller_solver(robx, translation, axes),
+        singularity_watch=singularity_watch(machine.table),
     )
-    return machine.overlay.apply_geometry(chain)
 
 
 def _chain_name(machine: RobxMachine, robx: Robx, gripper: bool) -> str:

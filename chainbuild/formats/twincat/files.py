@@ -64,9 +64,8 @@ def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Co
         )  # fmt: skip
     _note_tools(tools, overlay, source.file, collector)
     content = Content(channels, tools, tuple(lists))
-    machine = TwinCatMachine(source.file, path, overlay, collector, content)
-    _warn_unsupported(machine, collector)
-    return machine
+    _warn_unsupported(channels, collector)
+    return TwinCatMachine(source.file, path, overlay, collector, content)
 
 
 def _sections(source: SourceText) -> tuple[Section, ...]:
@@ -131,8 +130,8 @@ def _has_errors(collector: Collector) -> bool:
     return any(finding.severity == "error" for finding in collector.findings)
 
 
-def _warn_unsupported(machine: TwinCatMachine, collector: Collector) -> None:
-    for channel in machine.channels:
+def _warn_unsupported(channels: Iterable[Channel], collector: Collector) -> None:
+    for channel in channels:
         for trafo in channel.trafos:
             reason = why_unsupported(trafo.type)
             if reason is not None:

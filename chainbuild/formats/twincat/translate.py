@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from chainbuild.chain.elements import Axis, Chain
@@ -25,38 +24,27 @@ from chainbuild.formats.twincat.types.draft import serial_draft
 from chainbuild.formats.twincat.universal.universal import UNIVERSAL, universal_draft
 
 
-def translate(source: Source, name: str, title: str, conventions: Mapping[str, str], collector: Collector) -> Chain:
-    """Return the chain of a kinematic.
+def translate(source: Source, name: str, title: str, choose: Choices, collector: Collector) -> Chain:
+    """Return the chain of a kinematic, its axes with limits.
 
     Args:
         source: What it is built from.
         name: File-system-safe name.
         title: Name for people.
-        conventions: The user's choices.
+        choose: Conventions.
         collector: Takes the findings of the translation.
 
     Raises:
         UnsupportedKinematicError: the type is unknown or not built.
         MachineDataError: a parameter is not permitted.
-        ConventionError: an unknown convention or choice.
     """
-    choose = Choices(conventions)
     chain = draft(source, choose, collector)
     if source.second is not None:
         second = replace(source, trafo=source.second, second=None, tool=None, tool_length_mm=0.0)
         chain = two_steps(chain, source.trafo, draft(second, choose, collector), source.second, collector)
     ahead = int(coupling_data()["tcp_axes"]) if source.trafo.type == COUPLING else 0
     axes = _limited(chain.axes, ahead, source, collector)
-    for unused in choose.unused():
-        collector.add("CB405", f"this kinematic does not use the chosen convention {unused}")
-    finished = replace(
-        chain.with_axes(axes),
-        name=name,
-        title=title,
-        conventions=choose.used(),
-        findings=tuple(dict.fromkeys(collector.findings)),
-    )
-    return source.overlay.apply_geometry(finished) if source.main else finished
+    return replace(chain.with_axes(axes), name=name, title=title)
 
 
 def draft(source: Source, choose: Choices, collector: Collector) -> Chain:

@@ -1,6 +1,6 @@
-"""What a chain needs to know beyond its links: parallelogram limit, absolute angle C, the controller's own solver.
+"""What a chain needs to know beyond its links: limit of the parallelogram, absolute angle C, the control's own checks.
 
-Sources: ROBX manual 5.3.19–5.3.21 and 7.1.7.
+Sources: ROBX manual 5.3.19–5.3.21, 7.1.7 and 10.
 """
 
 from __future__ import annotations
@@ -11,16 +11,18 @@ from dataclasses import replace
 import numpy as np
 
 from chainbuild.chain.assemble import Fixed, Mark, Move
-from chainbuild.chain.elements import Axis, AxisConstraint, AxisSum, ControllerSolver
+from chainbuild.chain.elements import Axis, AxisConstraint, AxisSum, ControllerSolver, SingularityWatch
 from chainbuild.convention import Choices
 from chainbuild.findings import Collector
 from chainbuild.formats.sinumerik.geometry.internal_axes import InternalAxis
 from chainbuild.formats.sinumerik.geometry.translate import Translation
+from chainbuild.formats.sinumerik.reading.data_table import DataTable
 from chainbuild.formats.sinumerik.reading.report import Report
 from chainbuild.formats.sinumerik.reading.robx import Robx
 from chainbuild.frames import Matrix
 
 ALARM_PARALLELOGRAM = 75329
+ALARM_EXCESSIVE_SPEED = 75324
 _SCARA = ("CC", "SC", "CS")
 _PARALLEL = 1e-6
 _WITH_HAND = 5
@@ -98,6 +100,16 @@ def controller_solver(robx: Robx, translation: Translation, axes: Sequence[Axis]
         return robx.control.solver
     hand = translation.internal.math[_WITH_HAND - 1]
     return replace(robx.control.solver, hand_angle=_sum(axes, hand.drive, hand.offset))
+
+
+def singularity_watch(table: DataTable) -> SingularityWatch:
+    """Return the setting data on singularities, as far as the file gives them."""
+    threshold, clearance = (table.shared(name, None) for name in ("SINGULARITY_THRESHOLD", "MIN_DIST_TO_SINGULARITY"))
+    return SingularityWatch(
+        threshold=None if threshold is None else float(threshold.value),
+        clearance=None if clearance is None else float(clearance.value),
+        speed_alarm=ALARM_EXCESSIVE_SPEED,
+    )
 
 
 def _rotary(translation: Translation) -> list[InternalAxis]:

@@ -1,0 +1,159 @@
+"""Which kinematic of a machine is meant: the arguments of `Machine.chain` checked, and what they choose."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Sequence
+from dataclasses import dataclass
+from numbers import Real
+from typing import Final
+
+from chainbuild import tolerances
+from chainbuild.closest import listed
+from chainbuild.errors import MachineDataError, Span
+
+_ID_DIGITS: Final = 9
+_HUGE_NUMBER: Final = 10**_ID_DIGITS  # beyond any id or channel
+
+
+@dataclass(frozen=True, slots=True)
+class KinematicEntry:
+    """A kinematic that the file configures.
+
+    Attributes:
+        id: Configured id; for ROBX the transformation number.
+        name: Configured name, or an empty string.
+        type: "KIN_TYP 45", "ROBX NR, 6 axes" … .
+        title: English title.
+        channel: Channel number (SINUMERIK) or index (TwinCAT).
+        default: True where `chain()` without arguments takes it.
+        span: Where the file configures it.
+    """
+
+    id: int
+    name: str
+    type: str
+    title: str
+    channel: int
+    default: bool
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Selected:
+    """The kinematic that a chain is translated from.
+
+    Attributes:
+        entry: The kinematic.
+        second: What stands on it in a second transformation step, or None.
+    """
+
+    entry: KinematicEntry
+    second: KinematicEntry | None = None
+
+
+def finite_length_mm(value: object) -> float:
+    """Return a tool length as a float; any real number is one, also numpy's and arrays without dimension.
+
+    Raises:
+        MachineDataError: not a finite number of plausible size.
+    """
+    if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):
+        value = value.item()
+    wrong, length, shown = "is not a number", 0.0, ""
+    if isinstance(value, Real) and not isinstance(value, bool):
+        try:
+            length = float(value)
+        except OverflowError:
+            length = tolerances.HUGE_AXIS_VALUE
+        shown = f" {length:g}"
+        wrong = "" if math.isfinite(length) else "is not finite"
+        if not wrong and abs(length) >= tolerances.HUGE_AXIS_VALUE:
+            wrong = "is too large"
+    if wrong:
+        raise MachineDataError(
+            f"the tool length{shown or f' {value!r:.40}'} {wrong}", parameter="tool_length_mm",
+            permitted=f"a number in mm, below {tolerances.HUGE_AXIS_VALUE:g} in size",
+        )  # fmt: skip
+    return length
+
+
+def checked_kinematic(value: object) -> int | str | None:
+    """Return what names a kinematic: an id, a name, or None.
+
+    Raises:
+        MachineDataError: anything else, True and "" among it.
+    """
+    if value is None or (isinstance(value, str) and value):
+        return value
+    number = _as_int(value)
+    if number is None or abs(number) >= _HUGE_NUMBER:
+        shown = "a huge number" if number else f"{value!r:.40}"
+        raise MachineDataError(f"{shown} names no kinematic", parameter="kinematic", permitted="an id, a name or None")
+    return number
+
+
+def checked_channel(value: object) -> int | None:
+    """Return what names a channel: a whole number or None.
+
+    Raises:
+        MachineDataError: anything else.
+    """
+    number = _as_int(value)
+    if (number is None and value is not None) or abs(number or 0) >= _HUGE_NUMBER:
+        shown = "a huge number" if number else f"{value!r:.40}"
+        raise MachineDataError(f"{shown} names no channel", parameter="channel", permitted="a whole number or None")
+    return number
+
+
+def _as_int(value: object) -> int | None:
+    """Return a whole number of any kind, numpy's among them, as int; None where it is none."""
+    if value is None or isinstance(value, bool):
+        return None
+    try:
+        return operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        return None
+
+
+def blame_channel(
+    error: MachineDataError, entries: Sequence[KinematicEntry], wanted: int | str | None, channel: int
+) -> None:
+    """Let an error on a kinematic that a channel lacks say which other channel has it."""
+    matches = [e for e in entries if e.channel != channel and (wanted == e.name or matching_id([e], wanted))]
+    if wanted is not None and matches:
+        channels = " and ".join(dict.fromkeys(str(entry.channel) for entry in matches))
+        error.message = f"channel {channel} configures no kinematic {wanted!r}"
+        error.hint = f"channel {channels} has it: choose the channel, too"
+
+
+def choose_kinematic(entries: Sequence[KinematicEntry], wanted: int | str | None, file: str) -> KinematicEntry:
+    """Return the entry that `wanted` names by id or name; None: the one marked default.
+
+    An id that stands for several means the one without a name, which no name could tell, else the first.
+
+    Raises:
+        MachineDataError: nothing is configured, or `wanted` is not among it.
+    """
+    if not entries:
+        raise MachineDataError("the file configures no kinematic", span=Span(file))
+    if wanted is None:
+        return next((entry for entry in entries if entry.default), entries[0])
+    matches = [e for e in entries if wanted == e.name] or matching_id(entries, wanted)
+    if not matches:
+        shown = [f"{e.id} ({e.name})" if e.name else str(e.id) for e in entries]
+        known = listed(str(wanted), shown, called=[e.name or str(e.id) for e in entries])
+        raise MachineDataError(
+            f"the file configures no kinematic {wanted!r:.60}", span=Span(file), parameter="kinematic", permitted=known
+        )
+    return next((e for e in matches if not e.name), matches[0])
+
+
+def matching_id(entries: Sequence[KinematicEntry], wanted: int | str | None) -> list[KinematicEntry]:
+    """Return the entries with an id, given as a number or as its digits."""
+    if isinstance(wanted, str):
+        if not (wanted.isascii() and wanted.isdigit() and len(wanted) <= _ID_DIGITS):
+            return []
+        wanted = int(wanted)
+    return [entry for entry in entries if entry.id == wanted]
