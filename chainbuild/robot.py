@@ -10,7 +10,6 @@ from chainbuild.kinematics.mechanism import Mechanism
 
 if TYPE_CHECKING:
     import numpy as np
-    import pinocchio as pin
     from numpy.typing import ArrayLike, NDArray
 
     from chainbuild.coupling.distribution import Distribution
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from chainbuild.ik.policies.redundancy import Preference
     from chainbuild.ik.result import IkResult
     from chainbuild.ik.search.table import IkTable
+    from chainbuild.kinematics.inputs import Pose
 
 
 class Robot(Mechanism):
@@ -27,8 +27,8 @@ class Robot(Mechanism):
 
     >>> robot = Robot.load("kr6r900")
     >>> T = robot.fk([0, -90, 90, 0, 30, 0])
-    >>> robot.ik(T, start=[5, -80, 80, 0, 20, 0]).axes.round(6).tolist()
-    [0.0, -90.0, 90.0, 0.0, 30.0, 0.0]
+    >>> robot.ik(T, start=[5, -80, 80, 0, 20, 0]).axes.round().astype(int).tolist()
+    [0, -90, 90, 0, 30, 0]
     """
 
     # Each method is a signature and one call; solvers are imported there, for forward kinematics needs none of them.
@@ -78,7 +78,7 @@ class Robot(Mechanism):
 
     def ik(
         self,
-        T: pin.SE3 | ArrayLike,
+        T: Pose | ArrayLike,
         start: ArrayLike | None = None,
         held: Mapping[str, float] | Sequence[float] | None = None,
         *,
@@ -118,7 +118,7 @@ class Robot(Mechanism):
 
     def ik_path(
         self,
-        poses: Sequence[pin.SE3] | ArrayLike,
+        poses: Sequence[Pose] | ArrayLike,
         start: ArrayLike | None = None,
         held: Mapping[str, float] | Sequence[float] | None = None,
         *,
@@ -146,7 +146,7 @@ class Robot(Mechanism):
 
     def ik_batch(
         self,
-        poses: Sequence[pin.SE3] | ArrayLike,
+        poses: Sequence[Pose] | ArrayLike,
         starts: ArrayLike | None = None,
         held: Mapping[str, float] | Sequence[float] | None = None,
         progress: bool = False,
@@ -172,7 +172,7 @@ class Robot(Mechanism):
 
     def ik_all(
         self,
-        T: pin.SE3 | ArrayLike,
+        T: Pose | ArrayLike,
         start: ArrayLike | None = None,
         held: Mapping[str, float] | Sequence[float] | None = None,
         *,
@@ -197,7 +197,7 @@ class Robot(Mechanism):
         return ik_all(self, T, start, held, windings=windings)
 
     def ik_all_batch(
-        self, poses: Sequence[pin.SE3] | ArrayLike, *, limits: bool = True, compiled: bool = True
+        self, poses: Sequence[Pose] | ArrayLike, *, limits: bool = True, compiled: bool = True
     ) -> NDArray[np.float64]:
         """Return all branches (N, 8, 6) of many poses, mm and degrees; see `chainbuild.ik_all_batch`.
 

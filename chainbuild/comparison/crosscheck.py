@@ -24,6 +24,7 @@ from chainbuild.comparison.judges import CallableKind, Judge, judge_by_name, jud
 from chainbuild.comparison.samples import MADE_KINDS, SampleKind, Samples, make_samples
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.plan import plan_of
+from chainbuild.tables.recording import Recording
 
 if TYPE_CHECKING:
     from chainbuild.formats.machine import Machine
@@ -35,23 +36,6 @@ Matrices = NDArray[np.float64]
 _RECORDED_POSITION_M: Final = 1e-5  # controllers show micrometres or tenths
 _RECORDED_ROTATION_RAD: Final = 1e-4
 _MOST_TRIALS: Final = 8  # of those that do not agree, in the result
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Recording:
-    """Axis values and poses read on the controller.
-
-    Attributes:
-        axes: (n, n_axes) mm and degrees.
-        poses: (n, 4, 4) tool in the workpiece frame [m].
-        judged: What of the poses was recorded.
-        name: File name.
-    """
-
-    axes: Vector
-    poses: Matrices
-    judged: Task = "pose"
-    name: str = "recording"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,13 +8,12 @@ from dataclasses import dataclass, replace
 from numbers import Real
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.errors import AxisValueError
 from chainbuild.ik.options import DEFAULT, IkOptions
 from chainbuild.ik.region import freedoms_of
-from chainbuild.kinematics.inputs import as_pose
+from chainbuild.kinematics.inputs import Pose, as_pose
 from chainbuild.kinematics.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
@@ -44,7 +43,7 @@ class IkRequest:
     def of(
         cls,
         mechanism: Mechanism,
-        T: pin.SE3 | ArrayLike,
+        T: Pose | ArrayLike,
         start: ArrayLike | None = None,
         held: Held | None = None,
         options: IkOptions | None = None,
@@ -63,7 +62,7 @@ class IkRequest:
         return replace(self, target=target, start=start)
 
     @property
-    def pose(self) -> pin.SE3:
+    def pose(self) -> Pose:
         """The target as a pose.
 
         Raises:
@@ -76,7 +75,7 @@ class IkRequest:
         return start_point(self.mechanism, self.start, self.held)
 
 
-def matrix_of(target: pin.SE3 | ArrayLike) -> Matrix:
+def matrix_of(target: Pose | ArrayLike) -> Matrix:
     """Return a pose as a (4, 4) array; whether it is rigid is looked at by the search.
 
     Raises:

@@ -20,11 +20,11 @@ from chainbuild.ik.search.solver import certainly_unreachable, search
 from chainbuild.ik.verify import on_limits
 
 if TYPE_CHECKING:
-    import pinocchio as pin
     from numpy.typing import ArrayLike
 
     from chainbuild.ik.options import IkOptions
     from chainbuild.ik.policies.redundancy import Preference
+    from chainbuild.kinematics.inputs import Pose
     from chainbuild.kinematics.mechanism import Mechanism
 
 Solver = Literal["auto", "damped", "analytic", "controller"]
@@ -33,7 +33,7 @@ SOLVERS: Final[tuple[str, ...]] = get_args(Solver)
 
 def solve(
     mechanism: Mechanism,
-    T: pin.SE3 | ArrayLike,
+    T: Pose | ArrayLike,
     start: ArrayLike | None = None,
     held: Held | None = None,
     solver: str = "auto",

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from chainbuild.chain.elements import Task
+from chainbuild.kinematics.inputs import Pose
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.tolerances import IK_POSITION_M, IK_ROTATION_RAD
 
@@ -18,7 +18,7 @@ def is_met(task: Task, distance: float, angle: float) -> bool:
     return distance <= IK_POSITION_M and (task == "position" or angle <= IK_ROTATION_RAD)
 
 
-def on_limits(mechanism: Mechanism, target: pin.SE3, axes: Vector, task: Task) -> tuple[Vector, float, float] | None:
+def on_limits(mechanism: Mechanism, target: Pose, axes: Vector, task: Task) -> tuple[Vector, float, float] | None:
     """Return axis values moved onto the limits that rounding put them beyond, with the errors they then have.
 
     Args:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import numpy as np
 import pinocchio as pin
@@ -15,6 +16,7 @@ from chainbuild.frames import is_rigid
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+Pose: TypeAlias = pin.SE3  # what the other rooms call it, which import no Pinocchio
 
 
 def axis_vector(axes: Sequence[Axis], given: ArrayLike) -> Vector:

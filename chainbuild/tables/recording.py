@@ -3,18 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from chainbuild import frames
 from chainbuild.chain.elements import Chain, Task
-from chainbuild.comparison.crosscheck import Recording
 from chainbuild.errors import Span, TableError
 from chainbuild.tables.axes import RESULT_COLUMNS
 from chainbuild.tables.poses import ANGLE_COLUMNS, POSE_COLUMNS, POSITION_COLUMNS, QUATERNION_COLUMNS, TOOL_COLUMNS
 from chainbuild.tables.reader import Table
 from chainbuild.units import m_from_mm
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recording:
+    """Axis values and poses read on the controller.
+
+    Attributes:
+        axes: (n, n_axes) mm and degrees.
+        poses: (n, 4, 4) tool in the workpiece frame [m].
+        judged: What of the poses was recorded.
+        name: File name.
+    """
+
+    axes: NDArray[np.float64]
+    poses: NDArray[np.float64]
+    judged: Task = "pose"
+    name: str = "recording"
 
 
 def read_recording(path: Path, chain: Chain) -> Recording:

@@ -9,10 +9,11 @@ import pytest
 import chainbuild
 from chainbuild import frames
 from chainbuild.comparison.convention_trials import Selection
-from chainbuild.comparison.crosscheck import CheckOptions, CrossCheck, Recording, crosscheck
+from chainbuild.comparison.crosscheck import CheckOptions, CrossCheck, crosscheck
 from chainbuild.comparison.samples import make_samples
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot import Robot
+from chainbuild.tables.recording import Recording
 from tests.test_robot import arm, table_machine
 
 FEW = CheckOptions(count=60)

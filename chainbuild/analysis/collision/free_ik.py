@@ -14,9 +14,8 @@ from chainbuild.collision.model import CollisionModel
 from chainbuild.ik.solve import solve
 
 if TYPE_CHECKING:
-    import pinocchio as pin
-
     from chainbuild.ik.result import IkResult
+    from chainbuild.kinematics.inputs import Pose
 
 _ATTEMPTS: Final = 40
 _SEED: Final = 5
@@ -24,7 +23,7 @@ _SEED: Final = 5
 
 def collision_free_ik(
     model: CollisionModel,
-    T: pin.SE3 | ArrayLike,
+    T: Pose | ArrayLike,
     start: ArrayLike | None = None,
     held: Mapping[str, float] | Sequence[float] | None = None,
     *,

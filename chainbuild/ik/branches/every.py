@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from chainbuild.errors import ChainbuildError
@@ -20,12 +19,13 @@ from chainbuild.ik.branches.status_turn import has_status, status_turn
 from chainbuild.ik.plan import TASK_ROWS, plan_for
 from chainbuild.ik.request import Held, IkRequest
 from chainbuild.ik.result import IkResult
+from chainbuild.kinematics.inputs import Pose
 from chainbuild.kinematics.mechanism import Mechanism
 
 
 def ik_all(
     mechanism: Mechanism,
-    T: pin.SE3 | ArrayLike,
+    T: Pose | ArrayLike,
     start: ArrayLike | None = None,
     held: Held | None = None,
     *,

@@ -18,7 +18,6 @@ from dataclasses import dataclass, replace
 from typing import Final, Protocol
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from chainbuild import frames, tolerances
@@ -29,6 +28,7 @@ from chainbuild.ik.branches.core.query import Query
 from chainbuild.ik.region import freedoms_of
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
+from chainbuild.kinematics.inputs import Pose
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.newton import below, newton, shrinking
 from chainbuild.units import rad_from_deg
@@ -49,7 +49,7 @@ _FULL_TURN_DEG: Final = 360.0
 class Angle(Protocol):
     """The angle C as an equation."""
 
-    def row(self, x: Vector, T: pin.SE3, J: Vector) -> tuple[float, Vector]:
+    def row(self, x: Vector, T: Pose, J: Vector) -> tuple[float, Vector]:
         """Return how far C still has to go [rad], within half a turn, and its derivative by the SI axis values."""
         ...
 
@@ -61,7 +61,7 @@ class PoseAngle:
     angle_mode: str
     c_deg: float
 
-    def row(self, x: Vector, T: pin.SE3, J: Vector) -> tuple[float, Vector]:
+    def row(self, x: Vector, T: Pose, J: Vector) -> tuple[float, Vector]:
         """See `Angle`."""
         angles = frames.angles_from_matrix(self.angle_mode, T.rotation)
         rates = _angle_rates(self.angle_mode, angles)
@@ -76,7 +76,7 @@ class RunningAngle:
     si_factors: Vector
     c_deg: float
 
-    def row(self, x: Vector, T: pin.SE3, J: Vector) -> tuple[float, Vector]:
+    def row(self, x: Vector, T: Pose, J: Vector) -> tuple[float, Vector]:
         """See `Angle`."""
         missing = rad_from_deg(self.c_deg - self.total.value(x / self.si_factors))
         return math.remainder(missing, math.tau), np.array(self.total.coefficients)

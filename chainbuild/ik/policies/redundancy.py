@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal, get_args
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from chainbuild import tolerances
@@ -21,6 +20,7 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.ik.region import freedoms_of
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
+from chainbuild.kinematics.inputs import Pose
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.newton import Residual, below, newton, shrinking
 
@@ -84,7 +84,7 @@ class _Search:
     """
 
     mechanism: Mechanism
-    target: pin.SE3
+    target: Pose
     residual: Residual
     task: Task
     free: NDArray[np.intp]

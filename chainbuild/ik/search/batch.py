@@ -24,7 +24,7 @@ from chainbuild.ik.search.words import Failures, Said
 from chainbuild.kinematics.mechanism import Mechanism
 
 if TYPE_CHECKING:
-    import pinocchio as pin
+    from chainbuild.kinematics.inputs import Pose
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -67,7 +67,7 @@ class Columns:
 
 def solve_many(
     mechanism: Mechanism,
-    poses: Sequence[pin.SE3] | ArrayLike,
+    poses: Sequence[Pose] | ArrayLike,
     starts: ArrayLike | None = None,
     held: Held | None = None,
     progress: bool = False,
@@ -153,7 +153,7 @@ def _row_by_row(
     return IkTable(axes, counts, errors, mechanism.task, Said(words).explain)
 
 
-def pose_array(poses: Sequence[pin.SE3] | ArrayLike) -> Matrix:
+def pose_array(poses: Sequence[Pose] | ArrayLike) -> Matrix:
     """Return poses as an array (N, 4, 4) of floats.
 
     Raises:

@@ -27,7 +27,7 @@ from chainbuild.ik.search.table import IkTable
 from chainbuild.kinematics.mechanism import Mechanism
 
 if TYPE_CHECKING:
-    import pinocchio as pin
+    from chainbuild.kinematics.inputs import Pose
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -41,7 +41,7 @@ _CHUNK: Final = 4096
 
 def follow(
     mechanism: Mechanism,
-    poses: Sequence[pin.SE3] | ArrayLike,
+    poses: Sequence[Pose] | ArrayLike,
     start: ArrayLike | None = None,
     held: Held | None = None,
     progress: bool = False,

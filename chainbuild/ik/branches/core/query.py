@@ -6,12 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from chainbuild.ik.branches.core.serial import Indices, Serial, Structure, structure_of, unrolled
 from chainbuild.ik.region import freedoms_of
 from chainbuild.ik.request import IkRequest
+from chainbuild.kinematics.inputs import Pose
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.tolerances import LIMIT_SLACK
 
@@ -35,7 +35,7 @@ class Query:
     """
 
     mechanism: Mechanism
-    target: pin.SE3
+    target: Pose
     x0: Vector
     structure: Structure
     lower: Vector

@@ -19,7 +19,7 @@ from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.tolerances import LIMIT_SLACK
 
 if TYPE_CHECKING:
-    import pinocchio as pin
+    from chainbuild.kinematics.inputs import Pose
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ _LAST_ROW: Final = (0.0, 0.0, 0.0, 1.0)
 
 
 def ik_all_batch(
-    mechanism: Mechanism, poses: Sequence[pin.SE3] | ArrayLike, *, limits: bool = True, compiled: bool = True
+    mechanism: Mechanism, poses: Sequence[Pose] | ArrayLike, *, limits: bool = True, compiled: bool = True
 ) -> Array:
     """Return all branches (n, 8, 6) of poses, mm and degrees; not a number where a branch does not exist.
 
