@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from numbers import Real
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,9 +21,8 @@ Matrix = NDArray[np.float64]
 Held = Mapping[str, float] | Sequence[float]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class IkRequest:
-    """Which axis values bring the tool there?
+class IkRequest(NamedTuple):
+    """Which axis values bring the tool there? A tuple, for one is made at every call, and dataclasses take longer.
 
     Attributes:
         mechanism: Whose axis values.
@@ -59,7 +58,7 @@ class IkRequest:
 
     def to(self, target: Matrix, start: Vector | None) -> IkRequest:
         """Return the same question for another target (4, 4) and start (n_axes,)."""
-        return replace(self, target=target, start=start)
+        return self._replace(target=target, start=start)
 
     @property
     def pose(self) -> Pose:

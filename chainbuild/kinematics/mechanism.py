@@ -5,9 +5,8 @@ Solvers, analyses, writers and drawings take a mechanism; `chainbuild.Robot` is 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -27,7 +26,6 @@ from chainbuild.kinematics.task import choose_task
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-T = TypeVar("T")
 
 
 class Mechanism:
@@ -38,6 +36,7 @@ class Mechanism:
     Attributes:
         chain: What it was built from.
         kinematics: The evaluator that solvers use.
+        prepared: Returns what was made once for this mechanism, by kind and key; see `Prepared.get`.
 
     Raises:
         ChainError: the chain contradicts itself.
@@ -47,7 +46,7 @@ class Mechanism:
         check_chain(chain)
         self.chain = chain
         self.kinematics = Kinematics(chain)
-        self._prepared = Prepared()
+        self.prepared = Prepared().get
 
     def __repr__(self) -> str:
         return repr(self.chain).replace("<Chain", f"<{type(self).__name__}", 1)
@@ -79,10 +78,6 @@ class Mechanism:
     def task(self) -> Task:
         """What inverse kinematics solves for: "pose", "direction" or "position"."""
         return choose_task(self.kinematics, np.array([not axis.held for axis in self.axes]))
-
-    def prepared(self, kind: str, make: Callable[[], T], key: Hashable = None, most: int | None = None) -> T:
-        """Return what was made once for this mechanism, by kind and key; see `Prepared.get`."""
-        return self._prepared.get(kind, key, make, most)
 
     def axis_values(self, axes: ArrayLike) -> Vector:
         """Return axis values as a checked float array (n_axes,), mm and degrees.

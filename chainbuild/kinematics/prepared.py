@@ -22,20 +22,20 @@ class Prepared:
         self._kinds: dict[str, dict[Hashable, Any]] = {}
         self._lock = RLock()  # what is made may itself ask for other things
 
-    def get(self, kind: str, key: Hashable, make: Callable[[], T], most: int | None = None) -> T:
+    def get(self, kind: str, make: Callable[[], T], key: Hashable = None, most: int | None = None) -> T:
         """Return a thing, made now or before.
 
         Args:
             kind: What it is.
-            key: Which one of its kind.
             make: Makes it.
+            key: Which one of its kind.
             most: So many of the kind are kept, the newest; None: all.
         """
         known = self._kinds.get(kind)
         found = _NOTHING if known is None else known.get(key, _NOTHING)
-        return self._made(kind, key, make, most) if found is _NOTHING else found
+        return self._made(kind, make, key, most) if found is _NOTHING else found
 
-    def _made(self, kind: str, key: Hashable, make: Callable[[], T], most: int | None) -> T:
+    def _made(self, kind: str, make: Callable[[], T], key: Hashable, most: int | None) -> T:
         with self._lock:
             known = self._kinds.setdefault(kind, {})
             found: T = known.get(key, _NOTHING)

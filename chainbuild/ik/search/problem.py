@@ -26,7 +26,7 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 T = TypeVar("T")
 
-_KEPT: Final = 16  # problems kept a robot: additional axes may take another value with every pose
+KEPT: Final = 16  # problems kept a mechanism: additional axes may take another value with every pose
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,7 +80,7 @@ class Problem:
 
     def prepared(self, kind: str, make: Callable[[], T]) -> T:
         """Return what was made once for this problem; see `Mechanism.prepared`."""
-        return self.mechanism.prepared(kind, make, self, 2 * _KEPT)
+        return self.mechanism.prepared(kind, make, self, 2 * KEPT)
 
     def turned_starts(self) -> TurnedStarts | None:
         """Return the table of turned starts where all six parts of the pose are asked for and the arm has one."""
@@ -144,11 +144,11 @@ def problem_of(mechanism: Mechanism, start: ArrayLike | None, held: Held | None,
     """
     if held is None and not mechanism.kinematics.has_input_axes:
         return mechanism.prepared(
-            "problem", lambda: _prepare(mechanism, None, options), (options.weights, options.seed), _KEPT
+            "problem", lambda: _prepare(mechanism, None, options), (options.weights, options.seed), KEPT
         )
     x, fixed = start_point(mechanism, start, held)
     key = (options.weights, options.seed, fixed.tobytes(), x[fixed].tobytes())
-    return mechanism.prepared("problem", lambda: _prepare(mechanism, (x, fixed), options), key, _KEPT)
+    return mechanism.prepared("problem", lambda: _prepare(mechanism, (x, fixed), options), key, KEPT)
 
 
 def asked(request: IkRequest) -> Problem:

@@ -20,7 +20,7 @@ from chainbuild.ik.result import STATUSES, IkResult
 from chainbuild.ik.search import plain
 from chainbuild.ik.search.compiled import packing as compiled
 from chainbuild.ik.search.found import Found
-from chainbuild.ik.search.problem import Problem, asked
+from chainbuild.ik.search.problem import Problem, asked, problem_of
 from chainbuild.ik.search.reason import reason_of
 from chainbuild.kinematics.inputs import as_pose
 
@@ -37,10 +37,10 @@ def search(request: IkRequest) -> IkResult:
         AxisValueError: held of wrong count, unknown name or not finite.
         ChainbuildError: the target is no rigid transform.
     """
-    problem = asked(request)
-    start = None if request.start is None else problem.free_part(request.start)
-    found = find(problem, request.target, start, request.options)
-    return result_of(problem, request.target, found, request.options)
+    mechanism, target, begin, held, options = request
+    problem = problem_of(mechanism, begin, held, options)
+    start = None if begin is None else problem.free_part(begin)
+    return result_of(problem, target, find(problem, target, start, options), options)
 
 
 def refusal(target: Matrix) -> ChainbuildError:

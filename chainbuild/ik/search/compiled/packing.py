@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.ik.options import IkOptions
 from chainbuild.ik.search.found import Found
-from chainbuild.ik.search.problem import Problem
+from chainbuild.ik.search.problem import KEPT, Problem
 from chainbuild.ik.search.starts.turned import TurnedStarts
 
 Vector = NDArray[np.float64]
@@ -56,7 +56,7 @@ class Packed:
 
 def packed(problem: Problem) -> Packed | None:
     """Return a problem in few arrays, or None where its axis map is not affine."""
-    return problem.prepared("packed", lambda: _pack(problem))
+    return problem.mechanism.prepared("packed", lambda: _pack(problem), problem, KEPT)
 
 
 def _pack(problem: Problem) -> Packed | None:
