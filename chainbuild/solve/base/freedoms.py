@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import Chain
+from chainbuild.chain.fold import drawn, drawn_bounds
 from chainbuild.solve.base import rules
 
 if TYPE_CHECKING:
@@ -273,9 +274,10 @@ def _reach(robot: Robot) -> float:
     """Return the sum of all fixed offsets and linear ranges between workpiece and tool frame [m]."""
     chain = robot.chain
     total = sum(float(np.linalg.norm(chain.frame(tip).T_link_frame[:3, 3])) for tip in ("tool", "workpiece"))
-    lower, upper = robot.model.lowerPositionLimit, robot.model.upperPositionLimit
+    model = robot.model
+    lower, upper = drawn_bounds(chain.joints, model.lowerPositionLimit, model.upperPositionLimit)
     for n, joint in enumerate(chain.joints):
-        total += float(np.linalg.norm(joint.T_parent_joint[:3, 3]))
+        total += float(np.linalg.norm(drawn(joint).T_parent_joint[:3, 3]))
         if joint.kind == "prismatic":
             total += max(abs(float(lower[n])), abs(float(upper[n])))
     return total * (1.0 + 1e-9) + 1e-9
