@@ -18,9 +18,12 @@ from typing import Any
 import numpy as np
 
 import chainbuild
+from chainbuild.analysis.measures import characteristic_length
+from chainbuild.analysis.paths import _Walk
+from chainbuild.chain.assemble import assemble, mark, rotary, shift
 from chainbuild.chain.bodies import detail_bodies, link_bodies, machine_size, shown_limits
 from chainbuild.chain.compose import follow, stack
-from chainbuild.chain.elements import Chain
+from chainbuild.chain.elements import Axis, Chain
 from chainbuild.chain.geometry import RodData
 from chainbuild.chain.rods import ROD_END, ROD_PIN, has_rods, with_rods
 from chainbuild.errors import ChainbuildError
@@ -59,6 +62,17 @@ def catalogue_chains() -> Iterator[tuple[str, Chain]]:
 
 
 def type_chain(number: int, reversed_axes: bool, **conventions: str) -> Chain:
+    return of_text("\n".join([*type_lines(number, reversed_axes), "Ende", ""]), "machine.lis", **conventions)
+
+
+def two_steps(first: int, second: int) -> Chain:
+    """Return a chain of two steps: what bounds the joints of the second is how far the first one reaches."""
+    lines = [f"kin_step[{n}].{line}" for n, number in enumerate((first, second)) for line in type_lines(number, True)]
+    chosen = [f"default_id_of_kin_step[{n}] {number}" for n, number in enumerate((first, second))]
+    return of_text("\n".join([*lines, *chosen, "Ende", ""]), "machine.lis")
+
+
+def type_lines(number: int, reversed_axes: bool) -> list[str]:
     lines = [f"trafo[0].id {number}"]
     fixed = {59: {7: 48e4, 19: 0, 20: 0}, 60: {7: 48e4}, 207: {4: 65e4}, 33: {3: 40e4}, 205: {16: 1, 17: 0}, 98: {
         2: 10e4, 3: 60e4, 4: 80e4}, 45: {33: 0}}  # fmt: skip
@@ -70,7 +84,7 @@ def type_chain(number: int, reversed_axes: bool, **conventions: str) -> Chain:
         if row.kind == "sign" and not row.permitted:
             value = -1.0 if reversed_axes else 1.0
         lines.append(f"trafo[0].param[{row.n - 1}] {fixed.get(number, {}).get(row.n, value):.0f}")
-    return of_text("\n".join([*lines, "Ende", ""]), "machine.lis", **conventions)
+    return lines
 
 
 def of_text(text: str, file: str, **conventions: str) -> Chain:
@@ -115,12 +129,14 @@ def variants() -> Iterator[tuple[str, Chain]]:
         yield f"robx parallelogram {choice}, rods", with_rods(coupled, ROD)
     for choice in ("absolute", "relative"):
         yield f"type 96 {choice}, rods", with_rods(type_chain(96, False, kin96_arm2_angle=choice), ROD)
+    yield "level flange turned, rods", with_rods(level_arm(), ROD)
     for number in (45, 213):
         for reversed_axes in (False, True):
             chain = type_chain(number, reversed_axes)
             yield f"type {number} {'reversed' if reversed_axes else 'straight'}, rods", with_rods(chain, ROD)
     table = robx_riding()
     yield "robx riding table", table
+    yield "two steps, the first off zero", two_steps(206, 9)
     yield "robx track far off", robx("irb2600_track", TURNED | {"EXT_AX_OFFSET[0]": -2500.0})
     T = f_frame((0.4, -0.3, 0.2), (20.0, -30.0, 90.0))
     tables = type_chain(58, True), type_chain(205, True), table
@@ -130,6 +146,19 @@ def variants() -> Iterator[tuple[str, Chain]]:
     yield "follow", follow(turned, workpiece_of=tables[1], other_name="OTHER")
     yield "follow a table", follow(tables[1], workpiece_of=table, other_name="OTHER")
     yield "twice", stack(stack(turned, T, table, upper_name="UP"), T, tables[0], upper_name="TOP")
+
+
+def level_arm() -> Chain:
+    """Return an arm with a level flange whose elbow is drawn against its shoulder, both reversed and off zero."""
+    axes = tuple(Axis.unlimited(f"G{n}", "rotary") for n in range(1, 5))
+    tool = [
+        rotary("G1", "z"), shift(x=200.0, z=500.0), rotary("G2", "y", sign=-1.0, offset_deg=20.0), shift(z=700.0),
+        rotary("G3", "-y", sign=-1.0, offset_deg=15.0), shift(x=900.0, z=50.0),
+        rotary("level", "y", drive={"G3": -1.0, "G2": 1.0}, offset_deg=-5.0), shift(x=200.0), rotary("G4", "z"),
+        mark("flange"), shift(z=-100.0),
+    ]  # fmt: skip
+    body = assemble(axes, tool)
+    return Chain("level", "Level", "test", "test", body.links, body.joints, body.frames, axes, body.axis_map, "ypr")
 
 
 def robx_riding() -> Chain:
@@ -169,12 +198,15 @@ def record(name: str, chain: Chain, bodies: bool) -> dict[str, Any]:
         "J": exact(robot.jacobian(values[0])),
         "size": round(machine_size(chain), 9),
         "reach": round(freedoms_of(robot).reach, 9),
+        "length": round(characteristic_length(chain), 9),
     }
     places = robot.frame_placements(values[0])
     drawn = (*link_bodies(chain), *detail_bodies(chain))
     if bodies:
         found["bodies"] = [[b.link, b.part, *b.dimensions, *micro(general_point(places, b))] for b in drawn]
         model = CollisionModel(robot)
+        if model.pairs:
+            found["weights"] = [round(float(sum(row)), 6) for row in _Walk(model, np.array(values[:2]), 0.0).weights.T]
         found["pairs"] = len(model.pairs)
         found["touching"] = [[*pair] for pair in model.colliding_pairs(values[0])]
         found["colliding"] = [model.collides(axes) for axes in axis_values(name, chain, 30)]

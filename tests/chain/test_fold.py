@@ -13,13 +13,14 @@ import numpy as np
 import pytest
 
 import chainbuild
+from chainbuild.analysis.names import names_at
 from chainbuild.chain.assemble import assemble, linear, mark, rotary, shift
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.compose import stack
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.chain.fold import drawn, drawn_bounds, drawn_values, folded
 from chainbuild.chain.poses import joint_motion, link_placements
-from chainbuild.chain.rods import CRANK, LEVEL_CRANK, LEVEL_PLATE, ROD
+from chainbuild.chain.rods import CRANK, LEVEL_CRANK, LEVEL_PLATE, ROD, rod_masters
 from chainbuild.frames import f_frame, rot_z
 from chainbuild.out.notes import axis_map_in_words, header
 from chainbuild.out.urdf import urdf_text
@@ -29,7 +30,7 @@ from tests.chain.straight import check_joint_values, sample_axes, straight_joint
 
 BEFORE: dict[str, dict[str, Any]] = json.loads(before_fold.FILE.read_text("utf-8"))
 # How far from what was recorded: poses and derivatives [m, 1], sizes [m], what is drawn [m], distances of coal [m].
-TOLERANCE = {"fk": 1e-12, "J": 1e-12, "size": 2e-9, "reach": 2e-9, "nearest": 2e-6}
+TOLERANCE = {"fk": 1e-12, "J": 1e-12, "size": 2e-9, "reach": 2e-9, "length": 2e-9, "weights": 1e-5, "nearest": 2e-6}
 DRAWN = 1.1e-6
 
 # Joints that bear no axis: what follows under the names of rods, tables that ride, heads that stay level.
@@ -71,6 +72,19 @@ def flat(values: Any) -> Iterator[Any]:
         yield values
 
 
+@pytest.mark.parametrize("name", [name for name, before in BEFORE.items() if "rods" in before])
+def test_rods_meet_the_forearm_and_follow_their_masters(name: str) -> None:
+    pin, end = BEFORE[name]["rods"]
+    assert pin == pytest.approx(end, abs=2e-6)
+    chain = chains()[name]
+    masters = rod_masters(chain)
+    assert {CRANK, ROD} <= set(masters)
+    for axes in sample_axes(chain):
+        q = dict(zip([joint.name for joint in chain.joints], chain.axis_map.q(axes), strict=True))
+        for joint, (master, factor, offset) in masters.items():
+            assert q[joint] == pytest.approx(factor * q[master] + offset, abs=1e-12)
+
+
 @pytest.mark.parametrize("name", BEFORE)
 def test_a_joint_that_one_axis_drives_has_its_value(name: str) -> None:
     chain = chains()[name]
@@ -78,6 +92,8 @@ def test_a_joint_that_one_axis_drives_has_its_value(name: str) -> None:
     if "rods" in name:
         elbow = next((axis for number, axis in ELBOWS.items() if f"type {number}" in name), "A3")
         axes_of |= {CRANK: elbow, ROD: elbow}
+        if "level flange" in name:
+            axes_of |= {LEVEL_PLATE: "G2", ROD: "G2"}
         if "type 96" in name:
             axes_of |= {LEVEL_PLATE: "G2", ROD: "G2", LEVEL_CRANK: "G3"}
     count = check_joint_values(chain, axes_of)
@@ -171,6 +187,16 @@ def test_a_permutation_is_no_identity() -> None:
     found = robot.ik(robot.fk(first), start=second)
     assert found.success
     np.testing.assert_allclose(found.axes[:3], first[:3], atol=1e-6)
+
+
+def test_the_stretched_elbow_is_looked_for_where_the_arm_is_drawn() -> None:
+    """The manual's "A3 = 0" is the mathematical joint: without an offset across the forearm it is right, at A3 = 70."""
+    robot = before_fold.robx("irb2600", before_fold.TURNED | {"TX3P3_POS[2]": 0.0}).build()
+    bent = before_fold.robx("irb2600", before_fold.TURNED).build()
+    for arm, lateral in ((robot, 0.0), (bent, math.degrees(math.atan2(115.0, 795.0)))):
+        found = [f for f in names_at(arm, [20.0, -30.0, 70.0 - lateral, 10.0, 40.0, 5.0]) if f.kind == "elbow"]
+        assert len(found) == 1
+        assert ("elsewhere" in found[0].remark) == (lateral != 0.0)
 
 
 def test_a_coupled_elbow_stays_coupled() -> None:
