@@ -95,7 +95,7 @@ def compare(kin: int, folder: Path, rng: np.random.Generator, vectors: int, conv
     path = folder / f"kin{kin}.lis"
     path.write_text(channel_list(kin, param))
     robot = chainbuild.load(path).chain(tool_length_mm=length, conventions=conv).build()
-    check_joint_values(robot.chain, {"level": "G3"})
+    check_joint_values(robot.chain, {"level": "G3", "plane": "Z", "plunge": "Z"})
     agreed = 0
     for _ in range(vectors):
         axes = random_axes(kin, rng)
