@@ -38,6 +38,7 @@ ORDER = [
     "writers",
     "inspect",
     "cli",
+    "__main__",
 ]  # fmt: skip
 
 # What may import pinocchio and coal. The page that `inspect` serves draws with meshcat, not with pinocchio.

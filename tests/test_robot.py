@@ -8,6 +8,7 @@ import pytest
 
 from chainbuild.chain.assemble import Element, assemble, linear, mark, rotary, shift
 from chainbuild.chain.elements import Axis, Chain
+from chainbuild.chain.fold import drawn_bounds
 from chainbuild.errors import AxisValueError, ChainbuildError, ChainError
 from chainbuild.robot import Robot
 
@@ -87,11 +88,13 @@ def test_model_has_the_promised_names() -> None:
     assert robot.model.nq == robot.model.nv == 6
 
 
-def test_bounds_follow_a_reversed_axis_and_an_offset() -> None:
+def test_bounds_are_the_axis_limits_of_a_reversed_axis_with_an_offset() -> None:
     tool: list[Element] = [rotary("A2", "y", sign=-1.0, offset_deg=90.0), shift(x=100.0)]
-    model = Robot(make_chain(tool, [], "A2")).model
-    np.testing.assert_allclose(np.degrees(model.lowerPositionLimit), [-45.0 + 90.0])
-    np.testing.assert_allclose(np.degrees(model.upperPositionLimit), [190.0 + 90.0])
+    robot = Robot(make_chain(tool, [], "A2"))
+    lower, upper = robot.model.lowerPositionLimit, robot.model.upperPositionLimit
+    np.testing.assert_allclose(np.degrees([lower, upper]), [[-190.0], [45.0]])
+    as_drawn = drawn_bounds(robot.chain.joints, lower, upper)
+    np.testing.assert_allclose(np.degrees(as_drawn), [[-45.0 + 90.0], [190.0 + 90.0]])
 
 
 def test_axis_values_are_in_mm_and_degrees() -> None:

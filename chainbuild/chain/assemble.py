@@ -1,7 +1,8 @@
 """Recipes: a chain written down like its drawing, element by element from the base to a tip.
 
 A branch is a sequence of `Fixed`, `Move` and `Mark`. Lengths are mm and angles degrees here, as in the manuals;
-`assemble` turns them into SI. A recipe for a table machine reads:
+`assemble` turns them into SI. Where one axis alone drives a joint, it folds sign and offset into the joint, whose value
+then is the axis value. A recipe for a table machine reads:
 
     assemble(..., tool=[linear("X", "x"), linear("Y", "y"), linear("Z", "z"), shift(z=-120.0), mark("flange")],
              workpiece=[rotary("A", "x"), shift(z=50.0), rotary("C", "z")])
@@ -9,8 +10,8 @@ A branch is a sequence of `Fixed`, `Move` and `Mark`. Lengths are mm and angles 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +19,13 @@ from numpy.typing import NDArray
 from chainbuild import frames
 from chainbuild.chain.axismap import AffineMap, AxisMap
 from chainbuild.chain.elements import BASE_LINK, Axis, Frame, Joint, JointKind, Link
+from chainbuild.chain.fold import folded
 from chainbuild.errors import ChainError
-from chainbuild.units import m_from_mm, rad_from_deg
+from chainbuild.units import AxisKind, m_from_mm, rad_from_deg
 
 Matrix = NDArray[np.float64]
 
+_AXIS_KINDS: dict[JointKind, AxisKind] = {"revolute": "rotary", "prismatic": "linear"}
 _DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -48,8 +51,9 @@ class Move:
         name: Joint name.
         kind: Revolute or prismatic.
         direction: (3,) direction in the frame reached so far.
-        drive: Axis name → factor; joint value = Σ factor·axis + offset.
+        drive: Axis name → factor; joint value as drawn = Σ factor·axis + offset. Empty: a nonlinear map drives it.
         offset: mm or degrees, added after the factors.
+        follows: True for a joint that keeps a value of its own although one axis alone drives it (`<mimic>` of a URDF).
     """
 
     name: str
@@ -57,6 +61,7 @@ class Move:
     direction: tuple[float, float, float]
     drive: dict[str, float] = field(default_factory=dict)
     offset: float = 0.0
+    follows: bool = False
 
 
 Element = Fixed | Mark | Move
@@ -79,7 +84,7 @@ def rotary(
     offset_deg: float = 0.0,
     drive: dict[str, float] | None = None,
 ) -> Move:
-    """Return a revolute joint: joint angle = sign·axis + offset_deg, or Σ drive·axes + offset_deg.
+    """Return a revolute joint: angle as drawn = sign·axis + offset_deg, or Σ drive·axes + offset_deg.
 
     Args:
         name: Joint name; also the axis name where `drive` is None.
@@ -99,7 +104,7 @@ def linear(
     offset_mm: float = 0.0,
     drive: dict[str, float] | None = None,
 ) -> Move:
-    """Return a prismatic joint: joint shift = sign·axis + offset_mm, or Σ drive·axes + offset_mm."""
+    """Return a prismatic joint: shift as drawn = sign·axis + offset_mm, or Σ drive·axes + offset_mm."""
     return Move(name, "prismatic", _vector(direction), {name: sign} if drive is None else drive, offset_mm)
 
 
@@ -141,12 +146,14 @@ def assemble(
         tool: Base → tool; the end is frame `tool`. A missing mark "flange" falls on the tool.
         workpiece: Base → workpiece; the end is frame `workpiece`.
         axis_map: A nonlinear map over the joints in the order tool branch, workpiece branch; None: the affine one
-            that the joints' drives describe.
+            that the joints' drives describe. The joints of such a map have no drive where it bends or couples them;
+            where one axis alone drives them, they are folded all the same, and the map hands that axis through.
 
     Raises:
         ChainError: a drive names an unknown axis, a name is double, or the map is singular.
     """
     links, joints, marks = [Link(BASE_LINK)], [], [Frame("base", BASE_LINK, np.eye(4))]
+    kinds = {axis.name: axis.kind for axis in axes}
     moves: list[Move] = []
     for branch, tip in ((tool, "tool"), (workpiece, "workpiece")):
         parent, T = BASE_LINK, np.eye(4)
@@ -158,7 +165,12 @@ def assemble(
             else:
                 child = f"{element.name}_link"
                 direction = np.array(element.direction)
-                joints.append(Joint(element.name, element.kind, parent, child, _in_metres(T), direction))
+                joint = Joint(element.name, element.kind, parent, child, _in_metres(T), direction)
+                alone = _alone(element, kinds)
+                if alone is not None:
+                    joint = folded(joint, element.drive[alone], element.offset)
+                    element = replace(element, drive={**element.drive, alone: 1.0}, offset=0.0)  # noqa: PLW2901
+                joints.append(joint)
                 links.append(Link(child))
                 moves.append(element)
                 parent, T = child, np.eye(4)
@@ -166,6 +178,14 @@ def assemble(
         end = next(frame for frame in marks if frame.name == "tool")
         marks.append(Frame("flange", end.link, end.T_link_frame))
     return Body(tuple(links), tuple(joints), tuple(marks), axis_map or _affine(axes, moves))
+
+
+def _alone(move: Move, kinds: Mapping[str, AxisKind]) -> str | None:
+    """Return the axis that alone drives a joint of its own kind with factor ±1, or None."""
+    driving = [name for name, factor in move.drive.items() if factor != 0.0]
+    if move.follows or len(driving) != 1 or abs(move.drive[driving[0]]) != 1.0:
+        return None
+    return driving[0] if kinds.get(driving[0]) == _AXIS_KINDS[move.kind] else None
 
 
 def _in_metres(T_mm: Matrix) -> Matrix:

@@ -13,6 +13,7 @@ import numpy as np
 
 from chainbuild import frames
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint, Matrix, Vector
+from chainbuild.chain.fold import drawn, drawn_bounds
 from chainbuild.chain.rods import CRANK, ROD_END, ROD_PIN, has_rods
 
 Colour = tuple[float, float, float]
@@ -66,7 +67,7 @@ def link_bodies(chain: Chain) -> tuple[Body, ...]:
 def detail_bodies(chain: Chain) -> tuple[Body, ...]:
     """Return what makes a drawing readable: joint housings, rails, flange, tool, table and the lever of a rod."""
     drawing = _Drawing(chain)
-    bodies = [drawing.joint_body(joint, n) for n, joint in enumerate(chain.joints)]
+    bodies = [drawing.joint_body(joint, n) for n, joint in enumerate(drawing.joints)]
     return (*bodies, *drawing.lever_bodies(), *drawing.tip_bodies())
 
 
@@ -74,7 +75,7 @@ def machine_size(chain: Chain) -> float:
     """Return the size [m] that drawings are scaled by: the longest arm, or a share of the longest known stroke."""
     reach = {BASE_LINK: 0.0}
     for joint in chain.joints:
-        reach[joint.child] = reach[joint.parent] + _length(joint.T_parent_joint)
+        reach[joint.child] = reach[joint.parent] + _length(drawn(joint).T_parent_joint)
     tips = [reach[frame.link] + _length(frame.T_link_frame) for frame in chain.frames]
     strokes = [(axis.upper - axis.lower) / 1000.0 for axis in chain.axes if axis.kind == "linear" and not axis.assumed]
     size = max(*tips, *(_STROKE_SHARE * stroke for stroke in strokes), 0.0)
@@ -102,19 +103,23 @@ def _shown(axis: Axis, size_mm: float) -> tuple[float, float]:
 
 
 class _Drawing:
-    """The rule from chain to bodies, with what it needs to look up."""
+    """The rule from chain to bodies, with what it needs to look up.
+
+    Its joints are those that the recipe draws: how an axis counts has no part in what a machine looks like.
+    """
 
     def __init__(self, chain: Chain) -> None:
         self.chain = chain
         self.size = machine_size(chain)
-        self.carrier = {joint.child: joint for joint in chain.joints}
+        self.joints = tuple(drawn(joint) for joint in chain.joints)
+        self.carrier = {joint.child: joint for joint in self.joints}
         self.children: dict[str, list[Joint]] = {link.name: [] for link in chain.links}
         depth = {BASE_LINK: 0}
-        for joint in chain.joints:
+        for joint in self.joints:
             self.children[joint.parent].append(joint)
             depth[joint.child] = depth[joint.parent] + 1
         self.depth = depth
-        self.low, self.high = chain.axis_map.q_bounds(*shown_limits(chain))
+        self.low, self.high = drawn_bounds(chain.joints, *chain.axis_map.q_bounds(*shown_limits(chain)))
         self.workpiece_side = self._path(chain.frame("workpiece").link) - self._path(chain.frame("tool").link)
         self.given = {link.name: link.radius for link in chain.links}
 

@@ -2,7 +2,8 @@
 
 Both are one operation: the tree of a guest, re-rooted at its workpiece frame, is grafted on a link of its host. A guest
 whose workpiece moves is turned round on that way: the joints between its base and its workpiece keep their values and
-point the other way, their placements are inverted. That is exact, and nothing else of the guest changes.
+point the other way, their placements are inverted as they are drawn. That is exact, and nothing else of the guest
+changes.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ from numpy.typing import NDArray
 from chainbuild.chain.axismap import Block, side_by_side
 from chainbuild.chain.carried import carried_c, constraints, joined_geometry, padded
 from chainbuild.chain.elements import Chain, Frame, Joint, Link, Loop, Matrix, Partial
+from chainbuild.chain.fold import drawn
 from chainbuild.chain.names import Names, as_name, free_name
-from chainbuild.chain.poses import path_to
+from chainbuild.chain.poses import joint_motion, path_to
 from chainbuild.frames import inverse
 
 
@@ -154,11 +156,12 @@ def _reroot(chain: Chain, root: Frame) -> _Rerooted:
     placements = {root.link: T}
     turned: dict[str, Joint] = {}
     for joint in reversed(path):
-        turned[joint.name] = replace(
-            joint, parent=joint.child, child=joint.parent, T_parent_joint=T, direction=-joint.direction + 0.0
-        )
+        back = replace(joint, parent=joint.child, child=joint.parent, direction=-joint.direction + 0.0)
+        # T is where the joint stands as drawn; its zero is laid into the placement again.
+        placement = T @ joint_motion(back, -joint.zero) if joint.zero else T
+        turned[joint.name] = replace(back, T_parent_joint=placement)
         # The frame of the former parent link is now the joint's own, moved.
-        T = inverse(joint.T_parent_joint)
+        T = inverse(drawn(joint).T_parent_joint)
         placements[joint.parent] = T
     index = {joint.name: n for n, joint in enumerate(chain.joints)}
     joints = [turned[joint.name] for joint in reversed(path)]

@@ -41,6 +41,9 @@ class Link:
 class Joint:
     """One freedom between two links.
 
+    Where one axis alone drives it, with factor ±1, its value is the axis value in SI: `fold` has laid the sign and the
+    zero of the axis into placement and direction.
+
     Attributes:
         name: The controller's axis name.
         kind: Revolute or prismatic.
@@ -48,6 +51,8 @@ class Joint:
         child: Name of the link it moves.
         T_parent_joint: (4, 4) placement at joint value 0 [m].
         direction: (3,) unit vector of the joint axis in the joint's own frame.
+        zero: Joint value [m, rad] at which it stands as its recipe draws it.
+        reversed: True where it moves against the direction that its recipe draws.
     """
 
     name: str
@@ -56,6 +61,8 @@ class Joint:
     child: str
     T_parent_joint: Matrix
     direction: Vector
+    zero: float = 0.0
+    reversed: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

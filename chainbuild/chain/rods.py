@@ -24,10 +24,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.chain.elements import Chain, Frame, Joint, Link, Vector
+from chainbuild.chain.elements import Axis, Chain, Frame, Joint, Link, Vector
+from chainbuild.chain.fold import drawn, folded
 from chainbuild.chain.geometry import RodData
 from chainbuild.errors import ChainError
 from chainbuild.frames import transform, unit
+from chainbuild.units import deg_from_rad
 
 CRANK, ROD, LEVEL_PLATE, LEVEL_CRANK = "crank", "rod", "level_plate", "level_crank"
 ROD_END, ROD_PIN = "rod_end", "rod_pin"
@@ -61,13 +63,15 @@ def with_rods(chain: Chain, data: RodData) -> Chain:
         raise ChainError("rods need an axis map that is affine")
     rows = [_Row(*row) for row in zip(chain.joints, chain.axis_map.A, chain.axis_map.b.tolist(), strict=True)]
     shoulder, elbow = _parallel_pair(rows)
-    pin = _pin(chain, elbow.joint, data)
+    pin = _pin(chain, drawn(elbow.joint), data)
     level = _level_joint(rows, shoulder, elbow)
+    arms = _as_drawn(shoulder), _as_drawn(elbow)
     if level is None:
-        new = _relative(shoulder, elbow, pin)
+        new = _relative(*arms, pin)
     else:
         rows = [row for row in rows if row is not elbow and row is not level]
-        new = _levelled(shoulder, elbow, level, pin)
+        new = _levelled(*arms, level, pin)
+    new = [_with_fold(row, chain.axes) for row in new]
     at = next(n for n, row in enumerate(rows) if row is shoulder) + 1
     rows = _parents_first([*rows[:at], *new, *rows[at:]])
     radius = data.radius or _RADIUS_SHARE * float(np.linalg.norm(pin))
@@ -132,8 +136,26 @@ def _parallel_pair(rows: Sequence[_Row]) -> tuple[_Row, _Row]:
     raise ChainError("rods need two parallel rotary joints, one behind the other: this kinematic has none")
 
 
+def _as_drawn(row: _Row) -> _Row:
+    """Return the row of a joint as its recipe draws it."""
+    joint, sign = row.joint, -1.0 if row.joint.reversed else 1.0
+    return _Row(drawn(joint), sign * row.factors, sign * (row.offset - joint.zero))
+
+
+def _with_fold(row: _Row, axes: Sequence[Axis]) -> _Row:
+    """Return the row of a revolute joint, folded where one rotary axis alone drives it with factor ±1."""
+    driving = np.flatnonzero(row.factors)
+    if len(driving) != 1 or axes[driving[0]].kind != "rotary" or abs(row.factors[driving[0]]) != 1.0:
+        return row
+    sign = float(row.factors[driving[0]])
+    return _Row(folded(row.joint, sign, deg_from_rad(row.offset)), sign * row.factors, 0.0)
+
+
 def _pin(chain: Chain, elbow: Joint, data: RodData) -> Vector:
-    """Return where the rod meets the forearm, in the forearm's frame, and the crank, in the crank's [m]."""
+    """Return where the rod meets the forearm, in the forearm's frame, and the crank, in the crank's [m].
+
+    Angle and side count about the elbow as the recipe draws it, whichever way its axis counts.
+    """
     d = elbow.direction
     ahead = _forearm(chain, elbow)
     across = ahead - d * (ahead @ d)
@@ -151,7 +173,7 @@ def _pin(chain: Chain, elbow: Joint, data: RodData) -> Vector:
 
 def _forearm(chain: Chain, elbow: Joint) -> Vector:
     """Return the way from the elbow to where the forearm ends, in its frame [m]."""
-    ends = [joint.T_parent_joint[:3, 3] for joint in chain.joints if joint.parent == elbow.child]
+    ends = [drawn(joint).T_parent_joint[:3, 3] for joint in chain.joints if joint.parent == elbow.child]
     ends += [frame.T_link_frame[:3, 3] for frame in chain.frames if frame.link == elbow.child]
     return max(ends, key=lambda end: float(np.linalg.norm(end)), default=np.zeros(3))
 
@@ -173,7 +195,7 @@ def _sign(shoulder: Joint, elbow: Joint) -> float:
 
 
 def _relative(shoulder: _Row, elbow: _Row, pin: Vector) -> list[_Row]:
-    """Return crank and rod of an arm whose elbow angle is a joint: both follow it."""
+    """Return crank and rod of an arm whose elbow angle is a joint, drawn: both follow it."""
     R, d = elbow.joint.T_parent_joint[:3, :3], elbow.joint.direction
     crank = Joint(CRANK, "revolute", shoulder.joint.child, f"{CRANK}_link", transform(R), d)
     rod = Joint(ROD, "revolute", crank.child, f"{ROD}_link", transform(R.T, pin), R @ d)
@@ -181,7 +203,7 @@ def _relative(shoulder: _Row, elbow: _Row, pin: Vector) -> list[_Row]:
 
 
 def _levelled(shoulder: _Row, elbow: _Row, level: _Row, pin: Vector) -> list[_Row]:
-    """Return plate, forearm, head, crank and rod of an arm with a level flange."""
+    """Return plate, forearm, head, crank and rod of an arm, drawn, with a level flange."""
     s, e = shoulder.joint, elbow.joint
     R = e.T_parent_joint[:3, :3]
     sign = _sign(s, e)

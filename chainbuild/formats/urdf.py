@@ -1,7 +1,8 @@
 """Robots from URDF: the joints between the root link and a tool link become a chain.
 
 The axes are the moving joints in the order of the chain, shown in mm and degrees. Other branches (grippers, cameras)
-are left out. A joint that mimics another one on the way is driven by that one's axis; meshes and masses are not read.
+are left out. A joint that mimics another one on the way is driven by that one's axis, with multiplier and offset of the
+file, so that joint values are the file's. Meshes and masses are not read.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 from xml.parsers import expat
@@ -197,6 +198,5 @@ def _move(joint: _Node) -> Move:
     name, kind = joint.text("name"), _KINDS[joint.text("type")]
     drive = {name: 1.0} if mimic is None else {mimic.text("joint"): mimic.numbers("multiplier", (1.0,))[0]}
     offset = 0.0 if mimic is None else _shown(mimic.numbers("offset", (0.0,))[0], kind)
-    if kind == "rotary":
-        return rotary(name, direction, drive=drive, offset_deg=offset)
-    return linear(name, direction, drive=drive, offset_mm=offset)
+    place = rotary(name, direction) if kind == "rotary" else linear(name, direction)
+    return replace(place, drive=drive, offset=offset, follows=mimic is not None)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import Chain
+from chainbuild.chain.fold import drawn, drawn_bounds
 from chainbuild.ik import rules
 from chainbuild.kinematics.mechanism import Mechanism
 
@@ -247,9 +248,10 @@ def _reach(mechanism: Mechanism) -> float:
     """Return the sum of all fixed offsets and linear ranges between workpiece and tool frame [m]."""
     chain = mechanism.chain
     total = sum(float(np.linalg.norm(chain.frame(tip).T_link_frame[:3, 3])) for tip in ("tool", "workpiece"))
-    lower, upper = mechanism.model.lowerPositionLimit, mechanism.model.upperPositionLimit
+    model = mechanism.model
+    lower, upper = drawn_bounds(chain.joints, model.lowerPositionLimit, model.upperPositionLimit)
     for n, joint in enumerate(chain.joints):
-        total += float(np.linalg.norm(joint.T_parent_joint[:3, 3]))
+        total += float(np.linalg.norm(drawn(joint).T_parent_joint[:3, 3]))
         if joint.kind == "prismatic":
             total += max(abs(float(lower[n])), abs(float(upper[n])))
     return total * (1.0 + 1e-9) + 1e-9

@@ -53,14 +53,25 @@ def _coupling(chain: Chain, axis_map: AffineMap) -> list[str]:
 
 
 def axis_map_in_words(chain: Chain) -> tuple[str, ...]:
-    """Return one equation a joint: joint value q (SI) from the axis values (mm, degrees) of the controller.
+    """Return one equation for each joint whose value is not simply the value of the axis of its name.
 
-    Signs and zero offsets read as on the controller: ``q[A1] = (-A1 + 90)*pi/180``.
+    They say how its value q (SI) follows from the axis values (mm, degrees) of the controller, and read as on the
+    controller: ``q[A3] = (A3 - A2 + 90)*pi/180``.
     """
     if not isinstance(chain.axis_map, AffineMap):
         return ("q depends on the axis values by a nonlinear map: use robot.q(axes) of chainbuild",)
     rows = zip(chain.joints, chain.axis_map.A, chain.axis_map.b, strict=True)
-    return tuple(f"q[{joint.name}] = {_equation(joint, factors, b, chain.axes)}" for joint, factors, b in rows)
+    return tuple(
+        f"q[{joint.name}] = {_equation(joint, factors, b, chain.axes)}"
+        for joint, factors, b in rows
+        if not _is_its_axis(joint, factors, b, chain.axes)
+    )
+
+
+def _is_its_axis(joint: Joint, factors: np.ndarray, b: float, axes: tuple[Axis, ...]) -> bool:
+    """Return whether a joint's value is the value of the axis that bears its name, both in SI."""
+    own = np.array([axis.name == joint.name for axis in axes], dtype=float)
+    return bool(own.any()) and b == 0.0 and bool((factors == own).all())
 
 
 def _equation(joint: Joint, factors: np.ndarray, b: float, axes: tuple[Axis, ...]) -> str:
@@ -101,8 +112,7 @@ def header(chain: Chain) -> str:
         f"{chain.title}: {chain.kinematic} ({chain.dialect}), written by chainbuild.",
         "",
         "Metres and radians. The links tool and workpiece are the tips: a programmed pose is tool seen from workpiece.",
-        "The joint values of this file are Pinocchio's q. From the controller's axis values (mm, degrees):",
-        *(f"  {line}" for line in axis_map_in_words(chain)),
+        *_joint_values(chain),
         "Readers order joints differently: map them by name.",
         "Bodies are primitives drawn by rule; machine data hold neither shapes nor masses. Effort limits, and velocity",
         "limits of axes whose speed is not known, are placeholders.",
@@ -117,6 +127,16 @@ def header(chain: Chain) -> str:
     if limitations:
         lines += ["", "Not expressed by this file:", *(f"  {line}" for line in limitations)]
     return "\n".join(_safe(line) for line in lines)
+
+
+def _joint_values(chain: Chain) -> list[str]:
+    lines = axis_map_in_words(chain)
+    same = "Joint values are the controller's axis values in metres and radians, by name"
+    if not lines:
+        return [f"{same}."]
+    if not isinstance(chain.axis_map, AffineMap):
+        return ["The joint values of this file are Pinocchio's q:", *(f"  {line}" for line in lines)]
+    return [f"{same}, but for these (from mm and degrees):", *(f"  {line}" for line in lines)]
 
 
 def _safe(line: str) -> str:

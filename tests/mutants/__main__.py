@@ -39,13 +39,14 @@ SINUMERIK = ("tests/sinumerik", "tests/solve/test_controller.py")
 
 
 def targets() -> dict[Path, tuple[str, ...]]:
-    """Return the translators' files and the tests of each."""
+    """Return the files of translators and of what they fold and add, and the tests of each."""
     package = ROOT / "chainbuild"
     files = dict.fromkeys(sorted((package / "twincat/families").glob("[a-z]*.py")), TWINCAT_SHARED)
     files |= dict.fromkeys(sorted((package / "twincat").glob("maps*.py")), TWINCAT_SHARED)
     files |= {package / "twincat" / name: TWINCAT_SHARED for name in ("parts.py", "recipe.py", "translate.py")}
     names = ("translate", "main_axes", "wrist", "tool", "extra_axes", "internal_axes", "pose_data")
     files |= {package / f"sinumerik/{name}.py": SINUMERIK for name in names}
+    files |= {package / f"chain/{name}.py": ("tests/chain", "tests/analysis/test_rods.py") for name in ("fold", "rods")}
     return {path: tests for path, tests in files.items() if path.exists()}
 
 

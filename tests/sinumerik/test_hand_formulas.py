@@ -15,6 +15,7 @@ import pytest
 
 import chainbuild
 from chainbuild.convention import conventions
+from tests.chain.straight import check_joint_values
 from tests.hand.robx_hand import parallelogram_angle_deg, pose_mm, scara_c_deg
 
 MACHINES = 100
@@ -111,6 +112,7 @@ def compare(
     path = folder / "machine.tea"
     path.write_text(text_of(md))
     robot = chainbuild.Robot(chainbuild.load(path).chain("gripper" if gripper else None, conventions=conv))
+    check_joint_values(robot.chain, {f"EX{n}_table": f"EX{n}" for n in (1, 2, 3)})
     formula = {**md, "GRIP_REL_MOVE": int(gripper)}
     for _ in range(vectors):
         axes = random_axes(md, rng)

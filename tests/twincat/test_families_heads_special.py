@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from chainbuild.chain.fold import drawn_values
 from chainbuild.errors import ChainbuildError, MachineDataError
 from chainbuild.frames import rot_about, rot_x, rot_y, rot_z
 from tests.twincat.head_kit import build, random_axes
@@ -61,7 +62,11 @@ def test_drives_and_head_angles_meet_in_the_same_pose(signs: tuple[int, int]) ->
     for axes in random_axes(head, 10):
         there = [*axes[:3], *drives(*axes[3:])]
         assert distance(head.robot.fk(axes), motors.robot.fk(there)) < 1e-12
-        assert motors.robot.axes_from_q(head.robot.q(axes)) == pytest.approx(there, abs=1e-9)
+        # The joints stand where they are drawn: those of the head's angles count as their axes do.
+        stands = [
+            drawn_values(robot.chain.joints, robot.q(a)) for robot, a in ((head.robot, axes), (motors.robot, there))
+        ]
+        assert stands[0] == pytest.approx(stands[1], abs=1e-11)
 
 
 def test_the_gear_leaves_programmed_angles_alone() -> None:

@@ -16,6 +16,8 @@ import pytest
 import chainbuild
 from chainbuild.convention import conventions
 from chainbuild.errors import ChainbuildError
+from chainbuild.formats.twincat.maps.heads import VirtualTurnMap
+from tests.chain.straight import check_joint_values
 from tests.hand.kin_heads import FORMULAS as HEADS
 from tests.hand.tables_cases import FORMULAS as TABLES
 
@@ -93,6 +95,7 @@ def compare(kin: int, folder: Path, rng: np.random.Generator, vectors: int, conv
     path = folder / f"kin{kin}.lis"
     path.write_text(channel_list(kin, param))
     robot = chainbuild.Robot(chainbuild.load(path).chain(tool_length_mm=length, conventions=conv))
+    check_joint_values(robot.chain, {"level": "G3", "plane": "Z", "plunge": "Z"})
     agreed = 0
     for _ in range(vectors):
         axes = random_axes(kin, rng)
@@ -123,6 +126,31 @@ def test_type_follows_its_hand_formula(kin: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(seed_of(kin))
     agreed = sum(compare(kin, tmp_path, rng, VECTORS, {}) for _ in range(MACHINES))
     assert agreed >= 0.9 * MACHINES * VECTORS
+
+
+@pytest.mark.parametrize("kin", sorted(FORMULAS))
+def test_axes_are_reversed_and_off_zero_where_they_can_be(kin: int, tmp_path: Path) -> None:
+    """The machines drawn above count either way about every axis with a direction, and from other zeros."""
+    rng, data = np.random.default_rng(seed_of(kin)), chainbuild.catalogue()[kin]
+    senses: dict[str, set[bool]] = {}
+    off_zero: set[str] = set()
+    for _ in range(MACHINES):
+        path = tmp_path / f"kin{kin}.lis"
+        path.write_text(channel_list(kin, random_machine(kin, rng)))
+        chain = chainbuild.load(path).chain()
+        bent = chain.axis_map.straight if isinstance(chain.axis_map, VirtualTurnMap) else None
+        for n, joint in enumerate(chain.joints):
+            backwards = joint.reversed if bent is None else bent.A[n, n] < 0.0
+            senses.setdefault(joint.name, set()).add(backwards)
+            if joint.zero or (bent is not None and bent.b[n]):
+                off_zero.add(joint.name)
+    named = {joint.upper(): joint for joint in senses}
+    for row in data.hd:
+        joint = named.get(row.name.rsplit("_", 1)[-1].upper())
+        if joint is not None and row.name.startswith("direction_"):
+            assert senses[joint] == {True, False}, f"{joint} is never reversed, or always"
+        if joint is not None and row.kind == "angle" and "offset_" in row.name:
+            assert joint in off_zero, f"{joint} always counts from the zero drawn"
 
 
 CHOICES = [

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import BASE_LINK, Chain
+from chainbuild.chain.fold import drawn, drawn_values
 from chainbuild.collision.model import CollisionModel, Pair
 from chainbuild.errors import ChainbuildError
 
@@ -86,7 +87,7 @@ class _Walk:
         self.model, self.rows, self.clearance = model, rows, clearance
         self.map = model.robot.chain.axis_map
         q = np.array([self.map.q(row) for row in rows])
-        self.weights = pair_weights(model, np.abs(q).max(axis=0))
+        self.weights = pair_weights(model, np.abs(drawn_values(model.robot.chain.joints, q)).max(axis=0))
 
     def segment(self, row: int) -> Contact | None:
         start = self.rows[row]
@@ -128,10 +129,11 @@ def pair_weights(model: CollisionModel, largest: Vector) -> Matrix:
 
     Args:
         model: Bodies and pairs.
-        largest: (n_q,) largest absolute joint values on the way: they lengthen linear joints.
+        largest: (n_q,) largest absolute values of the joints as drawn on the way: they lengthen linear joints.
     """
     chain = model.robot.chain
     ways = _ways(chain)
+    lengths = [float(np.linalg.norm(drawn(joint).T_parent_joint[:3, 3])) for joint in chain.joints]
     weights = np.zeros((len(model.pairs), len(chain.joints)))
     for n, pair in enumerate(model.pairs):
         first, second = (model.solids[index] for index in pair)
@@ -144,7 +146,7 @@ def pair_weights(model: CollisionModel, largest: Vector) -> Matrix:
                 if j in shared:
                     break
                 weights[n, j] += reach if joint.kind == "revolute" else 1.0
-                reach += float(np.linalg.norm(joint.T_parent_joint[:3, 3]))
+                reach += lengths[j]
                 if joint.kind == "prismatic":
                     reach += float(largest[j])
     return weights

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.analysis.singularity.jacobians import pose_jacobians
 from chainbuild.chain.elements import Chain
+from chainbuild.chain.fold import drawn
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.screws import joints_between_tips
@@ -101,7 +102,7 @@ def characteristic_length(chain: Chain) -> float:
         joint = chain.joints[n]
         before = branches.get(joint.parent)
         # The offset of the first joint of a branch moves the whole machine and says nothing about its size.
-        branches[joint.child] = 0.0 if before is None else before + _norm(joint.T_parent_joint)
+        branches[joint.child] = 0.0 if before is None else before + _norm(drawn(joint).T_parent_joint)
     total = sum(
         branches[frame.link] + _norm(frame.T_link_frame)
         for frame in (chain.frame("tool"), chain.frame("workpiece"))

@@ -13,6 +13,7 @@ from chainbuild.analysis.singularity.factors import Factor
 from chainbuild.analysis.singularity.measures import Measures
 from chainbuild.analysis.singularity.speeds import SpeedReport
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.fold import drawn_values
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.units import deg_from_rad, mm_from_m
 
@@ -135,7 +136,7 @@ def elbow_remark(robot: Mechanism, axes: Vector, factor: Factor) -> str:
         angle = float(axes[[axis.name for axis in robot.axes].index(elbow)])
         source = "KIN_TYP manual 3.3.4 names A3 (axis B2) = 0, which holds for HD12 = 0 only"
     elif kinematic.endswith(" NR") and isinstance(robot.chain.axis_map, AffineMap):
-        angle = deg_from_rad(float(robot.q(axes)[factor.joints[1]]))
+        angle = deg_from_rad(float(drawn_values(robot.chain.joints, robot.q(axes))[factor.joints[1]]))
         source = "ROBX manual 10.1.3 names A3 = 0, which holds only where TX3P3 has no offset across the forearm"
     else:
         return ""

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
 from numpy.typing import ArrayLike
 
+from chainbuild.chain.elements import Joint, Matrix, Vector
+from chainbuild.chain.poses import link_placements
 from chainbuild.errors import ChainbuildError
+from chainbuild.frames import inverse
 from chainbuild.ik.branches.arms.arms import wrist_centre
-from chainbuild.ik.branches.core.serial import Screw, structure_of, unroll
+from chainbuild.ik.branches.core.serial import Screw, image
+from chainbuild.kinematics.screws import joints_between_tips
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -49,27 +52,25 @@ def status_turn(mechanism: Mechanism, axes: ArrayLike) -> tuple[int, int]:
     return status, turn
 
 
-def _wrist_place(mechanism: Mechanism, q: np.ndarray) -> tuple[bool, bool]:
-    """Return whether the wrist is behind axis 1, and whether it is in front of the line through axes 2 and 3."""
-    structure = structure_of(mechanism, np.zeros(len(mechanism.axes), dtype=bool))
-    serial = unroll(mechanism.chain, q, structure.moving)
-    if [screw.joint for screw in serial.screws] != sorted(screw.joint for screw in serial.screws):
-        serial = serial.reversed()  # the arm carries the workpiece
-    one, two, three, *hand = serial.screws
-    centre = wrist_centre(hand)
-    if centre is None:
+def _wrist_place(mechanism: Mechanism, q: Vector) -> tuple[bool, bool]:
+    """Return whether the wrist is behind axis 1, and whether it is in front of the line through axes 2 and 3.
+
+    Seen from the column's frame: z along axis 1, the arm moves in the plane of x, ahead, and z, about y. Link frames
+    are where the recipe draws them, whichever way the axes count.
+    """
+    chain = mechanism.chain
+    # In chain order, which is the arm's own also where it carries the workpiece.
+    arm = [chain.joints[n] for n in sorted(joints_between_tips(chain))]
+    links = link_placements(chain, q)
+    if wrist_centre([_line(joint, links, n) for n, joint in enumerate(arm[3:])]) is None:
         raise ChainbuildError("the hand axes do not meet in a point, so no status is defined")
-    forward = np.cross(two.direction, one.direction)  # the arm's plane at joint value 0: Y × Z = X
-    elbow = _moved((two,), three.point, q)
-    wrist = _moved((two, three), centre, q)
-    behind = float(forward @ (wrist - one.point)) < 0.0
-    along, out = elbow - two.point, wrist - two.point
-    side = float(two.direction @ np.cross(along, out))
-    return behind, side > 0.0
+    column, shoulder, elbow, _, hand, _ = (links[joint.child] for joint in arm)
+    back = inverse(column)
+    (x2, _, z2), (x3, _, z3), (xw, _, zw) = (image(back, T[:3, 3]).tolist() for T in (shoulder, elbow, hand))
+    return xw < 0.0, (z3 - z2) * (xw - x2) - (x3 - x2) * (zw - z2) > 0.0
 
 
-def _moved(screws: tuple[Screw, ...], point: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Return a point after the screws' motions, the last one first."""
-    for screw in reversed(screws):
-        point = screw.move(float(q[screw.joint]), point)
-    return point
+def _line(joint: Joint, links: dict[str, Matrix], n: int) -> Screw:
+    """Return where a joint turns, in the base."""
+    T = links[joint.child]
+    return Screw(joint.kind, T[:3, :3] @ joint.direction, T[:3, 3], n)

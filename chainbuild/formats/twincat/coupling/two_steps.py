@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from chainbuild import frames
 from chainbuild.chain.axismap import AxisMap, refusal_of
 from chainbuild.chain.elements import Chain
+from chainbuild.chain.fold import drawn, drawn_bounds
 from chainbuild.chain.poses import angle_rates, pose, pose_jacobian
 from chainbuild.errors import ChainbuildError, UnsupportedKinematicError
 from chainbuild.findings import Collector
@@ -188,9 +189,9 @@ class TwoStepMap:
         """Return bounds of the joint values: step 0 reaches no farther than its lengths and strokes add up to."""
         chain = self.coordinates.chain
         reach = sum(float(np.linalg.norm(chain.frame(tip).T_link_frame[:3, 3])) for tip in ("tool", "workpiece"))
-        low, high = chain.axis_map.q_bounds(lower, upper)
+        low, high = drawn_bounds(chain.joints, *chain.axis_map.q_bounds(lower, upper))
         for n, joint in enumerate(chain.joints):
-            reach += float(np.linalg.norm(joint.T_parent_joint[:3, 3]))
+            reach += float(np.linalg.norm(drawn(joint).T_parent_joint[:3, 3]))
             if joint.kind == "prismatic":
                 reach += max(abs(float(low[n])), abs(float(high[n])))
         bound = np.array([mm_from_m(reach)] * _POSITION)

@@ -50,8 +50,8 @@ def kin_25(p: Params, choose: Choices) -> Recipe:
     low, high = -a.offset_deg - _NOZZLE_TILT_DEG, -a.offset_deg + _NOZZLE_TILT_DEG
     axes = tuple(replace(axis, lower=low, upper=high) if axis.name == "A" else axis for axis in p.axes)
     law = NozzleLaw(m_from_mm(growing))
-    axis_map = TiltLengthMap.of(law, (0.0, 0.0, 0.0, c.offset_deg, a.offset_deg))
-    return Recipe(tool=[*fork, linear("nozzle", "-z")], axes=axes, axis_map=axis_map)
+    axis_map = TiltLengthMap.of(law, a.offset_deg)
+    return Recipe(tool=[*fork, linear("nozzle", "-z", drive={})], axes=axes, axis_map=axis_map)
 
 
 def kin_28(p: Params, choose: Choices) -> Recipe:

@@ -21,12 +21,12 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from chainbuild import tolerances
-from chainbuild.chain.assemble import Element, shift, turn
+from chainbuild.chain.assemble import Element, Move, shift, turn
 from chainbuild.convention import Choices
 from chainbuild.formats.twincat.maps.heads import SpatialAnglesMap
 from chainbuild.formats.twincat.recipes.head_parts import flip, slides, towards_slide, zero_deg
 from chainbuild.formats.twincat.recipes.parts import asked_sign, tool_end
-from chainbuild.formats.twincat.recipes.recipe import Drive, Params, Recipe, RecipeFunction, driven
+from chainbuild.formats.twincat.recipes.recipe import Drive, Params, Recipe, RecipeFunction, driven, mapped
 from chainbuild.frames import cos_sin_deg, rot_about, rot_z
 from chainbuild.units import deg_from_rad, rad_from_deg
 
@@ -113,13 +113,13 @@ def _recipe(
     s = towards_slide(choose, *(length for vector in (machine, inner, point) for length in vector[:2]))
     clamp = p.mm("tool_x"), p.mm("tool_y")
     to_clamp = asked_sign(choose, "clamp_offset_sign", *clamp)
-    c_zero, inner_zero = angles.zero_deg
+    joint_c, joint_inner = _joints(head, angles)
     tool = [
         *slides(p, choose),
         _back(machine, s),
-        driven("C", "z", Drive(1.0, -c_zero)),
+        joint_c,
         _back(inner, s),
-        driven(head.inner, head.direction, Drive(1.0, -inner_zero)),
+        joint_inner,
         _back(point, s),
         *before,
         *tool_end(p, to_clamp * clamp[0], to_clamp * clamp[1], -p.mm("tool_z")),
@@ -134,6 +134,14 @@ def _recipe(
     lean = deg_from_rad(angles.spatial.largest_lean)
     axes = tuple(replace(axis, lower=-lean, upper=lean) if axis.name == head.inner else axis for axis in p.axes)
     return Recipe(tool=tool, axes=axes, axis_map=angles.spatial)
+
+
+def _joints(head: _Head, angles: _Angles) -> tuple[Move, Move]:
+    """Return C and the inner joint: spatial angles move both by a map, machine angles each by its axis."""
+    if angles.spatial is not None:
+        return mapped("C", "z"), mapped(head.inner, head.direction)
+    c, inner = (Drive(1.0, -zero) for zero in angles.zero_deg)
+    return driven("C", "z", c), driven(head.inner, head.direction, inner)
 
 
 def _vector(p: Params, stem: str) -> tuple[float, float, float]:

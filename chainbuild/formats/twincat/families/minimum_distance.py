@@ -164,7 +164,8 @@ def kin_98(p: Params, choose: Choices) -> Recipe:
     if law.limit_deg < _UPSIDE_DOWN_DEG:
         most = law.limit_deg
         axes = tuple(replace(axis, lower=-most, upper=most) if axis.name == "A" else axis for axis in axes)
-    return Recipe(tool=[*tool, linear("extension", "-z")], axes=axes, axis_map=TiltLengthMap.of(DistanceExtension(law)))
+    tool.append(linear("extension", "-z", drive={}))
+    return Recipe(tool=tool, axes=axes, axis_map=TiltLengthMap.of(DistanceExtension(law)))
 
 
 def _limited_law(p: Params, choose: Choices) -> DistanceLaw:

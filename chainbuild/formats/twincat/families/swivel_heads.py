@@ -17,6 +17,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
+import numpy as np
+
 from chainbuild.chain.assemble import Element, linear, shift, turn
 from chainbuild.chain.axismap import AffineMap, AxisMap
 from chainbuild.chain.elements import Axis
@@ -24,8 +26,17 @@ from chainbuild.convention import Choices
 from chainbuild.formats.twincat.maps.heads import VirtualTurnMap
 from chainbuild.formats.twincat.recipes.head_parts import direction_sign, flip, slides, towards_slide, zero_deg
 from chainbuild.formats.twincat.recipes.parts import asked_sign, coded_sign, tool_end
-from chainbuild.formats.twincat.recipes.recipe import Drive, Params, Recipe, RecipeFunction, driven, zero_and_sign
+from chainbuild.formats.twincat.recipes.recipe import (
+    Drive,
+    Params,
+    Recipe,
+    RecipeFunction,
+    driven,
+    mapped,
+    zero_and_sign,
+)
 from chainbuild.frames import rot_z
+from chainbuild.units import si_factor
 
 
 def kin_2(p: Params, choose: Choices) -> Recipe:
@@ -93,17 +104,19 @@ def kin_70(p: Params, choose: Choices) -> Recipe:
     b, a = _drive(p, choose, "b"), _drive(p, choose, "a")
     slide_x, slide_y, a_x, tool_y = p.mm("b_to_slide_x"), p.mm("a_to_slide_y"), p.mm("b_to_a_x"), p.mm("tool_y")
     s = flip(choose, "kin70_lateral_sign", "reversed", slide_x, slide_y, a_x, tool_y)
+    lead = [*slides(p, choose), *_mounted(p, choose, shift(-s * slide_x, -s * slide_y))]
+    axis_map = _virtual_axis(p, choose, b, a)
+    turned = isinstance(axis_map, VirtualTurnMap)
     return Recipe(
         tool=[
-            *slides(p, choose),
-            *_mounted(p, choose, shift(-s * slide_x, -s * slide_y)),
-            driven("B", "y", b),
+            *lead,
+            mapped("B", "y") if turned else driven("B", "y", b),
             shift(x=s * a_x, z=-p.mm("b_to_a_z")),
-            driven("A", "x", a),
+            mapped("A", "x") if turned else driven("A", "x", a),
             *tool_end(p, y=s * tool_y, z=-p.mm("tool_z")),
         ],
         axes=tuple(_limited(axis) for axis in p.axes),
-        axis_map=_virtual_axis(p, choose, b, a),
+        axis_map=axis_map,
     )
 
 
@@ -125,15 +138,13 @@ def _limited(axis: Axis) -> Axis:
 
 
 def _virtual_axis(p: Params, choose: Choices, b: Drive, a: Drive) -> AxisMap:
-    signs = (1.0, 1.0, 1.0, b.sign, a.sign, 1.0)
-    programmed = VirtualTurnMap.of(signs, (0.0, 0.0, 0.0, b.offset_deg, a.offset_deg, 0.0))
     if choose["kin70_cv"] == "programmed":
         text = "B, A and CV are programmed: a URDF file holds the angles B, A of the machine that follow from them"
         p.note("CB421", "direction_b", text)
-        return programmed
-    straight = programmed.straight
-    A = straight.A[:5]  # CV drives no joint
-    return AffineMap(A, straight.b[:5], straight.si_factors, A.T.copy())
+        signs = (1.0, 1.0, 1.0, b.sign, a.sign, 1.0)
+        return VirtualTurnMap.of(signs, (0.0, 0.0, 0.0, b.offset_deg, a.offset_deg, 0.0))
+    A = np.eye(5, 6)  # CV drives no joint
+    return AffineMap(A, np.zeros(5), np.array([si_factor(axis.kind) for axis in p.axes]), A.T.copy())
 
 
 def _drive(p: Params, choose: Choices, axis: str) -> Drive:

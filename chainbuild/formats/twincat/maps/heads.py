@@ -1,7 +1,7 @@
 """Nonlinear axis maps of tool heads: the virtual axis of 70, the spatial angles of 59 and 60.
 
-Each takes the axis values through an affine map to inner values (signs, zero offsets, SI) and bends only those that
-are not straight: q = bend(A·axes + b). `maps_length` has those of tools that grow with their tilt.
+Each takes the axis values through an affine map to inner values (SI; sign and zero offset of those that it bends) and
+bends only those that are not straight: q = bend(A·axes + b). Those of tools that grow with their tilt: `maps_length`.
 """
 
 from __future__ import annotations

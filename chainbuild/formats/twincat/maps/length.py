@@ -1,13 +1,12 @@
 """Nonlinear axis map of tools that grow with the tilt of their head: the nozzle of 25, the minimum distance of 98.
 
 The last joint carries what is added to the length at no tilt; a law says how much that is: q = (X, Y, Z, C, A, law(a)),
-a the angle of joint A.
+a the angle by which A leans the tool: the axis value and a zero offset.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -17,13 +16,13 @@ from chainbuild import tolerances
 from chainbuild.chain.axismap import AffineMap, Matrix, Vector
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.formats.twincat.maps.heads import FIVE_AXES, nonzero, straight_map
-from chainbuild.units import m_from_mm
+from chainbuild.units import m_from_mm, rad_from_deg
 
 _A = 4  # index in X, Y, Z, C, A
 
 
 class TiltLaw(Protocol):
-    """How a tool grows with the angle of its swivel axis [rad]."""
+    """How a tool grows with its tilt [rad]."""
 
     def extension(self, angle: float) -> float:
         """Return what is added to the length at angle 0 [m]; not a number where the angle is not permitted."""
@@ -44,20 +43,25 @@ class TiltLaw(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TiltLengthMap:
-    """Joints X, Y, Z, C, A straight; the last joint follows the angle of A by a law.
+    """Joints X, Y, Z, C, A are the axes; the last joint follows the tilt by a law.
 
     Attributes:
-        straight: Axis values → X, Y, Z, C, A.
-        law: Angle of A → value of the last joint.
+        straight: Axis values → X, Y, Z, C, A: the same in SI.
+        law: Tilt → value of the last joint.
+        offset: Added to A, it gives the tilt [rad].
     """
 
     straight: AffineMap
     law: TiltLaw
+    offset: float
 
     @classmethod
-    def of(cls, law: TiltLaw, offsets_deg: Sequence[float] = (0.0,) * 5) -> TiltLengthMap:
-        """Build the map of a law and the angles added to the axis values X, Y, Z, C, A."""
-        return cls(straight_map(FIVE_AXES, offsets_deg), law)
+    def of(cls, law: TiltLaw, offset_deg: float = 0.0) -> TiltLengthMap:
+        """Build the map of a law and the angle that makes a tilt of A."""
+        return cls(straight_map(FIVE_AXES, (0.0,) * 5), law, rad_from_deg(offset_deg))
+
+    def _tilt(self, axes: Vector) -> float:
+        return float(self.straight.q(axes)[_A]) + self.offset
 
     @property
     def periodic(self) -> tuple[str, ...]:
@@ -66,8 +70,7 @@ class TiltLengthMap:
 
     def q(self, axes: Vector) -> Vector:
         """Return the joint values (6,) of axis values (5,); the last not a number where the law permits no tilt."""
-        q = self.straight.q(axes)
-        return np.append(q, self.law.extension(float(q[_A])))
+        return np.append(self.straight.q(axes), self.law.extension(self._tilt(axes)))
 
     def axes(self, q: Vector) -> Vector:
         """Return the axis values of joint values; the last one's follows from them."""
@@ -76,17 +79,17 @@ class TiltLengthMap:
     def dq_daxes(self, axes: Vector) -> Matrix:
         """Return the derivative (6, 5)."""
         last = np.zeros((1, 5))
-        last[0, _A] = self.law.slope(float(self.straight.q(axes)[_A]))
+        last[0, _A] = self.law.slope(self._tilt(axes))
         return np.vstack((self.straight.A, last))
 
     def refusal(self, axes: Vector) -> ChainbuildError | None:
         """Return the error of a tilt that the law does not permit, or None."""
-        return self.law.refusal(float(self.straight.q(axes)[_A]))
+        return self.law.refusal(self._tilt(axes))
 
     def q_bounds(self, lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
         """Return the joint bounds."""
         low, high = self.straight.q_bounds(lower, upper)
-        shortest, longest = self.law.bounds(float(low[_A]), float(high[_A]))
+        shortest, longest = self.law.bounds(float(low[_A]) + self.offset, float(high[_A]) + self.offset)
         return np.append(low, shortest), np.append(high, longest)
 
 

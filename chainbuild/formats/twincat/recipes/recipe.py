@@ -25,7 +25,8 @@ class Recipe:
         tool: Base → tool tip, elements of `chain.assemble`; lengths in mm, angles in degrees.
         workpiece: Base → workpiece.
         axes: The axes where they differ from the type's table (`Params.axes`), else None.
-        axis_map: A nonlinear map over the joints (tool branch, then workpiece branch), else None: joint drives.
+        axis_map: A nonlinear map over the joints (tool branch, then workpiece branch), else None: joint drives. Those
+            of its joints that one axis alone drives are drawn with that drive, the others without.
         angle_mode: Name in `frames.ANGLE_MODES`; None: by P-CHAN-00112 of the channel.
         task: What inverse kinematics solves for.
     """
@@ -193,6 +194,11 @@ def table_flag(p: Params, choose: Choices, key: str | int) -> float:
 def driven(name: str, direction: Direction, drive: Drive) -> Move:
     """Return the revolute joint of an axis behind a drive."""
     return rotary(name, direction, sign=drive.sign, offset_deg=drive.offset_deg)
+
+
+def mapped(name: str, direction: Direction) -> Move:
+    """Return a revolute joint that the recipe's axis map drives: its angle is no axis alone."""
+    return rotary(name, direction, drive={})
 
 
 def head_rotary(choose: Choices, name: str, direction: Direction, *, sign: float = 1.0, zero_deg: float = 0.0) -> Move:

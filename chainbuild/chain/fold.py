@@ -1,0 +1,68 @@
+"""Sign and zero of an axis folded into the placement and the direction of its joint, and the joint as it was drawn.
+
+A recipe draws a joint and says how an axis moves it: θ = sign·a + offset. Folded, the joint's value is the axis value:
+
+    T·M(d, sign·a + offset) = T·M(d, offset) · M(sign·d, a)
+
+What it moves stands where it stood before, and so does every frame on it. What is a matter of drawing (bodies, sizes,
+the sense of a crank) is asked of the joint as its recipe draws it, so that the way an axis counts changes none of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from chainbuild.chain.elements import Joint, Vector
+from chainbuild.chain.poses import joint_motion
+from chainbuild.frames import rot_about, transform
+from chainbuild.units import m_from_mm, rad_from_deg
+
+
+def folded(joint: Joint, sign: float, offset: float) -> Joint:
+    """Return the joint whose value is x where that of the given one is sign·x + offset.
+
+    Args:
+        joint: The joint.
+        sign: +1 or -1.
+        offset: mm or degrees: right angles stay exact.
+    """
+    if joint.kind == "prismatic":
+        shift = m_from_mm(offset)
+        motion = transform(None, joint.direction * shift)
+    else:
+        shift = rad_from_deg(offset)
+        motion = transform(rot_about(joint.direction, offset))
+    return replace(
+        joint,
+        T_parent_joint=joint.T_parent_joint @ motion if offset else joint.T_parent_joint,
+        direction=sign * joint.direction + 0.0,
+        zero=sign * (joint.zero - shift) + 0.0,
+        reversed=joint.reversed != (sign < 0.0),
+    )
+
+
+def drawn(joint: Joint) -> Joint:
+    """Return the joint as its recipe draws it: where it stands at `zero`, moving in the direction drawn."""
+    return replace(
+        joint,
+        T_parent_joint=joint.T_parent_joint @ joint_motion(joint, joint.zero) if joint.zero else joint.T_parent_joint,
+        direction=-joint.direction + 0.0 if joint.reversed else joint.direction,
+        zero=0.0,
+        reversed=False,
+    )
+
+
+def drawn_values(joints: Sequence[Joint], q: Vector) -> Vector:
+    """Return the values (…, n_q) of the joints as drawn at joint values (…, n_q), SI."""
+    signs = np.array([-1.0 if joint.reversed else 1.0 for joint in joints])
+    values: Vector = signs * (q - np.array([joint.zero for joint in joints]))
+    return values
+
+
+def drawn_bounds(joints: Sequence[Joint], low: Vector, high: Vector) -> tuple[Vector, Vector]:
+    """Return bounds of the values of the joints as drawn over bounds (n_q,) of the joint values, SI."""
+    ends = drawn_values(joints, low), drawn_values(joints, high)
+    return np.minimum(*ends), np.maximum(*ends)
