@@ -19,11 +19,11 @@ from chainbuild.errors import (
     UnsupportedKinematicError,
 )
 from chainbuild.findings import Collector
-from chainbuild.formats import sinumerik, twincat
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import find_overlay
 from chainbuild.formats.sinumerik import machine as robx_machine
 from chainbuild.formats.text import read_source
+from chainbuild.formats.twincat import files as twincat_files
 from chainbuild.formats.twincat import machine as twincat_machine
 from tests.sinumerik.robx_files import NR6, robx_text
 
@@ -65,7 +65,7 @@ _ARM = "trafo[0].id 45\ntrafo[0].param[7] 8000000\ntrafo[0].param[8] 9000000\ntr
 _LIST = f"ori_rotation_angle 1\n{_ARM}trafo[1].id 9\n"
 DIALECTS = {
     "ROBX": Dialect(
-        reads=sinumerik.read_machine,
+        reads=robx_machine.read_machine,
         module=robx_machine,
         good=robx_text(_ROBX),
         choice=("tfl_ext", "after_fl"),
@@ -78,7 +78,7 @@ DIALECTS = {
         unused="CB339",
     ),
     "TwinCAT": Dialect(
-        reads=twincat.read_machine,
+        reads=twincat_files.read_machine,
         module=twincat_machine,
         good=_LIST,
         choice=("euler_letters", "c_first"),

@@ -16,6 +16,7 @@ from chainbuild.errors import (
     UnsupportedKinematicError,
 )
 from chainbuild.findings import Collector, Finding
+from chainbuild.formats.dialect import is_sinumerik, is_twincat
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay, find_overlay
 from chainbuild.formats.text import SourceText, read_source
@@ -111,14 +112,14 @@ def _read(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None, 
     beside: Overlay = find_overlay(file, _as_path(overlay) if overlay is not None else None)
     # A dialect is imported when it is needed: most users have one. TwinCAT comes first: its container is XML, whose
     # text could hold anything.
-    from chainbuild.formats import twincat
+    if is_twincat(source.text):
+        from chainbuild.formats.twincat.files import read_machine as read_twincat
 
-    if twincat.is_twincat(source.text):
-        return twincat.read_machine(source, file, beside, collector)
-    from chainbuild.formats import sinumerik
+        return read_twincat(source, file, beside, collector)
+    if is_sinumerik(source.text):
+        from chainbuild.formats.sinumerik.machine import read_machine as read_sinumerik
 
-    if sinumerik.is_sinumerik(source.text):
-        return sinumerik.read_machine(source, file, beside, collector)
+        return read_sinumerik(source, file, beside, collector)
     raise ParseError(
         "neither SINUMERIK machine data nor a TwinCAT channel list",
         span=_first_line(source),

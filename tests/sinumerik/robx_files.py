@@ -11,7 +11,7 @@ import numpy as np
 from chainbuild.chain.elements import Chain
 from chainbuild.findings import Collector
 from chainbuild.formats.overlay import Overlay
-from chainbuild.formats.sinumerik import RobxMachine, read_machine
+from chainbuild.formats.sinumerik.machine import RobxMachine, read_machine
 from chainbuild.formats.text import SourceText
 
 Value = float | Sequence[float]

@@ -10,7 +10,7 @@ import pytest
 from chainbuild.errors import ChainbuildError, FileAccessError, Span
 from chainbuild.findings import Collector, finding_kinds
 from chainbuild.formats.overlay import Overlay
-from chainbuild.formats.sinumerik import read_machine
+from chainbuild.formats.sinumerik.machine import read_machine
 from chainbuild.formats.text import read_source
 from tests.sinumerik.bad_files import BAD, nr6
 from tests.sinumerik.robx_files import NR6, read, robx_text

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from chainbuild.findings import Collector
-from chainbuild.formats.sinumerik import is_sinumerik
+from chainbuild.formats.dialect import is_sinumerik
 from chainbuild.formats.sinumerik.reading.data_table import tabulate
 from chainbuild.formats.sinumerik.reading.reader import read_assignments
 from chainbuild.formats.text import SourceText, read_source

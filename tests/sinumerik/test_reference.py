@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from chainbuild.findings import Collector
+from chainbuild.formats.dialect import is_sinumerik
 from chainbuild.formats.overlay import Overlay
-from chainbuild.formats.sinumerik import is_sinumerik, read_machine
+from chainbuild.formats.sinumerik.machine import read_machine
 from chainbuild.formats.text import read_source
 from chainbuild.robot import Robot
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.formats.sinumerik import RobxMachine
+from chainbuild.formats.sinumerik.machine import RobxMachine
 from chainbuild.frames import angles_from_matrix
 
 ROBX = {name: machine for name in chainbuild.shipped() if isinstance(machine := chainbuild.load(name), RobxMachine)}

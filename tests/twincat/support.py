@@ -11,8 +11,9 @@ from chainbuild.chain.elements import Chain
 from chainbuild.findings import Collector
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.text import SourceText
-from chainbuild.formats.twincat import TwinCatMachine, read_machine
+from chainbuild.formats.twincat.files import read_machine
 from chainbuild.formats.twincat.lists.reader import Line, ParameterList, read_list
+from chainbuild.formats.twincat.machine import TwinCatMachine
 from chainbuild.robot import Robot
 
 FILE = "machine.lis"

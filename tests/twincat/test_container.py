@@ -6,8 +6,9 @@ import pytest
 
 from chainbuild.chain.elements import Axis
 from chainbuild.errors import ChainbuildError, MachineDataError, ParseError
+from chainbuild.formats.dialect import is_xml
 from chainbuild.formats.text import SourceText
-from chainbuild.formats.twincat.lists.container import is_container, read_container
+from chainbuild.formats.twincat.lists.container import read_container
 
 from .support import codes, machine
 
@@ -163,11 +164,11 @@ def test_a_tool_list_belongs_to_its_channel() -> None:
 
 @pytest.mark.parametrize("text", ["<?xml version='1.0'?><a/>", "\n <TcSmItem>", "<!-- x --><a/>", "<!DOCTYPE a>"])
 def test_xml_is_recognised(text: str) -> None:
-    assert is_container(text)
+    assert is_xml(text)
 
 
 def test_a_list_is_no_xml() -> None:
-    assert not is_container("trafo[0].id 45")
+    assert not is_xml("trafo[0].id 45")
 
 
 def test_lenient_reading_of_a_broken_project() -> None:

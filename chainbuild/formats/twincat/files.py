@@ -2,32 +2,25 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
 from chainbuild.errors import Span
 from chainbuild.findings import Collector
+from chainbuild.formats.dialect import is_xml
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.text import SourceText, read_source
 from chainbuild.formats.twincat.lists.axislist import AxisList, read_axis_list
 from chainbuild.formats.twincat.lists.channel import read_channel
 from chainbuild.formats.twincat.lists.config import Channel, kept_by
-from chainbuild.formats.twincat.lists.container import Section, is_container, read_container
-from chainbuild.formats.twincat.lists.reader import ROOTS, Line, read_list
+from chainbuild.formats.twincat.lists.container import Section, read_container
+from chainbuild.formats.twincat.lists.reader import Line, read_list
 from chainbuild.formats.twincat.lists.toollist import Tool, read_tools
 from chainbuild.formats.twincat.machine import Content, TwinCatMachine
 from chainbuild.formats.twincat.types.catalogue import why_unsupported
 
-_TEXT: Final = re.compile(rf"^[ \t]*(?:{'|'.join(sorted(ROOTS))})(?=[ \t\[.]|$)", re.MULTILINE | re.IGNORECASE)
-
 _TOOLS_NAMED: Final = 8
-
-
-def is_twincat(text: str) -> bool:
-    """Return True where a text is a TwinCAT CNC parameter list, or XML: a project that may hold one."""
-    return is_container(text) or _TEXT.search(text) is not None
 
 
 def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Collector) -> TwinCatMachine:
@@ -69,7 +62,7 @@ def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Co
 
 
 def _sections(source: SourceText) -> tuple[Section, ...]:
-    if is_container(source.text):
+    if is_xml(source.text):
         return read_container(source)
     lines = tuple(Line(number, text) for number, text in enumerate(source.lines(), start=1))
     return (Section("channel", lines),)
@@ -113,7 +106,7 @@ def _axis_lists(path: Path, collector: Collector) -> list[AxisList]:
     with kept_by(collector):
         source = read_source(path)
         sections = _sections(source)
-        if not is_container(source.text):
+        if not is_xml(source.text):
             sections = (Section("axis", sections[0].lines),)
         found = [
             read_axis_list(read_list(section.lines, source.file, collector), section.facts, collector)

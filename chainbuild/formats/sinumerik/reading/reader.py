@@ -32,11 +32,6 @@ from chainbuild.formats.text import SourceText
 
 # Blanks only before the words, no line ends: a run of empty lines would be tried again from each of them.
 _ANY_CASE = re.IGNORECASE | re.ASCII
-_SINUMERIK = re.compile(
-    r"\\?\$(?:M[NCA]|S[NCA]|TC|ON)_[A-Z]"
-    r"|^[ \t]*(?:CHANDATA[ \t]*\(|%_N_\w|(?:ROBX|TRAFO6|TRAFO_TYPE)_[A-Z0-9]|(?:N|MD)[ \t]*62[69]\d\d\b)",
-    _ANY_CASE | re.MULTILINE,
-)
 _HEADER = re.compile(r"\s*%_N_(?:CH(\d{1,2})_)?", _ANY_CASE)
 _CHANDATA = re.compile(r"\s*(?:N\d+\s*)?CHANDATA\b\s*(.*)$", _ANY_CASE)
 # The value runs to the end of the line, whose blanks are cut off beforehand: it always fits, nothing is tried twice.
@@ -87,15 +82,6 @@ class _State:
     ignored: int = 0
     refused: int = 0
     strangers: list[Stranger] = field(default_factory=list)
-
-
-def is_sinumerik(text: str) -> bool:
-    r"""Tell by content whether a text holds SINUMERIK machine data.
-
-    >>> is_sinumerik("N62905 $MC_ROBX_NUM_AXES=6"), is_sinumerik("trafo[0].id 9"), is_sinumerik("MD62905 6")
-    (True, False, True)
-    """
-    return _SINUMERIK.search(text) is not None
 
 
 def read_assignments(source: SourceText, collector: Collector) -> Reading:

@@ -18,7 +18,6 @@ from chainbuild.formats.twincat.lists.reader import Line
 
 SectionKind = Literal["channel", "axis", "tool"]
 
-_START: Final = re.compile(r"\s*<(\?xml|!--|!DOCTYPE|TcSm|[A-Za-z])")
 _CHANNEL: Final = re.compile(r"^[ \t]*(trafo(_pcs)?|kin_step|kinematik)[ \t]*\[", re.MULTILINE | re.IGNORECASE)
 _AXIS: Final = re.compile(r"^[ \t]*kenngr\.", re.MULTILINE | re.IGNORECASE)
 _TOOL: Final = re.compile(r"^[ \t]*wz[ \t]*\[", re.MULTILINE | re.IGNORECASE)
@@ -40,11 +39,6 @@ class Section:
     kind: SectionKind
     lines: tuple[Line, ...]
     facts: Mapping[str, str] = field(default_factory=dict)
-
-
-def is_container(text: str) -> bool:
-    """Return True where a text is XML."""
-    return _START.match(text) is not None
 
 
 @dataclass(slots=True)

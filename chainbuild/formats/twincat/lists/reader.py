@@ -11,15 +11,9 @@ from typing import Final
 
 from chainbuild.errors import ChainbuildError, ParseError, Span
 from chainbuild.findings import Collector
+from chainbuild.formats.dialect import TWINCAT_ROOTS
 from chainbuild.formats.twincat.lists import values
 
-# Structures that say something about kinematics, tools or axes; everything else in a list is counted and ignored.
-ROOTS: Final = frozenset(
-    {
-        "trafo", "kin_step", "kinematik", "trafo_pcs", "wz", "gruppe", "kenngr", "kopf", "kinematik_id",
-        "kinematik_name", "default_id_of_kin_step", "default_name_of_kin_step", "ori_rotation_angle",
-    }
-)  # fmt: skip
 _PART: Final = r"[A-Za-z_]\w*(?:\[[^\]\s]*\])*"
 # The manuals print a blank after a dot in places; it is tolerated.
 _ASSIGNMENT: Final = re.compile(rf"\s*(?P<name>{_PART}(?:\.[ \t]*{_PART})*)(?:[ \t]+(?P<value>.*))?$", re.ASCII)
@@ -30,7 +24,7 @@ _INDEX_DIGITS: Final = 9
 # Names with blanks where none belong: before or within brackets, or before a dot.
 _SPACED: Final = re.compile(r"\s*[A-Za-z_]\w*(?:[ \t]*\[[ \t]*\d+[ \t]*\]|[ \t]*\.[ \t]*[A-Za-z_]\w*)+", re.ASCII)
 _BROKEN: Final = re.compile(r"(?<=\S)[ \t]+[\[.\]]|\[[ \t]")
-_MISSPELT_ROOTS: Final = ROOTS - {"gruppe", "kenngr", "kopf"}
+_MISSPELT_ROOTS: Final = TWINCAT_ROOTS - {"gruppe", "kenngr", "kopf"}
 _ALIKE: Final = 0.75
 _NAMED: Final = 3
 _NAME_SHOWN: Final = 60
@@ -138,10 +132,10 @@ class _Reading:
             return
         root = _root(line.text)
         if self.ended:
-            self.late = self.late or (self.span(line) if root in ROOTS else None)
+            self.late = self.late or (self.span(line) if root in TWINCAT_ROOTS else None)
         elif text.lower() == "ende":
             self.ended = True
-        elif root in ROOTS:
+        elif root in TWINCAT_ROOTS:
             self.assignment(line)
         else:
             self.unrelated(line)
