@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from chainbuild.chain.elements import Joint, Vector
+from chainbuild.chain.elements import Chain, Joint, Vector
 from chainbuild.chain.poses import joint_motion
 from chainbuild.frames import rot_about, transform
 from chainbuild.units import m_from_mm, rad_from_deg
@@ -66,3 +66,20 @@ def drawn_bounds(joints: Sequence[Joint], low: Vector, high: Vector) -> tuple[Ve
     """Return bounds of the values of the joints as drawn over bounds (n_q,) of the joint values, SI."""
     ends = drawn_values(joints, low), drawn_values(joints, high)
     return np.minimum(*ends), np.maximum(*ends)
+
+
+def reach(chain: Chain, low: Vector, high: Vector) -> float:
+    """Return a bound on the distance between tool and workpiece [m]: all offsets and strokes put in one line.
+
+    Args:
+        chain: The chain.
+        low: (n_q,) lower bounds of the joint values, SI.
+        high: (n_q,) upper bounds.
+    """
+    low, high = drawn_bounds(chain.joints, low, high)
+    total = sum(float(np.linalg.norm(chain.frame(tip).T_link_frame[:3, 3])) for tip in ("tool", "workpiece"))
+    for n, joint in enumerate(chain.joints):
+        total += float(np.linalg.norm(drawn(joint).T_parent_joint[:3, 3]))
+        if joint.kind == "prismatic":
+            total += max(abs(float(low[n])), abs(float(high[n])))
+    return total

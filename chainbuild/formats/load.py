@@ -16,10 +16,9 @@ from chainbuild.errors import (
     UnsupportedKinematicError,
 )
 from chainbuild.findings import Collector, Finding
-from chainbuild.formats.dialect import is_sinumerik, is_twincat
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay, find_overlay
-from chainbuild.formats.text import SourceText, read_source
+from chainbuild.formats.text import SourceText, is_sinumerik, is_twincat, read_source
 from chainbuild.machines import shipped, shipped_path
 
 

@@ -1,4 +1,4 @@
-"""The region a solver searches in: limits, coupled limits, whole turns, a bound on the reach."""
+"""The region a solver searches in: limits, coupled limits, whole turns."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import Chain
-from chainbuild.chain.fold import drawn, drawn_bounds
 from chainbuild.ik import rules
 from chainbuild.kinematics.mechanism import Mechanism
 
@@ -164,13 +163,11 @@ class Freedoms:
         box: Limits of all axes.
         middle: (n_axes,) the default start [SI].
         si_factors: (n_axes,) mm and degrees to SI.
-        reach: Bound on the distance between the origins of workpiece and tool frame [m].
     """
 
     box: Box
     middle: Vector
     si_factors: Vector
-    reach: float
 
 
 def freedoms_of(mechanism: Mechanism) -> Freedoms:
@@ -188,7 +185,7 @@ def _prepare(mechanism: Mechanism) -> Freedoms:
     span_low, span_high = finite_span(lower, upper)
     stagger = _START_STAGGER * np.where(np.arange(len(axes)) % 2 == 0, 1.0, -1.0)
     middle = (span_low + span_high) / 2.0 + stagger * np.minimum(span_high - span_low, math.tau)
-    return Freedoms(box, middle, factors, _reach(mechanism))
+    return Freedoms(box, middle, factors)
 
 
 def _inner(limits: Sequence[float], factors: Vector, inwards: float) -> Vector:
@@ -242,16 +239,3 @@ def periodic_axes(chain: Chain) -> NDArray[np.bool_]:
         whole = np.abs(A[:, n] - np.round(A[:, n])) < _WHOLE
         result[n] = axis.kind == "rotary" and bool((revolute[moved] & whole[moved]).all())
     return result
-
-
-def _reach(mechanism: Mechanism) -> float:
-    """Return the sum of all fixed offsets and linear ranges between workpiece and tool frame [m]."""
-    chain = mechanism.chain
-    total = sum(float(np.linalg.norm(chain.frame(tip).T_link_frame[:3, 3])) for tip in ("tool", "workpiece"))
-    model = mechanism.model
-    lower, upper = drawn_bounds(chain.joints, model.lowerPositionLimit, model.upperPositionLimit)
-    for n, joint in enumerate(chain.joints):
-        total += float(np.linalg.norm(drawn(joint).T_parent_joint[:3, 3]))
-        if joint.kind == "prismatic":
-            total += max(abs(float(lower[n])), abs(float(upper[n])))
-    return total * (1.0 + 1e-9) + 1e-9

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import Chain, Task
+from chainbuild.chain.fold import reach
 from chainbuild.kinematics.model import build_model
 from chainbuild.kinematics.newton import Residual
 from chainbuild.kinematics.product import product_of
@@ -52,6 +53,8 @@ class Kinematics:
         self.tool_axis = chain.tool_column
         self.has_input_axes = any(axis.held for axis in chain.axes)
         self.product = product_of(chain)
+        # A rounding more: a target at the very end of a stretched arm is none beyond it.
+        self.reach = reach(chain, self.model.lowerPositionLimit, self.model.upperPositionLimit) * (1.0 + 1e-9) + 1e-9
         self.affine = self._map if isinstance(self._map, AffineMap) else None
 
     @property

@@ -5,14 +5,15 @@ Solvers, analyses, writers and drawings take a mechanism; `chainbuild.Robot` is 
 
 from __future__ import annotations
 
-from functools import cached_property
-from typing import Any
+from collections.abc import Callable, Hashable
+from threading import RLock
+from typing import Any, Final, TypeVar
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from chainbuild import frames
+from chainbuild import frames, tolerances
 from chainbuild.chain.axismap import joint_values
 from chainbuild.chain.check import check_chain
 from chainbuild.chain.elements import Axis, Chain, Task
@@ -20,12 +21,14 @@ from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.kinematics.evaluation import Kinematics
 from chainbuild.kinematics.inputs import axis_rows, axis_vector, numbers
 from chainbuild.kinematics.limits import Limits
-from chainbuild.kinematics.prepared import Prepared
 from chainbuild.kinematics.product import poses_at
-from chainbuild.kinematics.task import choose_task
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+T = TypeVar("T")
+
+_SAMPLES: Final = 8  # configurations in which the rank of a Jacobian is looked at
+_NOTHING: Final[Any] = object()
 
 
 class Mechanism:
@@ -36,6 +39,8 @@ class Mechanism:
     Attributes:
         chain: What it was built from.
         kinematics: The evaluator that solvers use.
+        limits: The limits of axes and of sums of axes.
+        task: What inverse kinematics solves for: "pose", "direction" or "position".
         prepared: Returns what was made once for this mechanism, by kind and key; see `Prepared.get`.
 
     Raises:
@@ -46,6 +51,8 @@ class Mechanism:
         check_chain(chain)
         self.chain = chain
         self.kinematics = Kinematics(chain)
+        self.limits = Limits.of(chain)
+        self.task: Task = choose_task(self.kinematics, np.array([not axis.held for axis in chain.axes]))
         self.prepared = Prepared().get
 
     def __repr__(self) -> str:
@@ -68,16 +75,6 @@ class Mechanism:
     def axes(self) -> tuple[Axis, ...]:
         """The controller's axes in channel order."""
         return self.chain.axes
-
-    @cached_property
-    def limits(self) -> Limits:
-        """The limits of axes and of sums of axes."""
-        return Limits.of(self.chain)
-
-    @cached_property
-    def task(self) -> Task:
-        """What inverse kinematics solves for: "pose", "direction" or "position"."""
-        return choose_task(self.kinematics, np.array([not axis.held for axis in self.axes]))
 
     def axis_values(self, axes: ArrayLike) -> Vector:
         """Return axis values as a checked float array (n_axes,), mm and degrees.
@@ -185,3 +182,92 @@ class Mechanism:
             AxisValueError: wrong count or not finite.
         """
         return self.limits.violated(self.axis_values(axes))
+
+
+class Prepared:
+    """Things by kind and key, each made at its first use; threads may share it.
+
+    A thing that two threads ask for at once is made once, under one lock for all of them; handing it out again takes
+    none.
+    """
+
+    def __init__(self) -> None:
+        self._kinds: dict[str, dict[Hashable, Any]] = {}
+        self._lock = RLock()  # what is made may itself ask for other things
+
+    def get(self, kind: str, make: Callable[[], T], key: Hashable = None, most: int | None = None) -> T:
+        """Return a thing, made now or before.
+
+        Args:
+            kind: What it is.
+            make: Makes it.
+            key: Which one of its kind.
+            most: So many of the kind are kept, the newest; None: all.
+        """
+        known = self._kinds.get(kind)
+        found = _NOTHING if known is None else known.get(key, _NOTHING)
+        return self._made(kind, make, key, most) if found is _NOTHING else found
+
+    def _made(self, kind: str, make: Callable[[], T], key: Hashable, most: int | None) -> T:
+        with self._lock:
+            known = self._kinds.setdefault(kind, {})
+            found: T = known.get(key, _NOTHING)
+            if found is _NOTHING:
+                found = make()
+                if most is not None and len(known) >= most:
+                    del known[next(iter(known))]
+                known[key] = found
+            return found
+
+
+def choose_task(kinematics: Kinematics, free: NDArray[np.bool_]) -> Task:
+    """Return the task of a chain from the ranks of its Jacobian.
+
+    A chain of six freedoms is given a full pose. With fewer, position and tool vector are given where they
+    determine all axes, position alone where that does; else (a SCARA: the tool vector never changes and the turn
+    about it matters) the full pose again, of which only what the chain can reach will be met.
+
+    Args:
+        kinematics: The chain's evaluator.
+        free: (n_axes,) True for the axes that the solver may move.
+    """
+    task = kinematics.chain.task
+    if task != "auto":
+        return task
+    free_J = _samples(kinematics, free)
+    turn = [n for n in (3, 4, 5) if n != 3 + kinematics.tool_axis]
+    whole = _generic_rank(free_J, list(range(6)))
+    if whole == 6:
+        return "pose"
+    if _generic_rank(free_J, [0, 1, 2]) == whole:
+        return "position"
+    return "direction" if _generic_rank(free_J, [0, 1, 2, *turn]) == whole else "pose"
+
+
+def _samples(kinematics: Kinematics, free: NDArray[np.bool_]) -> Callable[[int], Matrix]:
+    """Return the function n → Jacobian by the free axes at the n-th of a few fixed configurations, each made once."""
+    axes = kinematics.chain.axes
+    lower = np.array([max(axis.lower, -170.0) for axis in axes]) * kinematics.si_factors
+    upper = np.array([min(axis.upper, 170.0) for axis in axes]) * kinematics.si_factors
+    rng = np.random.default_rng(0)
+    made: list[Matrix] = []
+
+    def sample(n: int) -> Matrix:
+        while len(made) <= n:
+            x = lower + (upper - lower) * rng.random(len(axes))
+            made.append(kinematics.pose_and_jacobian(x)[1][:, free])
+        return made[n]
+
+    return sample
+
+
+def _generic_rank(sample: Callable[[int], Matrix], rows: list[int]) -> int:
+    """Return the largest rank of some rows of the Jacobian over the samples; one of full rank is enough."""
+    best, most = 0, min(len(rows), sample(0).shape[1])
+    for n in range(_SAMPLES):
+        if best == most:
+            break
+        values = np.linalg.svd(sample(n)[rows], compute_uv=False)
+        if values.size and values[0] > 0.0:
+            best = max(best, int((values > tolerances.RANK * values[0]).sum()))
+    return best

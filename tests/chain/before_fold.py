@@ -30,7 +30,6 @@ from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import f_frame
 from chainbuild.ik.branches.status_turn import has_status, status_turn
-from chainbuild.ik.region import freedoms_of
 from chainbuild.machines import shipped_path
 from chainbuild.robot import Robot
 
@@ -197,7 +196,7 @@ def record(name: str, chain: Chain, bodies: bool) -> dict[str, Any]:
         "fk": [exact(robot.fk(axes).homogeneous[:3]) for axes in values[:2]],
         "J": exact(robot.jacobian(values[0])),
         "size": round(machine_size(chain), 9),
-        "reach": round(freedoms_of(robot).reach, 9),
+        "reach": round(robot.kinematics.reach, 9),
         "length": round(characteristic_length(chain), 9),
     }
     places = robot.frame_placements(values[0])

@@ -5,10 +5,9 @@ from __future__ import annotations
 import pytest
 
 from chainbuild.findings import Collector
-from chainbuild.formats.dialect import is_sinumerik
 from chainbuild.formats.sinumerik.reading.data_table import tabulate
 from chainbuild.formats.sinumerik.reading.reader import read_assignments
-from chainbuild.formats.text import SourceText, read_source
+from chainbuild.formats.text import SourceText, is_sinumerik, read_source
 
 
 def assignments(text, collector=None):

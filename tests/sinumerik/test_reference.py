@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from chainbuild.findings import Collector
-from chainbuild.formats.dialect import is_sinumerik
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.sinumerik.machine import read_machine
-from chainbuild.formats.text import read_source
+from chainbuild.formats.text import is_sinumerik, read_source
 from chainbuild.robot import Robot
 
 FILES = sorted((Path(__file__).parents[1] / "data" / "reference").glob("robx_*.tea"))

@@ -11,8 +11,7 @@ import pytest
 import chainbuild
 from chainbuild.ik.options import DEFAULT, IkOptions
 from chainbuild.ik.search.problem import Problem, problem_of
-from chainbuild.ik.search.starts.turned import LARGEST_STEP, TurnedStarts
-from chainbuild.ik.search.starts.turned_table import COUNT
+from chainbuild.ik.search.starts.turned import COUNT, LARGEST_STEP, TurnedStarts
 from chainbuild.robot import Robot
 from tests.test_robot import arm, table_machine
 

@@ -6,8 +6,7 @@ import pytest
 
 from chainbuild.chain.elements import Axis
 from chainbuild.errors import ChainbuildError, MachineDataError, ParseError
-from chainbuild.formats.dialect import is_xml
-from chainbuild.formats.text import SourceText
+from chainbuild.formats.text import SourceText, is_xml
 from chainbuild.formats.twincat.lists.container import read_container
 
 from .support import codes, machine

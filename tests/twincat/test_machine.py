@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from chainbuild.errors import ChainbuildError, MachineDataError
-from chainbuild.formats.dialect import is_twincat
+from chainbuild.formats.text import is_twincat
 
 from .support import codes, kin_45, machine
 

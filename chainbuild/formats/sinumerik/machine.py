@@ -14,9 +14,8 @@ from chainbuild.findings import Collector, refuse_errors
 from chainbuild.formats.machine import Machine, ParameterRow
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.selection import KinematicEntry, Selected, checked_channel, checked_kinematic
-from chainbuild.formats.sinumerik.geometry.main_axes import basic_moves
-from chainbuild.formats.sinumerik.geometry.tool import Tool
-from chainbuild.formats.sinumerik.geometry.tool_data import active_tool
+from chainbuild.formats.sinumerik.geometry.robot_axes import basic_moves
+from chainbuild.formats.sinumerik.geometry.tool import Tool, active_tool
 from chainbuild.formats.sinumerik.geometry.translate import translate
 from chainbuild.formats.sinumerik.parameters import parameter_rows
 from chainbuild.formats.sinumerik.reading.data_table import DataTable, tabulate
@@ -25,13 +24,14 @@ from chainbuild.formats.sinumerik.reading.robx import WRISTS, Robx
 from chainbuild.formats.sinumerik.reading.transformations import find_transformations
 from chainbuild.formats.sinumerik.rules.arms import check_geometry
 from chainbuild.formats.sinumerik.rules.axes import check_axes, check_gripper
-from chainbuild.formats.sinumerik.rules.limits import machine_axes, warn_of_orphans
-from chainbuild.formats.sinumerik.rules.pose_data import (
+from chainbuild.formats.sinumerik.rules.chain_data import (
     absolute_c,
     check_pose_data,
     constraints,
     controller_solver,
+    machine_axes,
     singularity_watch,
+    warn_of_orphans,
 )
 from chainbuild.formats.text import SourceText
 

@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from chainbuild.convention import Choices
 from chainbuild.formats.machine import ParameterRow
-from chainbuild.formats.sinumerik.geometry.internal_axes import internal_axes
-from chainbuild.formats.sinumerik.geometry.main_axes import RECIPES, Arm, basic_moves
+from chainbuild.formats.sinumerik.geometry.robot_axes import RECIPES, Arm, basic_moves, internal_axes
 from chainbuild.formats.sinumerik.geometry.tool import Tool
 from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum, catalogue
 from chainbuild.formats.sinumerik.reading.data_table import written_name

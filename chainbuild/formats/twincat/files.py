@@ -8,9 +8,8 @@ from typing import Final
 
 from chainbuild.errors import Span
 from chainbuild.findings import Collector
-from chainbuild.formats.dialect import is_xml
 from chainbuild.formats.overlay import Overlay
-from chainbuild.formats.text import SourceText, read_source
+from chainbuild.formats.text import SourceText, is_xml, read_source
 from chainbuild.formats.twincat.lists.axislist import AxisList, read_axis_list
 from chainbuild.formats.twincat.lists.channel import read_channel
 from chainbuild.formats.twincat.lists.config import Channel, kept_by

@@ -25,7 +25,6 @@ from chainbuild.chain.elements import AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import turned_axes
 from chainbuild.ik.branches.core.query import Query
-from chainbuild.ik.region import freedoms_of
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
 from chainbuild.kinematics.inputs import Pose
@@ -119,7 +118,7 @@ def as_programmed(
     found = solve(request)
     if found.success or found.status == "limits" or not chain.follows_c:
         return request, found
-    if float(np.linalg.norm(request.target[:3, 3])) > freedoms_of(request.mechanism).reach:
+    if float(np.linalg.norm(request.target[:3, 3])) > request.mechanism.kinematics.reach:
         return request, found  # too far for any orientation
     c_deg = frames.angles_from_matrix(chain.angle_mode, request.target[:3, :3])[2]
     followed = _following(request, PoseAngle(chain.angle_mode, c_deg), solve, from_start)

@@ -186,13 +186,13 @@ def _prepare(mechanism: Mechanism, held: tuple[Vector, NDArray[np.bool_]] | None
         middle=freedoms.middle[free],
         home=None if mechanism.task == "pose" else box.clamp(np.zeros(len(free))),
         factors=freedoms.si_factors[free],
-        reach=freedoms.reach,
+        reach=mechanism.kinematics.reach,
         bounded=bool((weights[:3] > 0.0).all()),
         row=row,
         arm=arm_reach(row) if row is not None and _whole(weights, axis) else None,
         starts=starts,
         turns=bool(weights[3:].any()),
-        held_beyond=tuple(_held_beyond(mechanism, x / freedoms.si_factors, fixed)),
+        held_beyond=tuple(_held_beyond(mechanism, x / freedoms.si_factors, fixed)) if fixed.any() else (),
         seed=options.seed,
     )
 

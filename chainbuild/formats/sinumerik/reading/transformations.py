@@ -1,11 +1,59 @@
-"""Finding the ROBX and TE4 transformations of a channel: TRAFO_TYPE_x, package and refusals (ROBX manual 5.1.3)."""
+"""Finding the ROBX and TE4 transformations of a channel: TRAFO_TYPE_x, package and refusals (ROBX manual 5.1.3).
+
+A `Report` puts findings on one: the same words for number, name and place of a datum everywhere.
+"""
 
 from __future__ import annotations
 
-from chainbuild.errors import Span, UnsupportedKinematicError
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from chainbuild.errors import ChainbuildError, MachineDataError, Span, UnsupportedKinematicError
 from chainbuild.findings import Collector
 from chainbuild.formats.sinumerik.reading.data_table import ChannelData, DataTable, written_name
 from chainbuild.formats.sinumerik.reading.robx import Robx, read_robx
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """A transformation and where findings on it go."""
+
+    robx: Robx
+    collector: Collector
+
+    def add(
+        self,
+        code: str,
+        text: str,
+        data: Sequence[str] = (),
+        *,
+        general: str | None = None,
+        permitted: str | None = None,
+        alarm: int | None = None,
+        hint: str | None = None,
+        error: type[ChainbuildError] = MachineDataError,
+    ) -> None:
+        """Add a finding.
+
+        Args:
+            code: Finding number.
+            text: What is the matter.
+            data: Names without ROBX_: the first is the parameter at fault, the first that the file gives the place.
+            general: Name of a datum that is not ROBX's, in place of `data`.
+            permitted: What would be accepted.
+            alarm: The controller's alarm.
+            hint: What to do.
+            error: Class to raise at the strict door.
+        """
+        span = self.robx.span(*data)
+        parameter = self.robx.parameter(data[0]) if data else None
+        if general is not None:
+            span = self.robx.data.span(general) or span
+            parameter = f"$MC_{general}"
+        self.collector.add(
+            code, text, span=span, parameter=parameter, permitted=permitted, alarm=alarm, hint=hint, error=error
+        )
+
 
 ROBX_TYPE = 4100
 TE4_TYPE = 4099

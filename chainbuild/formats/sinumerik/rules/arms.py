@@ -13,11 +13,11 @@ import numpy as np
 from chainbuild import frames
 from chainbuild.convention import Choices
 from chainbuild.findings import Collector
-from chainbuild.formats.sinumerik.geometry.main_axes import basic_moves
+from chainbuild.formats.sinumerik.geometry.robot_axes import basic_moves
 from chainbuild.formats.sinumerik.geometry.tool import Tool
 from chainbuild.formats.sinumerik.geometry.translate import Translation
-from chainbuild.formats.sinumerik.reading.report import Report
 from chainbuild.formats.sinumerik.reading.robx import WRISTS, Robx
+from chainbuild.formats.sinumerik.reading.transformations import Report
 from chainbuild.formats.sinumerik.rules.few_axes import check_five_axes, check_four_axes
 from chainbuild.frames import Matrix
 

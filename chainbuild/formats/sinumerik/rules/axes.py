@@ -12,8 +12,8 @@ from chainbuild import tolerances
 from chainbuild.errors import UnsupportedKinematicError
 from chainbuild.findings import Collector
 from chainbuild.formats.sinumerik.reading.data_table import DataTable
-from chainbuild.formats.sinumerik.reading.report import Report
 from chainbuild.formats.sinumerik.reading.robx import ExtraAxis, ExtraGroup, Robx
+from chainbuild.formats.sinumerik.reading.transformations import Report
 from chainbuild.formats.sinumerik.rules.plausible import check_plausible
 
 _ROBOT_INPUTS = 6

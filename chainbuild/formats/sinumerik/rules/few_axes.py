@@ -6,10 +6,10 @@ import numpy as np
 
 from chainbuild.chain.assemble import Fixed, Move
 from chainbuild.convention import Choices
-from chainbuild.formats.sinumerik.geometry.main_axes import basic_moves
+from chainbuild.formats.sinumerik.geometry.robot_axes import basic_moves
 from chainbuild.formats.sinumerik.geometry.tool import Tool, length_transform
 from chainbuild.formats.sinumerik.geometry.translate import Translation, flange_frame
-from chainbuild.formats.sinumerik.reading.report import Report
+from chainbuild.formats.sinumerik.reading.transformations import Report
 from chainbuild.frames import Matrix
 
 _CENTRAL = 2

@@ -9,11 +9,11 @@ import math
 from collections.abc import Iterator, Sequence
 
 from chainbuild import tolerances
-from chainbuild.chain.plausible import ArmLength, doubt_lengths, doubt_reach
+from chainbuild.chain.check import ArmLength, doubt_lengths, doubt_reach
 from chainbuild.findings import Collector
 from chainbuild.formats.sinumerik.reading.catalogue import catalogue
-from chainbuild.formats.sinumerik.reading.report import Report
 from chainbuild.formats.sinumerik.reading.robx import Robx
+from chainbuild.formats.sinumerik.reading.transformations import Report
 
 _LETTERS = "XYZ"
 _USE_LENGTH_B = ("NR", "CC", "NN")

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from chainbuild import frames
 from chainbuild.chain.axismap import AxisMap, refusal_of
 from chainbuild.chain.elements import Chain
-from chainbuild.chain.fold import drawn, drawn_bounds
+from chainbuild.chain.fold import reach
 from chainbuild.chain.poses import angle_rates, pose, pose_jacobian
 from chainbuild.errors import ChainbuildError, UnsupportedKinematicError
 from chainbuild.findings import Collector
@@ -188,13 +188,7 @@ class TwoStepMap:
     def q_bounds(self, lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
         """Return bounds of the joint values: step 0 reaches no farther than its lengths and strokes add up to."""
         chain = self.coordinates.chain
-        reach = sum(float(np.linalg.norm(chain.frame(tip).T_link_frame[:3, 3])) for tip in ("tool", "workpiece"))
-        low, high = drawn_bounds(chain.joints, *chain.axis_map.q_bounds(lower, upper))
-        for n, joint in enumerate(chain.joints):
-            reach += float(np.linalg.norm(drawn(joint).T_parent_joint[:3, 3]))
-            if joint.kind == "prismatic":
-                reach += max(abs(float(low[n])), abs(float(high[n])))
-        bound = np.array([mm_from_m(reach)] * _POSITION)
+        bound = np.array([mm_from_m(reach(chain, *chain.axis_map.q_bounds(lower, upper)))] * _POSITION)
         tail = len(self.coordinates.kinds) - _POSITION
         turn = np.array([180.0] * tail)
         ends = (lower[_POSITION:], upper[_POSITION:]) if self.coordinates.orientation == "axes" else (-turn, turn)

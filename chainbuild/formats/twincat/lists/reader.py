@@ -11,7 +11,7 @@ from typing import Final
 
 from chainbuild.errors import ChainbuildError, ParseError, Span
 from chainbuild.findings import Collector
-from chainbuild.formats.dialect import TWINCAT_ROOTS
+from chainbuild.formats.text import TWINCAT_ROOTS
 from chainbuild.formats.twincat.lists import values
 
 _PART: Final = r"[A-Za-z_]\w*(?:\[[^\]\s]*\])*"

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
-from chainbuild.chain.plausible import ArmLength, doubt_lengths, doubt_reach
+from chainbuild.chain.check import ArmLength, doubt_lengths, doubt_reach
 from chainbuild.formats.twincat.recipes.recipe import Params
 
 # What each arm is called, and the HDs that make its length between two parallel axes.

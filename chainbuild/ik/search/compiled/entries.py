@@ -31,7 +31,7 @@ from chainbuild.ik.search.compiled import (
 from chainbuild.ik.search.compiled.kernels import FAST, unpack, work_of
 from chainbuild.ik.search.compiled.search import is_rigid, search, track
 from chainbuild.ik.search.starts import turned as turned_starts
-from chainbuild.ik.search.starts import turned_table
+from chainbuild.ik.search.starts import turned as turned_table
 
 kept: Final[Any] = numba.njit(cache=True, **FAST)
 kept_parallel: Final[Any] = numba.njit(cache=True, parallel=True, **FAST)

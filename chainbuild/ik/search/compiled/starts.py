@@ -14,8 +14,7 @@ import numpy as np
 from chainbuild.ik import rules
 from chainbuild.ik.search.compiled.kernels import jit
 from chainbuild.ik.search.compiled.limits import turned_inside
-from chainbuild.ik.search.starts.turned import LARGEST_STEP
-from chainbuild.ik.search.starts.turned_table import NO_RADIUS
+from chainbuild.ik.search.starts.turned import LARGEST_STEP, NO_RADIUS
 
 _TURN: Final = 2.0 * math.pi
 _TAKEN: Final = np.float32(1e30)  # a distance that no start has; finite, for loops without infinities are quicker

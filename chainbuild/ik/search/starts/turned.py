@@ -1,8 +1,17 @@
 """Starts for arms whose first axis turns the whole arm and whose last one turns the tool.
 
 What the two can do needs no search: of the six freedoms of a pose they leave four, and a table of a thousand points
-is dense in four. A point is looked up by the key of the target (see `turned_table`), moved by one Newton step towards
+is dense in four. A point is looked up by the key of the target (below), moved by one Newton step towards
 it, and turned: by the first axis into the plane of the target, by the last one upright.
+
+With T = F·Rz(u)·M·Rz(v)·E the matrix W = F⁻¹·T·E⁻¹ shows M but for a turn about z on either side. What such turns leave
+alone, seen in the plane through z and the origin of W, are five numbers, the key:
+
+        z ▲        ╱ direction of the last axis (3 numbers of length 1)
+          │      ●
+          │      │ height
+          └──────┘
+           radius
 """
 
 from __future__ import annotations
@@ -16,12 +25,145 @@ from numpy.typing import NDArray
 
 from chainbuild.ik.region import Box
 from chainbuild.ik.search.starts.arm_reach import ends_of
-from chainbuild.ik.search.starts.turned_table import NO_RADIUS, Points, points_of
+from chainbuild.ik.search.starts.sampled import off_middle, points_inside
 from chainbuild.kinematics.mechanism import Mechanism
-from chainbuild.kinematics.product import Product
+from chainbuild.kinematics.product import Product, poses_at
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+
+COUNT: Final = 1024
+DIRECTION_SHARE: Final = 0.4  # of the spread of radius and height: so much does the direction count
+NO_RADIUS: Final = 1e-9  # m: on the first axis any plane will do
+
+_STEP: Final = 1e-6  # rad or m, of the derivatives
+_DAMPING: Final = 1e-5  # share of the squared spread
+_STIFF: Final = 0.05  # share of the spread: a point whose key follows its axes less than this counts as one that does
+_EDGE: Final = 0.2  # of the spread: by so much is a point taken to be farther for each axis at the edge of its range
+_NEAR_AXIS: Final = 0.3  # of the spread: points of a smaller radius are also seen from behind
+_FREEDOMS: Final = 4  # of a key: its direction is of length 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Points:
+    """Points of an arm; nothing here depends on where it stands or what it holds.
+
+    Attributes:
+        values: (count, n_free) SI values; that of the axis which turns the arm less what it takes to azimuth 0.
+        scale: What makes directions comparable with lengths [m].
+        rows: (6, count) and
+        offsets: (count,) of the weighted squared distance to a key k: offsets + (k, k·k)·rows. In single precision.
+        edges: (count,) what makes a point count as farther whose axes stand at the edge of their ranges: of points
+            about as near, the first start is one in the middle. In single precision.
+        maps: (count, n_free + 2, 12) applied to (key, X and Y of W in its plane, 1): how far each axis moves towards
+            the key, then cosine and sine of the turn of the last axis, which comes on top.
+    """
+
+    values: Matrix
+    scale: float
+    rows: NDArray[np.float32]
+    offsets: NDArray[np.float32]
+    edges: NDArray[np.float32]
+    maps: NDArray[np.float64]
+
+
+def points_of(
+    arm: Product,
+    ends: tuple[Matrix, Matrix],
+    box: Box,
+    middle: Vector,
+    turning: tuple[int, int],
+    signs: tuple[float, float],
+    seed: int,
+) -> Points:
+    """Draw the points and look how their keys follow their axes.
+
+    Args:
+        arm: From the workpiece to the tool, by the free axes.
+        ends: F⁻¹ and E⁻¹ (4, 4).
+        box: Limits of the free axes.
+        middle: (n_free,) near the middle of the limits.
+        turning: Indices of the axes that turn the arm and the tool.
+        signs: How they turn, 1 or −1.
+        seed: Seed.
+    """
+    values, facing = _points_facing(arm, ends, points_inside(box, middle, np.random.default_rng(seed), COUNT))
+    keys, azimuths, planar = _seen(arm, ends, values, facing)
+    spread = _spread(keys)
+    scale = DIRECTION_SHARE * math.sqrt(spread)
+    keys[:, 2:] *= scale
+    X, Y = planar[:, :3], planar[:, 3:]
+    uprights = np.stack([np.hstack([X, Y]), np.hstack([Y, -X])], axis=1)
+
+    between = [n for n in range(values.shape[1]) if n not in turning]
+    slopes, turns = np.empty((len(values), 5, len(between))), np.empty((len(values), 2, len(between)))
+    for column, n in enumerate(between):
+        moved = values.copy()
+        moved[:, n] += _STEP
+        there, azimuths_there, planar_there = _seen(arm, ends, moved, facing)
+        there[:, 2:] *= scale
+        slopes[:, :, column] = (there - keys) / _STEP
+        turns[:, 0, column] = -signs[0] * _half_turn(azimuths_there - azimuths) / _STEP
+        c, s = np.einsum("nij,nj->in", uprights, planar_there)
+        turns[:, 1, column] = -signs[1] * np.arctan2(s, c) / _STEP
+
+    square = slopes @ slopes.transpose(0, 2, 1)
+    gains = np.empty((len(values), values.shape[1], 5))
+    gains[:, between] = slopes.transpose(0, 2, 1) @ np.linalg.inv(square + _DAMPING * spread * np.eye(5))
+    gains[:, list(turning)] = turns @ gains[:, between]
+    least = np.linalg.eigvalsh(square)[:, 5 - min(_FREEDOMS, len(between))]
+    weights = 1.0 / np.sqrt(np.maximum(least, _STIFF**2 * spread))
+    rows = np.vstack([-2.0 * weights * keys.T, weights]).astype(np.float32)
+    offsets = (weights * (keys**2).sum(axis=1)).astype(np.float32)
+    edge = (off_middle(box, middle, values)[:, between] ** 4).sum(axis=1)
+    edges = (_EDGE * math.sqrt(spread) * edge).astype(np.float32)
+
+    maps = np.zeros((len(values), values.shape[1] + 2, 12))
+    maps[:, :-2, :5] = gains
+    maps[:, :-2, 11] = -np.einsum("nij,nj->ni", gains, keys)
+    maps[:, -2:, 5:11] = uprights
+    values[:, turning[0]] -= signs[0] * azimuths
+    return Points(values, scale, rows, offsets, edges, maps)
+
+
+def _points_facing(arm: Product, ends: tuple[Matrix, Matrix], values: Matrix) -> tuple[Matrix, Vector]:
+    """Return points and how they are seen: those near the first axis once more, from behind.
+
+    An arm that reaches just behind the first axis is next to one that reaches just before it, half a turn away.
+    """
+    keys, _, _ = _seen(arm, ends, values, np.ones(len(values)))
+    near = np.flatnonzero(keys[:, 0] < _NEAR_AXIS * math.sqrt(_spread(keys)))
+    return np.vstack([values, values[near]]), np.concatenate([np.ones(len(values)), -np.ones(len(near))])
+
+
+def _spread(keys: Matrix) -> float:
+    """Return the mean square of what radius and height of keys (N, 5) are off their mean [m²]."""
+    return float(((keys[:, :2] - keys[:, :2].mean(axis=0)) ** 2).sum(axis=1).mean()) or 1.0
+
+
+def _seen(arm: Product, ends: tuple[Matrix, Matrix], values: Matrix, facing: Vector) -> tuple[Matrix, Vector, Matrix]:
+    """Return keys (N, 5) without scale, azimuths (N,) and X and Y of W turned into the plane of azimuth 0 (N, 6).
+
+    Where `facing` (N,) is −1, not 1, the plane is looked at from behind: the radius is negative.
+    """
+    W = ends[0] @ poses_at(arm, values, np.ones(values.shape[1])) @ ends[1]
+    x, y, z = W[:, 0, 3], W[:, 1, 3], W[:, 2, 3]
+    radius = np.hypot(x, y)
+    off = radius > NO_RADIUS
+    azimuths = np.where(off, np.arctan2(facing * y, facing * x), 0.0)
+    c, s = np.cos(azimuths), np.sin(azimuths)
+    turned = W[:, :3, :3].copy()
+    turned[:, 0] = c[:, None] * W[:, 0, :3] + s[:, None] * W[:, 1, :3]
+    turned[:, 1] = c[:, None] * W[:, 1, :3] - s[:, None] * W[:, 0, :3]
+    keys = np.column_stack([facing * radius, z, turned[:, :, 2]])
+    return keys, azimuths, np.hstack([turned[:, :, 0], turned[:, :, 1]])
+
+
+def _half_turn(angles: Vector) -> Vector:
+    """Return angles as −π … π."""
+    turned: Vector = angles - math.tau * np.round(angles / math.tau)
+    return turned
+
 
 LARGEST_STEP: Final = 0.5  # rad or m that an axis goes from its point to the start handed out
 
