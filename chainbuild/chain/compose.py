@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from chainbuild.chain.axismap import Block, side_by_side
 from chainbuild.chain.carried import carried_c, constraints, joined_geometry, padded
 from chainbuild.chain.elements import Chain, Frame, Joint, Link, Loop, Matrix, Partial
-from chainbuild.chain.fold import drawn
+from chainbuild.chain.fold import drawn, joint_motion
 from chainbuild.chain.names import Names, as_name, free_name
-from chainbuild.chain.poses import joint_motion, path_to
+from chainbuild.chain.poses import path_to
 from chainbuild.frames import inverse
 
 

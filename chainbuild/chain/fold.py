@@ -15,10 +15,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from chainbuild.chain.elements import Chain, Joint, Vector
-from chainbuild.chain.poses import joint_motion
+from chainbuild.chain.elements import Chain, Joint, Matrix, Vector
 from chainbuild.frames import rot_about, transform
-from chainbuild.units import m_from_mm, rad_from_deg
+from chainbuild.units import deg_from_rad, m_from_mm, rad_from_deg
+
+
+def joint_motion(joint: Joint, q: float) -> Matrix:
+    """Return the (4, 4) motion of a joint at its value, in the joint's own frame [m]."""
+    if joint.kind == "prismatic":
+        return transform(None, joint.direction * q)
+    return transform(rot_about(joint.direction, deg_from_rad(q)))
 
 
 def folded(joint: Joint, sign: float, offset: float) -> Joint:

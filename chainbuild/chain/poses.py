@@ -10,15 +10,8 @@ from numpy.typing import ArrayLike
 
 from chainbuild.chain.axismap import joint_values
 from chainbuild.chain.elements import BASE_LINK, Chain, Joint, Matrix, Vector
-from chainbuild.frames import ANGLE_MODES, inverse, quaternion_from_matrix, rot_about, transform
-from chainbuild.units import deg_from_rad
-
-
-def joint_motion(joint: Joint, q: float) -> Matrix:
-    """Return the (4, 4) motion of a joint at its value, in the joint's own frame [m]."""
-    if joint.kind == "prismatic":
-        return transform(None, joint.direction * q)
-    return transform(rot_about(joint.direction, deg_from_rad(q)))
+from chainbuild.chain.fold import joint_motion
+from chainbuild.frames import ANGLE_MODES, inverse, quaternion_from_matrix, rot_about
 
 
 def link_placements(chain: Chain, q: Vector) -> dict[str, Matrix]:

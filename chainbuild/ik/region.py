@@ -78,6 +78,11 @@ class Box:
         moved = value + math.copysign(math.ceil(abs(gap) / math.tau) * math.tau, gap)
         return moved if lower <= moved <= upper else value
 
+    def onto_limits(self, y: Vector) -> Vector:
+        """Return y moved onto the limits of the axes, and onto the coupled ones."""
+        moved = self.clamp(y)
+        return self.onto_sums(moved) if len(self.sums) else moved
+
     def clamp(self, y: Vector) -> Vector:
         """Return y cut to the limits of the axes."""
         return np.minimum(np.maximum(y, self.lower), self.upper)

@@ -110,7 +110,9 @@ def start_point(mechanism: Mechanism, start: ArrayLike | None, held: Held | None
         if name not in names:
             raise AxisValueError(f"there is no axis '{name}' to hold", parameter="held", permitted=", ".join(names))
         values[names.index(name)], fixed[names.index(name)] = _number(name, value), True
-    return mechanism.axis_values(values) * freedoms.si_factors, fixed
+    if held is not None:
+        values = mechanism.axis_values(values)
+    return values * freedoms.si_factors, fixed
 
 
 def _by_name(mechanism: Mechanism, held: Held | None) -> Mapping[str, float]:

@@ -5,7 +5,10 @@ Each was measured on six- and seven-axis arms with targets drawn over the whole 
 
 from __future__ import annotations
 
+import math
 from typing import Final
+
+from chainbuild import tolerances
 
 # Outcomes.
 OK: Final = 0
@@ -43,6 +46,8 @@ NEAREST_SHRINK: Final = 0.2
 NEAREST_GAIN: Final = 1e-9
 # A remaining error below this is called "stalled", not "unreachable".
 CLOSE: Final = 1e-3
-# A descent's end this far beyond its region [m and rad together] is inside but for the rounding of its last step, and
-# is put on the limit. What counts as inside the limits is asked of `kinematics.limits`, not here.
-INSIDE_SLACK: Final = 1e-12
+# A descent's end this far beyond its region [m and rad together] counts as inside, by the slack that
+# `kinematics.limits` grants, and is put on the limit before it is verified.
+INSIDE_SLACK: Final = math.radians(tolerances.LIMIT_SLACK)
+# What rounding alone may put a step along a path beyond its region [m and rad together].
+ROUNDING: Final = 1e-12

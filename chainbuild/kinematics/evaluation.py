@@ -33,6 +33,12 @@ class _Scratch(local):
         self.data = model.createData()
 
 
+def frame_jacobian(model: pin.Model, data: pin.Data, frame: int) -> Matrix:
+    """Return the Jacobian (6, n_q) of a frame in its own axes, linear rows first, after `computeJointJacobians`."""
+    J: Matrix = pin.getFrameJacobian(model, data, frame, _LOCAL)
+    return J if J.ndim == 2 else J.reshape(6, 1)  # of one joint Pinocchio makes a vector
+
+
 class Kinematics:
     """Evaluates one chain; holds Pinocchio's model and scratch data. Threads may share it.
 
@@ -88,12 +94,12 @@ class Kinematics:
         model, data = self.model, self._scratch.data
         pin.computeJointJacobians(model, data, self.q(x))
         tool = pin.updateFramePlacement(model, data, self.tool_id)
-        J = pin.getFrameJacobian(model, data, self.tool_id, _LOCAL)
+        J = frame_jacobian(model, data, self.tool_id)
         if self.workpiece_fixed:
             return self.T_base_workpiece.actInv(tool), J @ self.dq_dx(x)
         workpiece = pin.updateFramePlacement(model, data, self.workpiece_id)
         T = workpiece.actInv(tool)
-        J = J - T.toActionMatrixInverse() @ pin.getFrameJacobian(model, data, self.workpiece_id, _LOCAL)
+        J = J - T.toActionMatrixInverse() @ frame_jacobian(model, data, self.workpiece_id)
         return T, J @ self.dq_dx(x)
 
     def residual(self, target: pin.SE3, task: Task) -> Residual:

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.chain.elements import BASE_LINK, Chain
-
-if TYPE_CHECKING:
-    from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.kinematics.evaluation import frame_jacobian
+from chainbuild.kinematics.mechanism import Mechanism
 
 Matrix = NDArray[np.float64]
-
-_LOCAL = pin.ReferenceFrame.LOCAL
 
 
 def joint_screws(robot: Mechanism, axes: ArrayLike) -> Matrix:
@@ -32,8 +27,7 @@ def joint_screws(robot: Mechanism, axes: ArrayLike) -> Matrix:
     tool, workpiece = model.getFrameId("tool"), model.getFrameId("workpiece")
     T_tool, T_workpiece = (pin.updateFramePlacement(model, data, frame).copy() for frame in (tool, workpiece))
     back = T_tool.actInv(T_workpiece).toActionMatrix()
-    J: Matrix = pin.getFrameJacobian(model, data, tool, _LOCAL)
-    return J - back @ pin.getFrameJacobian(model, data, workpiece, _LOCAL)
+    return frame_jacobian(model, data, tool) - back @ frame_jacobian(model, data, workpiece)
 
 
 def joints_between_tips(chain: Chain) -> tuple[int, ...]:

@@ -14,15 +14,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from chainbuild.kinematics.evaluation import Kinematics, tilt
+from chainbuild.kinematics.evaluation import Kinematics, frame_jacobian, tilt
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 ToolError = Callable[[Vector], tuple[Vector, Matrix]]
 
 _UNDAMPED = 0.01  # share of a step that damping may take away without being asked
-
-_LOCAL = pin.ReferenceFrame.LOCAL
 
 
 class Task:
@@ -149,21 +147,21 @@ def _placed(kinematics: Kinematics, target: pin.SE3) -> Callable[[Vector], tuple
     """Return the function q → target in the tool frame, Jacobian (6, n_q) of the tool against the workpiece."""
     model, data = kinematics.model, kinematics.data
     tool, workpiece = kinematics.tool_id, kinematics.workpiece_id
-    jacobians, frame, jacobian = pin.computeJointJacobians, pin.updateFramePlacement, pin.getFrameJacobian
+    jacobians, frame, jacobian = pin.computeJointJacobians, pin.updateFramePlacement, frame_jacobian
     if kinematics.workpiece_fixed:
         T_base_target = kinematics.T_base_workpiece * target
 
         def against_base(q: Vector) -> tuple[pin.SE3, Matrix]:
             jacobians(model, data, q)
-            return frame(model, data, tool).actInv(T_base_target), jacobian(model, data, tool, _LOCAL)
+            return frame(model, data, tool).actInv(T_base_target), jacobian(model, data, tool)
 
         return against_base
 
     def against_workpiece(q: Vector) -> tuple[pin.SE3, Matrix]:
         jacobians(model, data, q)
         T = frame(model, data, workpiece).actInv(frame(model, data, tool))
-        J = jacobian(model, data, tool, _LOCAL)
-        J -= T.toActionMatrixInverse().dot(jacobian(model, data, workpiece, _LOCAL))
+        J = jacobian(model, data, tool)
+        J -= T.toActionMatrixInverse().dot(jacobian(model, data, workpiece))
         return T.actInv(target), J
 
     return against_workpiece

@@ -71,8 +71,8 @@ class _Search:
                 found, y = y, self.box.into(y)
                 beyond = 0.0 if y is found and not self.coupled and inside else self.box.excess(y)
                 if beyond <= rules.INSIDE_SLACK:
-                    # To the last digit: a free descent may end a rounding beyond a limit.
-                    y = self.box.nearest(y if inside else self.box.clamp(y), self.wanted)
+                    # To the last digit: a start, or a free descent, may stand a rounding beyond a limit.
+                    y = self.box.nearest(self.box.onto_limits(y) if beyond > 0.0 else y, self.wanted)
                     # The last step was forward kinematics at `found`; what whole turns moved is looked at again.
                     distance, angle = self.task.misses(y, self.target, self.last if y is found else None)
                     if self.verified(distance, angle):

@@ -205,8 +205,11 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
             turned = turn_inside(problem, y)
             beyond = excess(problem, y)
             if beyond <= _SLACK:
-                for n in range(len(y)):  # to the last digit; a free descent may end a rounding beyond
-                    y[n] = min(max(y[n], problem.lower[n]), problem.upper[n])
+                if beyond > 0.0:  # to the last digit; a start, or a free descent, may stand a rounding beyond
+                    for n in range(len(y)):
+                        y[n] = min(max(y[n], problem.lower[n]), problem.upper[n])
+                    onto_sums(problem, y)
+                    turned = True
                 # The last step of the descent was forward kinematics at y; only what moved since is looked at again.
                 if near(problem, y, wanted) or turned or problem.weighted or problem.axis != problem.shown_axis:
                     distance, angle = errors(problem, target, y, work)
@@ -293,7 +296,7 @@ def track(problem, work, targets, last, accuracy, most, y, counts, misses):
         largest = 0.0
         for n in range(len(now)):
             largest = max(largest, abs(now[n] - last[n]))
-        if not met or largest > most or excess(problem, now) > _SLACK:
+        if not met or largest > most or excess(problem, now) > rules.ROUNDING:
             return i
         distance, angle = errors(problem, targets[i], now, work)
         if not (distance <= accuracy[1] and (angle <= accuracy[2] or not turns_count(problem))):
