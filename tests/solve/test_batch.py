@@ -259,3 +259,21 @@ def test_compiled_angles_are_those_of_the_library() -> None:
         assert angle(y, x) == pytest.approx(math.atan2(y, x), rel=4e-16, abs=1e-300)
     for a in rng.uniform(-20.0, 20.0, 5000):
         assert pair(a) == pytest.approx((math.sin(a), math.cos(a)), abs=1e-11)
+
+
+@pytest.mark.parametrize("name", ["kr6r900", "kr6r900_2", "tx2_60", "irb2600", "parallelogram_nr"])
+def test_slots_tell_the_shoulder_as_it_is_drawn(name: str) -> None:
+    """Shoulder 0 is the wrist ahead of axis 1, in X of the column's frame, whichever way the axes count."""
+    robot = chainbuild.Robot.load(name)
+    first, wrist = (robot.chain.joints[n].child for n in (0, 4))
+    seen = set()
+    for axes in np.random.default_rng(4).uniform(-150.0, 150.0, (40, 6)):
+        rows = robot.ik_all_batch([robot.fk(axes)], limits=False)[0]
+        off = np.abs(np.remainder(rows - axes + 180.0, 360.0) - 180.0).max(axis=1)
+        slot = int(np.nanargmin(off))
+        assert off[slot] < 1e-6
+        placed = robot.frame_placements(axes)
+        ahead = float(placed[first].actInv(placed[wrist]).translation[0])
+        assert (slot // 2) % 2 == (ahead < 0.0), (axes, slot, ahead)
+        seen.add(ahead < 0.0)
+    assert seen == {True, False}

@@ -44,12 +44,14 @@ class Screw:
         direction: (3,) unit vector in the workpiece frame.
         point: (3,) a point on the axis [m].
         joint: Index in `Chain.joints`.
+        sense: -1 where the joint counts against the direction that its recipe draws, else +1.
     """
 
     kind: JointKind
     direction: Vector
     point: Vector
     joint: int
+    sense: float = 1.0
 
     def T(self, value: float) -> Matrix:
         """Return the (4, 4) motion of a joint value."""
@@ -60,11 +62,11 @@ class Screw:
 
     def turned_round(self) -> Screw:
         """Return the joint that moves the other way."""
-        return Screw(self.kind, -self.direction, self.point, self.joint)
+        return Screw(self.kind, -self.direction, self.point, self.joint, self.sense)
 
     def carried(self, T: Matrix) -> Screw:
         """Return the joint moved by a rigid motion (4, 4)."""
-        return Screw(self.kind, T[:3, :3] @ self.direction, image(T, self.point), self.joint)
+        return Screw(self.kind, T[:3, :3] @ self.direction, image(T, self.point), self.joint, self.sense)
 
     def move(self, value: float, point: Vector) -> Vector:
         """Return where the motion of a joint value takes a point."""
@@ -207,7 +209,8 @@ def unroll(chain: Chain, q: Vector, moving: Indices) -> Serial:
 
     def screw(joint: Joint, sign: float) -> Screw:
         T = T_workpiece_base @ placed[joint.child]
-        return Screw(joint.kind, sign * (T[:3, :3] @ joint.direction), T[:3, 3], index[joint.child])
+        direction, sense = sign * (T[:3, :3] @ joint.direction), -1.0 if joint.reversed else 1.0
+        return Screw(joint.kind, direction, T[:3, 3], index[joint.child], sense)
 
     workpiece, tool = _branch(chain, "workpiece"), _branch(chain, "tool")
     row = [screw(joint, -1.0) for joint in reversed(workpiece) if joint.child in moves]

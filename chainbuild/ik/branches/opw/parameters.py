@@ -64,7 +64,8 @@ def opw_arm(serial: Serial) -> OpwArm | None:
     """Return the parameters of an arm, or None where it is no ortho-parallel arm with a spherical wrist."""
     if len(serial.screws) != 6 or any(screw.kind != "revolute" for screw in serial.screws):
         return None
-    w = [screw.direction for screw in serial.screws]
+    # As drawn: which side is in front, and which way the wrist bends, is no matter of how the axes count.
+    w = [screw.sense * screw.direction for screw in serial.screws]
     centre = wrist_centre(serial.screws[3:])
     crossing = ((0, 1), (2, 3), (3, 4), (4, 5))
     square = all(abs(float(w[i] @ w[j])) < _RIGHT_ANGLE for i, j in crossing)
@@ -95,6 +96,7 @@ def _measure(serial: Serial, w: list[Vector], centre: Vector) -> OpwArm:
         "c3": float(out @ along),
         "c4": 0.0,
     }
+    senses = np.array([screw.sense for screw in serial.screws])
     signs = np.array([1.0, 1.0, math.copysign(1.0, float(w[2] @ y)), math.copysign(1.0, float(w[3] @ hand)), 1.0, 1.0])
     fourth = math.atan2(float(hand @ np.cross(y, w[4])), float(y @ w[4]))
     fifth = math.atan2(float(w[4] @ np.cross(hand, w[5])), float(hand @ w[5]))
@@ -102,7 +104,7 @@ def _measure(serial: Serial, w: list[Vector], centre: Vector) -> OpwArm:
     T_base_arm = np.eye(4)
     T_base_arm[:3, :3], T_base_arm[:3, 3] = axes, origin
     at_zero = _sixth_axis(parameters, offsets)
-    return OpwArm(parameters, signs, offsets, T_base_arm, inverse(T_base_arm @ at_zero) @ serial.M)
+    return OpwArm(parameters, senses * signs, offsets, T_base_arm, inverse(T_base_arm @ at_zero) @ serial.M)
 
 
 def _sixth_axis(p: dict[str, float], theta: Vector) -> Matrix:
