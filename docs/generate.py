@@ -113,7 +113,7 @@ def methods() -> str:
     found: dict[str, list[str]] = {}
     for name in chainbuild.shipped():
         found.setdefault(plan_of(chainbuild.Robot.load(name)).name, []).append(f"`{name}`")
-    note = {"restarts": "restarts, unless axes are held"}
+    note = {"search": "search, unless axes are held"}
     return table(
         ("method", "machines"), ((note.get(method, method), ", ".join(names)) for method, names in found.items())
     )
