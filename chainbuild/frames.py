@@ -21,9 +21,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild import tolerances
+from chainbuild.arrays import Matrix
 from chainbuild.errors import ChainbuildError
 
-Matrix = NDArray[np.float64]
 AxisLetter = Literal["x", "y", "z"]
 
 _INDEX: Final = {"x": 0, "y": 1, "z": 2}

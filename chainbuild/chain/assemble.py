@@ -14,16 +14,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild import frames
+from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import AffineMap, AxisMap
 from chainbuild.chain.elements import BASE_LINK, Axis, Frame, Joint, JointKind, Link
 from chainbuild.chain.fold import folded
 from chainbuild.errors import ChainError
 from chainbuild.units import AxisKind, m_from_mm, rad_from_deg
-
-Matrix = NDArray[np.float64]
 
 _AXIS_KINDS: dict[JointKind, AxisKind] = {"revolute": "rotary", "prismatic": "linear"}
 _DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}

@@ -9,11 +9,9 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.units import AxisKind, si_factor
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 
 class AxisMap(Protocol):

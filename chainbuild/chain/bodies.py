@@ -12,7 +12,8 @@ from typing import Literal
 import numpy as np
 
 from chainbuild import frames
-from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint, Matrix, Vector
+from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint
 from chainbuild.chain.fold import drawn, drawn_bounds
 from chainbuild.chain.rods import CRANK, ROD_END, ROD_PIN, has_rods
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from chainbuild.chain.elements import AxisConstraint, AxisSum, Chain, Matrix
+from chainbuild.arrays import Matrix
+from chainbuild.chain.elements import AxisConstraint, AxisSum, Chain
 from chainbuild.chain.geometry import Geometry
 from chainbuild.chain.names import Names
 

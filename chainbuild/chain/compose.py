@@ -14,9 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import Block, side_by_side
 from chainbuild.chain.carried import carried_c, constraints, joined_geometry, padded
-from chainbuild.chain.elements import Chain, Frame, Joint, Link, Loop, Matrix, Partial
+from chainbuild.chain.elements import Chain, Frame, Joint, Link, Loop, Partial
 from chainbuild.chain.fold import drawn, joint_motion
 from chainbuild.chain.names import Names, as_name, free_name
 from chainbuild.chain.poses import path_to

@@ -6,16 +6,14 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.geometry import NO_GEOMETRY, Geometry
 from chainbuild.convention import UsedConvention
 from chainbuild.findings import Finding
 from chainbuild.units import AxisKind, AxisUnit, unit_of
-
-Matrix = NDArray[np.float64]
-Vector = NDArray[np.float64]
 
 JointKind = Literal["revolute", "prismatic"]
 Task = Literal["auto", "pose", "direction", "position"]

@@ -15,7 +15,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from chainbuild.chain.elements import Chain, Joint, Matrix, Vector
+from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.elements import Chain, Joint
 from chainbuild.frames import rot_about, transform
 from chainbuild.units import deg_from_rad, m_from_mm, rad_from_deg
 

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import joint_values
-from chainbuild.chain.elements import BASE_LINK, Chain, Joint, Matrix, Vector
+from chainbuild.chain.elements import BASE_LINK, Chain, Joint
 from chainbuild.chain.fold import joint_motion
 from chainbuild.frames import ANGLE_MODES, inverse, quaternion_from_matrix, rot_about
 

@@ -23,8 +23,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from chainbuild.arrays import Vector
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.chain.elements import Axis, Chain, Frame, Joint, Link, Vector
+from chainbuild.chain.elements import Axis, Chain, Frame, Joint, Link
 from chainbuild.chain.fold import drawn, folded
 from chainbuild.chain.geometry import RodData
 from chainbuild.errors import ChainError

@@ -17,6 +17,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from chainbuild.arrays import Vector
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.chain.elements import BASE_LINK
 from chainbuild.chain.rods import pinned_links
@@ -24,7 +25,6 @@ from chainbuild.collision.solids import Solid, solids_of
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 
-Vector = NDArray[np.float64]
 Pair: TypeAlias = tuple[str, str]
 
 _PROBES: Final = 64  # positions at which a pair must touch to count as always touching

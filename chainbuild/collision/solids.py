@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild import frames
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies import Body, detail_bodies, link_bodies
-from chainbuild.chain.elements import Chain, Matrix, Vector
+from chainbuild.chain.elements import Chain
 from chainbuild.chain.geometry import Shape
 from chainbuild.chain.rods import LEVEL_LINKS
 from chainbuild.errors import FileAccessError, Span

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrices, Vector
 from chainbuild.chain.elements import Task
 from chainbuild.comparison.samples import Samples
 from chainbuild.errors import ChainbuildError
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from chainbuild.comparison.judges import Judge
     from chainbuild.kinematics.mechanism import Mechanism
 
-Vector = NDArray[np.float64]
-Matrices = NDArray[np.float64]
 
 POSITION_TOLERANCE_M: Final = 1e-6
 ROTATION_TOLERANCE_RAD: Final = 1e-6

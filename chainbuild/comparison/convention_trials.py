@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Vector
 from chainbuild.comparison.comparison import forward_poses, pose_errors
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain, Task
     from chainbuild.formats.machine import Machine
 
-Vector = NDArray[np.float64]
 
 _MOST_PAIRS: Final = 400
 _MOST_POSES: Final = 200

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrices, Vector
 from chainbuild.chain.elements import Task
 from chainbuild.comparison.comparison import (
     POSITION_TOLERANCE_M,
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from chainbuild.formats.machine import Machine
     from chainbuild.kinematics.mechanism import Mechanism
 
-Vector = NDArray[np.float64]
-Matrices = NDArray[np.float64]
 
 _RECORDED_POSITION_M: Final = 1e-5  # controllers show micrometres or tenths
 _RECORDED_ROTATION_RAD: Final = 1e-4

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrices, Vector
 from chainbuild.chain.elements import Task
 from chainbuild.comparison.comparison import forward_poses, pose_errors
 from chainbuild.comparison.offsets import all_rigid, listed, mean_transform, mm_text, modes_apart, transform_text
@@ -25,8 +25,6 @@ from chainbuild.kinematics.inputs import as_pose
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
-Vector = NDArray[np.float64]
-Matrices = NDArray[np.float64]
 
 _MOST_POSES: Final = 16
 _EXPLAINED: Final = 0.02  # share of the error that an explanation may leave

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import axes_for
 from chainbuild.ik.branches.core.query import Query
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from chainbuild.ik.branches.core.serial import Serial
     from chainbuild.kinematics.mechanism import Mechanism
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 FkFunction = Callable[[Vector], Matrix]
 IkFunction = Callable[[Matrix], list[Vector]]
 CallableKind = Literal["auto", "fk", "ik"]

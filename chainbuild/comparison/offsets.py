@@ -7,11 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrices, Vector
 from chainbuild.frames import ANGLE_MODES
 from chainbuild.units import deg_from_rad, mm_from_m
-
-Vector = NDArray[np.float64]
-Matrices = NDArray[np.float64]
 
 
 def mean_transform(transforms: Matrices) -> NDArray[np.float64]:

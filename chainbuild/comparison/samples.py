@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Vector
 from chainbuild.errors import ChainbuildError
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
-Vector = NDArray[np.float64]
 SampleKind = Literal["random", "grid", "singular", "recorded"]
 MADE_KINDS: Final = tuple(kind for kind in get_args(SampleKind) if kind != "recorded")
 

@@ -16,7 +16,8 @@ from typing import Final
 import numpy as np
 
 from chainbuild import frames, tolerances
-from chainbuild.chain.elements import Chain, Matrix, Partial, Vector
+from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.elements import Chain, Partial
 from chainbuild.chain.poses import rotation_vector
 from chainbuild.coupling.partial_state import LETTERS, TURNS, State, as_transform
 from chainbuild.errors import AxisValueError, ChainbuildError

@@ -9,7 +9,8 @@ from typing import Final
 import numpy as np
 
 from chainbuild import frames, tolerances
-from chainbuild.chain.elements import Chain, Matrix, Partial, Vector
+from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.elements import Chain, Partial
 from chainbuild.chain.poses import angle_rates, pose, pose_jacobian, rotation_vector
 from chainbuild.errors import AxisValueError
 from chainbuild.units import m_from_mm, mm_from_m

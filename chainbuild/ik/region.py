@@ -10,13 +10,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import Chain
 from chainbuild.ik import rules
 from chainbuild.kinematics.mechanism import Mechanism
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _ENDLESS_START: Final = math.pi  # random starts of axes without end are drawn from ± this
 _START_STAGGER: Final = 0.07  # default start: the middle of the limits, moved by this share so that no two axes line up

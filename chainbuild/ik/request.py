@@ -10,14 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import AxisValueError
 from chainbuild.ik.options import DEFAULT, IkOptions
 from chainbuild.ik.region import freedoms_of
 from chainbuild.kinematics.inputs import Pose, as_pose
 from chainbuild.kinematics.mechanism import Mechanism
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 Held = Mapping[str, float] | Sequence[float]
 
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Vector
 from chainbuild.chain.elements import Task
 from chainbuild.kinematics.inputs import Pose
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.tolerances import IK_POSITION_M, IK_ROTATION_RAD
-
-Vector = NDArray[np.float64]
 
 
 def is_met(task: Task, distance: float, angle: float) -> bool:

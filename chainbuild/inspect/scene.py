@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from chainbuild import frames
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies import Body, Colour, detail_bodies, link_bodies, machine_size
-from chainbuild.chain.elements import BASE_LINK, FRAME_NAMES, Chain, Frame, Matrix, Vector
+from chainbuild.chain.elements import BASE_LINK, FRAME_NAMES, Chain, Frame
 from chainbuild.inspect.labels import Side, draw_label
 from chainbuild.inspect.sweep import FRAMES_PER_SECOND, joint_transforms, link_placements
 

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from chainbuild import frames
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies import machine_size, shown_limits
-from chainbuild.chain.elements import BASE_LINK, Chain, Matrix, Vector
+from chainbuild.chain.elements import BASE_LINK, Chain
 from chainbuild.errors import ChainbuildError
 from chainbuild.units import deg_from_rad
 

@@ -10,8 +10,8 @@ from threading import local
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import Chain, Task
 from chainbuild.chain.fold import reach
@@ -19,9 +19,6 @@ from chainbuild.kinematics.model import build_model
 from chainbuild.kinematics.newton import Residual
 from chainbuild.kinematics.product import product_of
 from chainbuild.units import si_factor
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _LOCAL = pin.ReferenceFrame.LOCAL
 

@@ -7,15 +7,14 @@ from typing import TypeAlias
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from chainbuild import tolerances
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Axis
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.frames import is_rigid
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 Pose: TypeAlias = pin.SE3  # what the other rooms call it, which import no Pinocchio
 
 

@@ -12,12 +12,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Vector
 from chainbuild.chain.elements import Axis, AxisConstraint, Chain
 from chainbuild.tolerances import LIMIT_SLACK
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,6 +14,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild import frames, tolerances
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import joint_values
 from chainbuild.chain.check import check_chain
 from chainbuild.chain.elements import Axis, Chain, Task
@@ -23,8 +24,6 @@ from chainbuild.kinematics.inputs import axis_rows, axis_vector, numbers
 from chainbuild.kinematics.limits import Limits
 from chainbuild.kinematics.product import poses_at
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 T = TypeVar("T")
 
 _SAMPLES: Final = 8  # configurations in which the rank of a Jacobian is looked at

@@ -14,8 +14,8 @@ import eigenpy
 import numpy as np
 from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
+from chainbuild.arrays import Matrix, Vector
+
 Residual = Callable[[Vector], tuple[Vector, Matrix]]
 Damping = Callable[[Vector, Vector], float]
 

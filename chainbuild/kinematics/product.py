@@ -13,12 +13,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import BASE_LINK, Chain, Joint
 from chainbuild.frames import inverse
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 # Poses worked on at a time: the arrays of one chunk stay in the processor's cache, and memory does not grow.
 CHUNK: Final = 2048

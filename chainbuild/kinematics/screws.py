@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from chainbuild.arrays import Matrix
 from chainbuild.chain.elements import BASE_LINK, Chain
 from chainbuild.kinematics.evaluation import frame_jacobian
 from chainbuild.kinematics.mechanism import Mechanism
-
-Matrix = NDArray[np.float64]
 
 
 def joint_screws(robot: Mechanism, axes: ArrayLike) -> Matrix:

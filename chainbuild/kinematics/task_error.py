@@ -14,10 +14,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.kinematics.evaluation import Kinematics, frame_jacobian, tilt
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 ToolError = Callable[[Vector], tuple[Vector, Matrix]]
 
 _UNDAMPED = 0.01  # share of a step that damping may take away without being asked

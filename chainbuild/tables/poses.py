@@ -9,16 +9,14 @@ from pathlib import Path
 from typing import Final, Literal, TextIO
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild import frames, tolerances
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Task
 from chainbuild.tables.axes import DECIMALS, UNIT_DECIMALS, VIOLATIONS_COLUMN, joined, number
 from chainbuild.tables.reader import Choice, Table
 from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m, rad_from_deg
 
-Matrix = NDArray[np.float64]
-Vector = NDArray[np.float64]
 ToolAxis = Literal["x", "z"]
 
 POSITION_COLUMNS: Final = ("x_mm", "y_mm", "z_mm")

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild import frames
+from chainbuild.arrays import Matrix
 from chainbuild.chain.elements import Chain, Task
 from chainbuild.errors import Span, TableError
 from chainbuild.tables.axes import RESULT_COLUMNS
@@ -76,7 +77,7 @@ def _judged(orientation: tuple[str, ...]) -> Task:
     return "direction" if orientation == TOOL_COLUMNS else "pose"
 
 
-def _rotation(orientation: tuple[str, ...], values: list[float], chain: Chain, path: Path) -> frames.Matrix:
+def _rotation(orientation: tuple[str, ...], values: list[float], chain: Chain, path: Path) -> Matrix:
     """Return the rotation of a row; of a tool direction, some rotation that has it."""
     if orientation == ANGLE_COLUMNS:
         return frames.matrix_from_angles(chain.angle_mode, values)

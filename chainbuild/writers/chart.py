@@ -13,7 +13,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
 _LEFT, _TOP, _RIGHT, _BOTTOM = 70.0, 40.0, 90.0, 50.0

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Vector
 from chainbuild.files import write_text
 from chainbuild.writers.chart import Chart
 
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from chainbuild.analysis.collision.sweep import FreeInterval
     from chainbuild.analysis.workspace.maps import Map
 
-Vector = NDArray[np.float64]
 
 # From singular to well: dark to bright, readable without colours.
 _SCALE: Final = np.array([[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]], dtype=float)

@@ -9,15 +9,13 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Vector
 from chainbuild.comparison.crosscheck import CrossCheck
 from chainbuild.files import write_text
 from chainbuild.units import deg_from_rad, mm_from_m
 from chainbuild.writers.report import crosscheck_text
 from chainbuild.writers.svg_plots import Points, histogram, scatter
-
-Vector = NDArray[np.float64]
 
 _SHOWN_ROWS: Final = 20
 _FLOOR: Final = 1e-13  # [mm, deg] errors below are drawn here: rounding has no shape

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
+from chainbuild.arrays import Vector
 
 _WIDTH: Final = 340
 _HEIGHT: Final = 230

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from chainbuild import tolerances
+from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.bodies import (
     BASE_COLOUR,
@@ -21,7 +22,7 @@ from chainbuild.chain.bodies import (
     link_bodies,
     machine_size,
 )
-from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint, Matrix
+from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint
 from chainbuild.chain.rods import rod_masters
 from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.files import angle_text, as_folder, make_folder, number_text, numbers_text, write_text

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild.analysis.collision.paths import pair_weights
 from chainbuild.analysis.collision.sweep import FreeInterval, free_interval
+from chainbuild.arrays import Vector
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.chain.elements import AxisConstraint, Chain
 from chainbuild.chain.geometry import NO_GEOMETRY
@@ -23,8 +23,6 @@ from chainbuild.chain.rods import CRANK, LEVEL_LINKS, ROD, ROD_END, ROD_PIN, has
 from chainbuild.collision.model import CollisionModel, Pair
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
-
-Vector = NDArray[np.float64]
 
 _STEPS: Final = 37
 _HALF_TURN: Final = 180.0

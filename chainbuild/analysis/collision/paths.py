@@ -12,16 +12,14 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import BASE_LINK, Chain
 from chainbuild.chain.fold import drawn, drawn_values
 from chainbuild.collision.model import CollisionModel, Pair
 from chainbuild.errors import ChainbuildError
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 # Bodies closer than this count as touching: without it the steps towards a contact would never end.
 CONTACT: Final = 1e-5

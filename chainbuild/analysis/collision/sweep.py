@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from chainbuild.analysis.collision.paths import CONTACT, Contact, first_contact
+from chainbuild.arrays import Vector
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.collision.model import CollisionModel, Pair
 from chainbuild.errors import ChainbuildError
-
-Vector = NDArray[np.float64]
 
 # Ends of intervals are found this well (mm or degrees); a tenth of what is promised.
 END: Final = 1e-3

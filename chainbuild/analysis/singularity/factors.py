@@ -20,12 +20,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild.analysis.singularity.structure import Arm, Kind, Lines, Mill, Structure, Wrist, meeting_point
+from chainbuild.arrays import Vector
 from chainbuild.chain.elements import Task
-
-Vector = NDArray[np.float64]
 
 _ZERO_ARM: Final = 1e-9  # m
 

@@ -10,12 +10,10 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import Product, product_of
-
-Matrix = NDArray[np.float64]
 
 CHUNK: Final = 1024  # poses worked on at a time: memory does not grow with the count
 

@@ -7,14 +7,12 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild import frames
 from chainbuild.analysis.singularity.singularity import Singularity
+from chainbuild.arrays import Vector
 from chainbuild.chain.rods import CRANK, ROD, ROD_END, ROD_PIN, has_rods
 from chainbuild.kinematics.mechanism import Mechanism
-
-Vector = NDArray[np.float64]
 
 # Sine of the angle to the lock: 1 degree.
 NEAR_LOCK: Final = 0.0175

@@ -15,14 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.analysis.singularity.jacobians import pose_jacobians
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Chain
 from chainbuild.chain.fold import drawn
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.screws import joints_between_tips
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _SMALLEST_LENGTH: Final = 1e-6
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from chainbuild.analysis.singularity import locks, words
 from chainbuild.analysis.singularity.factors import Factor, factors
@@ -16,9 +16,8 @@ from chainbuild.analysis.singularity.measures import Measures, measure, measure_
 from chainbuild.analysis.singularity.singularity import Singularity
 from chainbuild.analysis.singularity.speeds import SpeedReport, speeds
 from chainbuild.analysis.singularity.structure import Kind, lines_at, structure_of
+from chainbuild.arrays import Vector
 from chainbuild.kinematics.mechanism import Mechanism
-
-Vector = NDArray[np.float64]
 
 # A name is given only where the smallest scaled singular value is below this …
 NEAR: Final = 0.05

@@ -10,13 +10,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from chainbuild.analysis.singularity.measures import Scaling, scaling_of
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.kinematics.mechanism import Mechanism
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _STEPS: Final = 40
 _FOUND: Final = 1e-11  # smallest singular value that counts as singular

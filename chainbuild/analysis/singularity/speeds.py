@@ -10,15 +10,14 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from chainbuild.analysis.singularity.measures import scaling_of
+from chainbuild.arrays import Vector
 from chainbuild.chain.elements import Axis
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.units import si_factor
-
-Vector = NDArray[np.float64]
 
 Motion = Literal["shift", "turn"]
 

@@ -11,15 +11,13 @@ from typing import Final, Literal
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from chainbuild.analysis.singularity.measures import characteristic_length
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Chain
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.screws import joint_screws, joints_between_tips
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 Kind = Literal["wrist", "elbow", "shoulder", "pole", "tilt_end", "other", "gimbal_lock", "dead_point"]
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.analysis.singularity.measures import measure_batch
+from chainbuild.arrays import Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.units import mm_from_m
@@ -21,7 +22,6 @@ from chainbuild.units import mm_from_m
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain
 
-Vector = NDArray[np.float64]
 
 Level = Literal["singular", "watched", "clear"]
 Quantity = Literal["smallest", "product"]

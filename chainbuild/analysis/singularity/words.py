@@ -7,17 +7,15 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild.analysis.singularity.factors import Factor
 from chainbuild.analysis.singularity.measures import Measures
 from chainbuild.analysis.singularity.speeds import SpeedReport
+from chainbuild.arrays import Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.fold import drawn_values
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.units import deg_from_rad, mm_from_m
-
-Vector = NDArray[np.float64]
 
 _EXACT: Final = 1e-6  # below this nothing is "nearly"
 _ALONG_AXIS: Final = 0.985  # cosine of 10 degrees: such a direction is called by its axis

@@ -9,12 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.analysis.singularity.measures import measure_batch
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 MapKind = Literal["axes", "rz", "xz", "xy", "yz", "volume"]
 

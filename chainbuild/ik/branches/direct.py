@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild import tolerances
+from chainbuild.arrays import Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import transform
 from chainbuild.ik.branches.arms.orientation import Turns, for_direction, for_rotation
@@ -27,8 +28,6 @@ from chainbuild.ik.branches.core.query import Query
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
 from chainbuild.kinematics.mechanism import Mechanism
-
-Vector = NDArray[np.float64]
 
 _LINEAR_STEPS: Final = 2  # the second one only cleans the last digits
 _MOST_ROTARY: Final = 3

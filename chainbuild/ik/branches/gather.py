@@ -10,13 +10,11 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Vector
 from chainbuild.ik.branches.core.axis_values import turned_axes
 from chainbuild.ik.branches.core.query import Query
 from chainbuild.kinematics.newton import Stall, below, newton, shrinking
-
-Vector = NDArray[np.float64]
 
 _MOST_STARTS: Final = 400
 _IDLE_STARTS: Final = 60  # starts in a row without a new branch that end the search

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 from numpy.typing import ArrayLike
 
-from chainbuild.chain.elements import Joint, Matrix, Vector
+from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.elements import Joint
 from chainbuild.chain.poses import link_placements
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import inverse

@@ -18,8 +18,8 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Vector
 from chainbuild.chain.elements import ControllerSolver
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import turned_axes
@@ -30,8 +30,6 @@ from chainbuild.ik.verify import is_met
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.newton import newton
 from chainbuild.units import mm_from_m
-
-Vector = NDArray[np.float64]
 
 _FLOOR: Final = 1e-12
 _SINGULAR_DAMPING: Final = 1e-3  # share of the squared error, as in the damped solver

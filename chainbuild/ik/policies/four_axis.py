@@ -18,9 +18,9 @@ from dataclasses import dataclass, replace
 from typing import Final, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild import frames, tolerances
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import turned_axes
@@ -32,8 +32,6 @@ from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.newton import below, newton, shrinking
 from chainbuild.units import rad_from_deg
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 Solve = Callable[[IkRequest], IkResult]
 
 _STEPS: Final = 40  # at most, of one descent

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild import tolerances
+from chainbuild.arrays import Vector
 from chainbuild.chain.elements import Task
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.region import freedoms_of
@@ -24,7 +25,6 @@ from chainbuild.kinematics.inputs import Pose
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.newton import Residual, below, newton, shrinking
 
-Vector = NDArray[np.float64]
 Preference = Literal["near", "middle", "dexterous"]
 Cost = Callable[[Vector], float]
 

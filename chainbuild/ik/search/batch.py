@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild import tolerances
+from chainbuild.arrays import Matrix
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.ik import rules
 from chainbuild.ik.options import DEFAULT, IkOptions
@@ -26,8 +27,6 @@ from chainbuild.kinematics.mechanism import Mechanism
 if TYPE_CHECKING:
     from chainbuild.kinematics.inputs import Pose
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _ALONE: Final = 512  # fewer poses are left to one core: waking another that is busy can take milliseconds
 _CHUNK: Final = 8192  # poses between two looks at the progress bar and the keyboard

@@ -15,13 +15,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik import rules
 from chainbuild.ik.options import IkOptions
 from chainbuild.ik.search.problem import Problem
 from chainbuild.ik.search.solver import find
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _NEIGHBOURS: Final = 16  # starts around the last solution, at growing distance
 _REACH: Final = 3.0  # of the farthest (rad or m)

@@ -12,8 +12,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik import rules
 from chainbuild.ik.options import DEFAULT, IkOptions
 from chainbuild.ik.request import Held
@@ -29,8 +30,6 @@ from chainbuild.kinematics.mechanism import Mechanism
 if TYPE_CHECKING:
     from chainbuild.kinematics.inputs import Pose
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _MOST: Final = 0.2  # an axis motion (rad or m) beyond which other branches are looked at
 _JUMP: Final = 0.5  # one beyond which the path around it is looked at as a whole

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik import rules
 from chainbuild.ik.search.found import Found
@@ -23,9 +24,6 @@ if TYPE_CHECKING:
     from chainbuild.ik.options import IkOptions
     from chainbuild.ik.search.problem import Problem
     from chainbuild.ik.search.starts.turned import Query
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 
 def search(problem: Problem, target: Matrix, start: Vector | None, wanted: Vector, options: IkOptions) -> Found:

@@ -12,6 +12,7 @@ from typing import Final, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Task as TaskKind
 from chainbuild.ik.options import IkOptions
 from chainbuild.ik.region import Box, freedoms_of
@@ -22,8 +23,6 @@ from chainbuild.ik.search.starts.turned import TurnedStarts, turned_starts
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import Product
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 T = TypeVar("T")
 
 KEPT: Final = 16  # problems kept a mechanism: additional axes may take another value with every pose

@@ -6,16 +6,12 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik import rules
 from chainbuild.ik.options import IkOptions
 from chainbuild.ik.search.found import Found
 from chainbuild.ik.search.problem import Problem
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 Search = Callable[[Problem, Matrix, Vector | None, IkOptions], Found]
 
 _RESTARTS = 8  # enough to find out about the position alone

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import is_rigid
 from chainbuild.ik import rules
@@ -23,9 +21,6 @@ from chainbuild.ik.search.found import Found
 from chainbuild.ik.search.problem import Problem, asked, problem_of
 from chainbuild.ik.search.reason import reason_of
 from chainbuild.kinematics.inputs import as_pose
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 
 def search(request: IkRequest) -> IkResult:

@@ -9,11 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Task
 from chainbuild.ik.result import STATUSES, IkResult, Status
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 
 class Words(NamedTuple):

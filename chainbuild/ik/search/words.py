@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik import rules
 from chainbuild.ik.options import IkOptions
 from chainbuild.ik.result import STATUSES, IkResult
@@ -16,9 +17,6 @@ from chainbuild.ik.search.found import Found
 from chainbuild.ik.search.problem import Problem
 from chainbuild.ik.search.solver import find, result_of
 from chainbuild.ik.search.table import Words
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _NUMBER: Final = re.compile(r"(?<![\w.])[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 

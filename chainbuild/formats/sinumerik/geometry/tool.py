@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild import frames, tolerances
+from chainbuild.arrays import Matrix
 from chainbuild.convention import Choices
 from chainbuild.errors import MachineDataError, OverlayError, Span
 from chainbuild.findings import Collector
@@ -19,8 +19,6 @@ from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.sinumerik.reading.catalogue import lookup
 from chainbuild.formats.sinumerik.reading.data_table import DataTable
 from chainbuild.formats.sinumerik.reading.robx import Robx, Vector3
-
-Matrix = NDArray[np.float64]
 
 # Flange axis along which lengths 1, 2 and 3 act. Only G17 is printed.
 _PLANES: Mapping[str, Mapping[int, str]] = {

@@ -12,9 +12,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild import frames
+from chainbuild.arrays import Matrix
 from chainbuild.chain.assemble import Element, Fixed, linear, mark, rotary, shift
 from chainbuild.convention import Choices
 from chainbuild.formats.sinumerik.geometry.robot_axes import RECIPES, Arm, InternalAxes, internal_axes, wrist
@@ -69,9 +69,6 @@ def _group(group: ExtraGroup) -> list[Element]:
 
 def _turn(axis: ExtraAxis | None) -> Sequence[Element]:
     return [] if axis is None else [rotary(axis.name, axis.direction, offset_deg=-axis.offset)]
-
-
-Matrix = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from chainbuild import frames
+from chainbuild.arrays import Matrix
 from chainbuild.convention import Choices
 from chainbuild.findings import Collector
 from chainbuild.formats.sinumerik.geometry.robot_axes import basic_moves
@@ -19,7 +20,6 @@ from chainbuild.formats.sinumerik.geometry.translate import Translation
 from chainbuild.formats.sinumerik.reading.robx import WRISTS, Robx
 from chainbuild.formats.sinumerik.reading.transformations import Report
 from chainbuild.formats.sinumerik.rules.few_axes import check_five_axes, check_four_axes
-from chainbuild.frames import Matrix
 
 _CENTRAL, _INCLINED, _ANGLED = 2, 3, 5
 _RIGHT_ANGLE_DEG = 1e-6

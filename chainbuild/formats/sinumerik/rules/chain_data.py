@@ -14,6 +14,7 @@ from typing import Literal
 
 import numpy as np
 
+from chainbuild.arrays import Matrix
 from chainbuild.chain.assemble import Fixed, Mark, Move
 from chainbuild.chain.elements import Axis, AxisConstraint, AxisSum, ControllerSolver, SingularityWatch
 from chainbuild.convention import Choices
@@ -24,7 +25,6 @@ from chainbuild.formats.sinumerik.reading.assignment import Assignment
 from chainbuild.formats.sinumerik.reading.data_table import DataTable, written_name
 from chainbuild.formats.sinumerik.reading.robx import Robx
 from chainbuild.formats.sinumerik.reading.transformations import Report
-from chainbuild.frames import Matrix
 from chainbuild.units import AxisKind, deg_from_rad, m_s_from_mm_min, mm_from_m, rad_s_from_rpm
 
 # The control's own default for an axis without software limits is ±1e8.

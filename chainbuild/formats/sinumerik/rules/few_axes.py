@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from chainbuild.arrays import Matrix
 from chainbuild.chain.assemble import Fixed, Move
 from chainbuild.convention import Choices
 from chainbuild.formats.sinumerik.geometry.robot_axes import basic_moves
 from chainbuild.formats.sinumerik.geometry.tool import Tool, length_transform
 from chainbuild.formats.sinumerik.geometry.translate import Translation, flange_frame
 from chainbuild.formats.sinumerik.reading.transformations import Report
-from chainbuild.frames import Matrix
 
 _CENTRAL = 2
 _ANGLE = 1e-9

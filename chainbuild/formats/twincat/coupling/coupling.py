@@ -9,8 +9,9 @@ from typing import Final
 import numpy as np
 
 from chainbuild import frames
+from chainbuild.arrays import Matrix
 from chainbuild.chain.compose import beside, displaced, follow, stack
-from chainbuild.chain.elements import Chain, Matrix, Partial
+from chainbuild.chain.elements import Chain, Partial
 from chainbuild.convention import Choices
 from chainbuild.errors import MachineDataError
 from chainbuild.findings import Collector

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild import frames
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AxisMap, refusal_of
 from chainbuild.chain.elements import Chain
 from chainbuild.chain.fold import reach
@@ -23,9 +23,6 @@ from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.config import Trafo
 from chainbuild.formats.twincat.types.catalogue import catalogue
 from chainbuild.units import AxisKind, mm_from_m, si_factor
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _POSITION: Final = 3
 _NEWTON_STEPS: Final = 50

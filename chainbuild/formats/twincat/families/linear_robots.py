@@ -11,15 +11,14 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Vector
 from chainbuild.chain.assemble import Element, linear, mark, shift, turn
 from chainbuild.convention import Choices
 from chainbuild.formats.twincat.recipes.parts import asked_sign
 from chainbuild.formats.twincat.recipes.recipe import Drive, Params, Recipe, RecipeFunction, driven
 from chainbuild.frames import cos_sin_deg, rot_x, rot_y, rot_z
 
-Vector = NDArray[np.float64]
 _ROTATIONS: Final = {"z": rot_z, "y": rot_y}
 
 

@@ -14,7 +14,8 @@ from typing import Final
 import numpy as np
 
 from chainbuild import tolerances
-from chainbuild.chain.axismap import AffineMap, Matrix, Vector
+from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.axismap import AffineMap
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.frames import cos_sin_deg
 from chainbuild.units import AxisKind, deg_from_rad, rad_from_deg

@@ -13,7 +13,8 @@ from typing import Protocol
 import numpy as np
 
 from chainbuild import tolerances
-from chainbuild.chain.axismap import AffineMap, Matrix, Vector
+from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.axismap import AffineMap
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.formats.twincat.maps.heads import FIVE_AXES, nonzero, straight_map
 from chainbuild.units import m_from_mm, rad_from_deg

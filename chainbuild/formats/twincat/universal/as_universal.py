@@ -15,8 +15,9 @@ from typing import Final
 
 import numpy as np
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.chain.elements import Chain, Joint, Matrix, Vector
+from chainbuild.chain.elements import Chain, Joint
 from chainbuild.chain.poses import frame_placement, link_placements, path_to
 from chainbuild.errors import UnsupportedKinematicError
 from chainbuild.formats.machine import Machine

@@ -13,13 +13,12 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from chainbuild import tolerances
+from chainbuild.arrays import Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import cos_sin_deg, rot_x, rot_y, rot_z, unit
-
-Vector = NDArray[np.float64]
 
 POINT_VECTOR_MODE: Final = 10
 _ROTATIONS: Final = {"A": rot_x, "B": rot_y, "C": rot_z}

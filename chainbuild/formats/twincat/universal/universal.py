@@ -16,6 +16,7 @@ from typing import Final
 
 import numpy as np
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.assemble import Element, Fixed, Move, assemble, mark, shift, turn
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.convention import Choices
@@ -23,13 +24,7 @@ from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.source import DIALECT, Source
 from chainbuild.formats.twincat.lists.toollist import acting_params
 from chainbuild.formats.twincat.types.draft import angle_mode, draft_name
-from chainbuild.formats.twincat.universal.universal_data import (
-    Matrix,
-    UniversalAxis,
-    UniversalData,
-    Vector,
-    read_universal,
-)
+from chainbuild.formats.twincat.universal.universal_data import UniversalAxis, UniversalData, read_universal
 from chainbuild.frames import inverse, rot_about, unit
 from chainbuild.units import deg_from_rad
 

@@ -12,16 +12,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild import tolerances
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import MachineDataError, Span
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.config import RawValue, Trafo
 from chainbuild.units import AxisKind, mm_from_tenth_um
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _SLOTS_AHEAD: Final = 7
 _SLOTS_AN_AXIS: Final = 7

@@ -15,8 +15,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Task
 from chainbuild.frames import inverse
 from chainbuild.ik.branches.arms.orientation import across, for_rotation
@@ -28,8 +28,6 @@ from chainbuild.ik.branches.core.subproblems import norm, part_across, rotate, s
 if TYPE_CHECKING:
     from chainbuild.ik.branches.arms.positioner import Reach
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 ArmName = Literal["spherical wrist", "single wrist axis", "parallel arm", "position"]
 
 # Why each of them is solved as it is, for `SolverPlan`.

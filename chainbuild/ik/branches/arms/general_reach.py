@@ -15,11 +15,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Vector
 from chainbuild.ik.branches.core.roots import real_angles, real_lengths
 from chainbuild.ik.branches.core.serial import Screw
 from chainbuild.ik.branches.core.subproblems import ON_AXIS, cross, norm, part_across, subproblem_1, subproblem_4
 
-Vector = NDArray[np.float64]
 Vectors = NDArray[np.complex128]  # (n, 3)
 Values = tuple[float, float, float]
 

@@ -6,12 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik.branches.core.subproblems import norm, part_across, rotate, subproblem_1, subproblem_2
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,8 +13,8 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Vector
 from chainbuild.ik.branches.arms.general_reach import meeting_slide, skew_turns, slide_turn_slide, turn_slide_turn
 from chainbuild.ik.branches.core.serial import Screw
 from chainbuild.ik.branches.core.subproblems import (
@@ -28,7 +28,6 @@ from chainbuild.ik.branches.core.subproblems import (
     subproblem_4,
 )
 
-Vector = NDArray[np.float64]
 Values = tuple[float, float, float]
 Reach = Callable[[Vector, Vector, Sequence[float]], list[Values]]
 Solver = Callable[[Sequence[Screw], Vector, Vector, Sequence[float]], list[Values]]

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.frames import transform
 from chainbuild.ik.branches.arms.positioner import parallel
 from chainbuild.ik.branches.core.serial import Screw, Serial
@@ -22,8 +22,6 @@ from chainbuild.ik.branches.core.subproblems import rotation, subproblem_1
 if TYPE_CHECKING:
     from chainbuild.ik.branches.core.serial import ArmSolver, Solution
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 NO_JOINT: Final = -1
 

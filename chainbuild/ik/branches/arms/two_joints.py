@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Vector
 from chainbuild.ik.branches.arms.positioner import meeting_point, parallel, two_parallel_turns
 from chainbuild.ik.branches.core.serial import Screw
 from chainbuild.ik.branches.core.subproblems import cross, norm, subproblem_1, subproblem_2, subproblem_4
 
-Vector = NDArray[np.float64]
 Pair = tuple[float, float]
 
 _BETWEEN: Final = 1e-12

@@ -9,15 +9,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Indices, Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.ik.branches.core.query import Query
-from chainbuild.ik.branches.core.serial import Indices
 from chainbuild.ik.region import periodic_axes
 from chainbuild.kinematics.mechanism import Mechanism
-
-Vector = NDArray[np.float64]
 
 _MAP_STEPS: Final = 20  # Newton steps that bring a nonlinear axis map to given joint values
 _MAP_STARTS: Final = 12

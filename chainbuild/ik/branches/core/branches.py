@@ -8,17 +8,14 @@ from dataclasses import dataclass, replace
 from typing import Final, NamedTuple, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Integers, Matrix, Vector
 from chainbuild.chain.elements import Task
 from chainbuild.ik.branches.core.query import Query
 from chainbuild.ik.result import IkResult
 from chainbuild.ik.verify import is_met, on_limits
 from chainbuild.kinematics.newton import below, newton, shrinking
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
-Integers = NDArray[np.int64]
 Candidate = tuple[Vector, tuple[str, ...]]  # SI axis values, and the names of axes that are free there
 
 # Errors above this are polished by Newton steps: closed forms lose digits near singular points.

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild.ik.branches.core.serial import Indices, Serial, Structure, structure_of, unrolled
+from chainbuild.arrays import Indices, Vector
+from chainbuild.ik.branches.core.serial import Serial, Structure, structure_of, unrolled
 from chainbuild.ik.region import freedoms_of
 from chainbuild.ik.request import IkRequest
 from chainbuild.kinematics.inputs import Pose
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.tolerances import LIMIT_SLACK
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

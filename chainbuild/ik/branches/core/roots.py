@@ -12,7 +12,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
+from chainbuild.arrays import Vector
+
 ComplexVector = NDArray[np.complex128]
 
 # How far beside the real ones a root may lie: rounding moves a double root by the square root of the last digit.

@@ -13,15 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Indices, Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import BASE_LINK, Chain, Joint, JointKind
 from chainbuild.frames import inverse, transform
 from chainbuild.ik.branches.core.subproblems import rotation
 from chainbuild.kinematics.mechanism import Mechanism
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 Solution = tuple[Vector, tuple[bool, ...]]  # joint values in the order of the screws, and which of them are free
 ArmSolver = Callable[[Matrix, Sequence[float]], list[Solution]]  # (target (4, 4), values to keep) → solutions

@@ -21,7 +21,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
+from chainbuild.arrays import Vector
 
 # A vector whose part across an axis is below this share of its length lies on the axis: its turn says nothing.
 ON_AXIS: Final = 1e-9

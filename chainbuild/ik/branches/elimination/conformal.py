@@ -11,13 +11,9 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Complex, Matrix, Vector
 from chainbuild.ik.branches.core.serial import Screw
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 SIZE: Final = 15
 ONE: Final = 4  # the entry of an arrow that is always 1

@@ -7,13 +7,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from chainbuild.arrays import Matrix, Vector
 
 if TYPE_CHECKING:
     from chainbuild.ik.branches.core.serial import ArmSolver, Serial, Solution
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 
 def eaik_robot(serial: Serial) -> Any | None:

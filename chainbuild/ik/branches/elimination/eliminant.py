@@ -14,12 +14,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Complex
 from chainbuild.chain.elements import JointKind
 from chainbuild.ik.branches.core.roots import NEARLY_REAL
 
-Complex = NDArray[np.complex128]
 Kinds = tuple[JointKind, JointKind, JointKind]
 
 SINGULAR: Final = 1e12  # condition above which the equations do not tell solutions apart

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.frames import inverse, transform
 from chainbuild.ik.branches.core.serial import Screw, Serial, image
 from chainbuild.ik.branches.core.subproblems import cross, rotation
@@ -27,8 +27,6 @@ from chainbuild.ik.branches.elimination.loop import Loop, closed, eliminant, equ
 if TYPE_CHECKING:
     from chainbuild.ik.branches.core.serial import Solution
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 Opening = tuple[int, int]  # the joint before which the loop is opened, and which of the inner joints is solved for
 
 JOINTS: Final = 6

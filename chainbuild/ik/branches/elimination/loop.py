@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Complex, Matrix, Vector
 from chainbuild.ik.branches.arms.orientation import across
 from chainbuild.ik.branches.arms.positioner import parallel
 from chainbuild.ik.branches.arms.two_joints import reach_by_two
@@ -21,9 +21,6 @@ from chainbuild.ik.branches.core.subproblems import rotate, subproblem_1, subpro
 from chainbuild.ik.branches.elimination.conformal import ONE, SIZE, backwards, motion
 from chainbuild.ik.branches.elimination.eliminant import Eliminant
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Pair = tuple[float, float]
 
 _EQUATIONS: Final = np.array([n for n in range(SIZE) if n != ONE])

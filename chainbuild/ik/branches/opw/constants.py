@@ -6,9 +6,9 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild import tolerances
+from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.frames import inverse
 from chainbuild.ik.branches.core.query import Query
@@ -17,8 +17,6 @@ from chainbuild.ik.branches.opw.parameters import OpwArm, opw_arm
 from chainbuild.ik.request import IkRequest
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.tolerances import LIMIT_SLACK
-
-Matrix = NDArray[np.float64]
 
 _NO_LIMIT: Final = 1e300  # infinity times zero turns would be no number
 _SHORTEST: Final = 1e-6  # upper arm and forearm of at least this [m]

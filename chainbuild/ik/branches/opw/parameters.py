@@ -10,15 +10,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.frames import inverse
 from chainbuild.ik.branches.arms.arms import wrist_centre
 from chainbuild.ik.branches.arms.positioner import parallel
 from chainbuild.ik.branches.core.serial import Serial
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _RIGHT_ANGLE = 1e-9
 

@@ -10,13 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik.options import IkOptions
 from chainbuild.ik.search.found import Found
 from chainbuild.ik.search.problem import KEPT, Problem
 from chainbuild.ik.search.starts.turned import TurnedStarts
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 
 @cache

@@ -14,13 +14,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild import frames
+from chainbuild.arrays import Matrix
 from chainbuild.kinematics.product import Product, poses_at
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _PARALLEL: Final = 1e-12
 _ROUNDED: Final = 1e-9  # m: a stretched arm reaches its own length, rounding included

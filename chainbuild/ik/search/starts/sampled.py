@@ -13,13 +13,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.region import Box, finite_span
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import poses_at
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _COUNT: Final = 256
 _TURN_SHARE: Final = 0.3  # a squared turn counts as much as this share of the squared spread of the positions

@@ -23,14 +23,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik.region import Box
 from chainbuild.ik.search.starts.arm_reach import ends_of
 from chainbuild.ik.search.starts.sampled import off_middle, points_inside
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import Product, poses_at
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 COUNT: Final = 1024
 DIRECTION_SHARE: Final = 0.4  # of the spread of radius and height: so much does the direction count
