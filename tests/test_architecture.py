@@ -153,3 +153,19 @@ def test_hand_formulas_import_numpy_and_math_only() -> None:
             elif isinstance(node, ast.Import):
                 for alias in node.names:
                     assert alias.name.split(".")[0] in allowed, f"{path.name} imports {alias.name}"
+
+
+FOLDERS = sorted({path.parent for path in FILES} - {PACKAGE})
+MAY_BE_LONG = {"formats/twincat/families", "cli"}  # one file a kind
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.relative_to(PACKAGE).as_posix())
+def test_folders_are_small_and_name_their_files(folder: Path) -> None:
+    name = folder.relative_to(PACKAGE).as_posix()
+    files = [path.stem for path in folder.glob("*.py") if not path.stem.startswith("__")]
+    assert len(files) <= 12 or name in MAY_BE_LONG
+    said = ast.get_docstring(ast.parse((folder / "__init__.py").read_text("utf-8"))) or ""
+    if name != "formats/twincat/families":  # found by themselves
+        assert [stem for stem in files if f"`{stem}`" not in said] == []
+    rooms = [path.name for path in folder.iterdir() if (path / "__init__.py").exists()]
+    assert [room for room in rooms if f"`{room}`" not in said] == []

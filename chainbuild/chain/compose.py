@@ -8,7 +8,7 @@ changes.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,12 +16,49 @@ from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import Block, side_by_side
-from chainbuild.chain.carried import carried_c, constraints, joined_geometry, padded
-from chainbuild.chain.elements import Chain, Frame, Joint, Link, Loop, Partial
+from chainbuild.chain.elements import AxisConstraint, AxisSum, Chain, Frame, Joint, Link, Loop, Partial
 from chainbuild.chain.fold import drawn, joint_motion
+from chainbuild.chain.geometry import Geometry
 from chainbuild.chain.names import Names, as_name, free_name
 from chainbuild.chain.poses import path_to
 from chainbuild.frames import inverse
+
+
+def constraints(chain: Chain, before: int, after: int) -> Iterable[AxisConstraint]:
+    """Yield the limits on sums of axes of a chain, with other axes before and after its own."""
+    for constraint in chain.constraints:
+        yield replace(constraint, sum=padded(constraint.sum, before, after))
+
+
+def padded(total: AxisSum, before: int, after: int) -> AxisSum:
+    """Return a sum over more axes, those before and after having no part in it."""
+    return AxisSum((0.0,) * before + total.coefficients + (0.0,) * after, total.offset)
+
+
+def carried_c(lower: Chain, T_offset: Matrix, upper: Chain) -> AxisSum | None:
+    """Return upper's running angle C, which still is one where lower and the offset only shift."""
+    turned = any(joint.kind == "revolute" for joint in lower.joints) or not np.array_equal(T_offset[:3, :3], np.eye(3))
+    if upper.absolute_c is None or turned:
+        return None
+    return padded(upper.absolute_c, len(lower.axes), 0)
+
+
+def joined_geometry(host: Geometry, guest: Geometry, names: Names, moved: Sequence[str]) -> Geometry:
+    """Return what overlays say about the bodies of both.
+
+    Args:
+        host: Of the chain that is grafted on.
+        guest: Of the chain that is grafted.
+        names: The guest's new names.
+        moved: The guest's links whose frames are elsewhere now: their shapes are drawn by rule again.
+    """
+    named = {link: new for link, new in names.links.items() if link not in moved}
+    return replace(
+        host,
+        radii={**{named[link]: r for link, r in guest.radii.items() if link in named}, **host.radii},
+        shapes={**{named[link]: s for link, s in guest.shapes.items() if link in named}, **host.shapes},
+        ignore=(*host.ignore, *((names.links[a], names.links[b]) for a, b in guest.ignore)),
+    )
 
 
 def stack(
