@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from typing import Final
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -86,9 +85,6 @@ class Scaling:
         return picked
 
 
-_scalings: WeakKeyDictionary[Mechanism, Scaling] = WeakKeyDictionary()
-
-
 def characteristic_length(chain: Chain) -> float:
     """Return the length [m] that scales a chain by default: from its first joint to the tips, all offsets added up.
 
@@ -130,10 +126,7 @@ def scaling_of(robot: Mechanism, length: float | None = None) -> Scaling:
         ChainbuildError: the length is not a finite number above 0.
     """
     if length is None:
-        found = _scalings.get(robot)
-        if found is None:
-            found = _scalings[robot] = scaling_of(robot, characteristic_length(robot.chain))
-        return found
+        return robot.prepared("scaling", lambda: scaling_of(robot, characteristic_length(robot.chain)))
     if not (np.isfinite(length) and length > 0.0):
         raise ChainbuildError(
             "the characteristic length makes no scale", parameter="length", permitted="a finite number above 0 (m)"

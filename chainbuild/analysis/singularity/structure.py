@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Final, Literal
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -97,17 +96,15 @@ class Structure:
     length: float
 
 
-_structures: WeakKeyDictionary[Mechanism, Structure] = WeakKeyDictionary()
-
-
 def structure_of(robot: Mechanism) -> Structure:
     """Return a robot's structure, found at first use."""
-    found = _structures.get(robot)
-    if found is None:
-        probes = [lines_at(robot, values) for values in _probe_positions(robot)]
-        length = characteristic_length(robot.chain)
-        found = _structures[robot] = Structure(_form(robot.chain, probes, length), length)
-    return found
+    return robot.prepared("singular structure", lambda: _found(robot))
+
+
+def _found(robot: Mechanism) -> Structure:
+    probes = [lines_at(robot, values) for values in _probe_positions(robot)]
+    length = characteristic_length(robot.chain)
+    return Structure(_form(robot.chain, probes, length), length)
 
 
 def lines_at(robot: Mechanism, axes: ArrayLike) -> Lines:
