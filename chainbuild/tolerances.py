@@ -22,6 +22,9 @@ ANGLE_NOISE: Final = 1e-13
 # 1e-4 mm or degrees, and what a micrometre of the pose stands for is more.
 LIMIT_SLACK: Final = 1e-6
 
+# An axis value [deg] counts as below zero for status and turn from here on: -2.5e-15 is a zero that was rounded.
+BELOW_ZERO_DEG: Final = 1e-9
+
 # A direction vector shorter than this is taken as zero.
 ZERO_VECTOR: Final = 1e-12
 

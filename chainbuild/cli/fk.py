@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from chainbuild.cli.axisvalues import At, values_of
 from chainbuild.cli.show import note, output, with_progress
-from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, UsageError, held_axes, pointed_axis
+from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, UsageError, held_axes
 from chainbuild.errors import ChainbuildError, Span
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def fk(
         coupled = bool(robot.chain.constraints)
         held = held_axes(robot)
         writer = PoseWriter(
-            stream, robot.chain.angle_mode, tool_axis=pointed_axis(robot), held=list(held), violations=coupled
+            stream, robot.chain.angle_mode, tool_axis=robot.chain.tool_axis, held=list(held), violations=coupled
         )
         for span, values in _rows(given, table):
             violated = robot.violated_limits(values)

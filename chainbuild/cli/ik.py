@@ -15,7 +15,7 @@ from cyclopts import Parameter
 
 from chainbuild import tolerances
 from chainbuild.cli.show import note, output, with_progress
-from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, held_axes, pointed_axis
+from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, held_axes
 from chainbuild.errors import ChainbuildError, Span, TableError
 from chainbuild.units import deg_from_rad, mm_from_m
 
@@ -316,6 +316,6 @@ def _pose_table(robot: Robot, poses: Path) -> PoseTable:
         robot.task,
         follows_c=chain.follows_c,
         running_c=chain.absolute_c is not None,
-        tool_axis=pointed_axis(robot),
+        tool_axis=robot.chain.tool_axis,
         held=list(held_axes(robot)),
     )

@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
@@ -109,14 +109,6 @@ class MachineOptions:
 
 
 DEFAULT_OPTIONS = MachineOptions()
-
-
-def pointed_axis(robot: Robot) -> Literal["x", "z"]:
-    """Return the axis of the tool frame that the columns tool_x, tool_y, tool_z hold.
-
-    Z, but for machines that are programmed by the tool direction their own: on ROBX robots of five axes that is X.
-    """
-    return robot.chain.tool_axis if robot.task == "direction" else "z"
 
 
 def held_axes(robot: Robot) -> dict[str, int]:

@@ -36,7 +36,8 @@ def recorded() -> list[str]:
 def test_fk_gives_the_recorded_poses(run: Run, name: str) -> None:
     record = json.loads((REFERENCE / f"{name}.json").read_text("utf-8"))
     machine = next(path for path in REFERENCE.glob(f"{name}.*") if path.suffix != ".json")
-    axes = [axis.name for axis in chainbuild.load(machine).chain().axes]
+    chain = chainbuild.load(machine).chain()
+    axes, column = [axis.name for axis in chain.axes], chain.tool_column
     write("axes.csv", ",".join(axes) + "\n" + "".join(",".join(map(repr, r["axes"])) + "\n" for r in record["rows"]))
     options = ["--tool-length", repr(record["tool_length"])] if record.get("tool_length") else []
     outcome = run("fk", machine, "--axes", "axes.csv", "-o", "poses.csv", *options)
@@ -49,7 +50,7 @@ def test_fk_gives_the_recorded_poses(run: Run, name: str) -> None:
             assert np.abs(R - recorded["R"]).max() <= 1e-9
         else:
             assert np.abs(R[:, 2] - recorded["z"]).max() <= 1e-9
-        assert np.abs([float(row[f"tool_{c}"]) for c in "xyz"] - R[:, 2]).max() <= 1e-12
+        assert np.abs([float(row[f"tool_{c}"]) for c in "xyz"] - R[:, column]).max() <= 1e-12
 
 
 def test_columns_of_fk_in_any_order_to_stdout(run: Run) -> None:

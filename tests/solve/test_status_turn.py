@@ -84,3 +84,13 @@ def test_other_kinematics_have_none() -> None:
         status_turn(arm(), np.zeros(6))
     assert arm().ik_all(arm().fk([0, -90, 90, 0, 30, 0]))[0].status_bits is None
     assert robot_of(45).ik_all(robot_of(45).fk([10, 20, 30, 40, 50, 60]))[0].status_bits is not None
+
+
+def test_a_zero_that_was_rounded_is_not_below_zero() -> None:
+    robot = chainbuild.Robot.load("kr6r900_2")
+    assert (
+        status_turn(robot, [10.0, -80.0, 70.0, 20.0, 40.0, -2.5e-15])[1]
+        == status_turn(robot, [10.0, -80.0, 70.0, 20.0, 40.0, 0.0])[1]
+    )
+    assert status_turn(robot, [10.0, -80.0, 70.0, 20.0, 40.0, -1e-8])[1] & 32
+    assert not status_turn(robot, [10.0, -80.0, 70.0, 20.0, -1e-12, 0.0])[0] & 4
