@@ -8,6 +8,7 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import ChainbuildError, FileAccessError
+from tests.kit.machine_files import machine_file
 
 
 def errors(path: Path, **options: Path) -> list[str]:
@@ -60,16 +61,8 @@ def test_what_cannot_be_read_is_raised(tmp_path: Path) -> None:
             chainbuild.check("irb2600", overlay=path)
 
 
-def write(folder: Path, text: str, overlay: str = "") -> Path:
-    path = folder / "machine.lis"
-    path.write_text(text, "utf-8")
-    if overlay:
-        (folder / "machine.chainbuild.toml").write_text(overlay, "utf-8")
-    return path
-
-
 def test_an_unsupported_kinematic_beside_the_default_is_a_warning(tmp_path: Path) -> None:
-    path = write(tmp_path, "trafo[0].id 9\ntrafo[1].id 37\n")
+    path = machine_file(tmp_path, "trafo[0].id 9\ntrafo[1].id 37\n")
     (finding,) = [f for f in chainbuild.check(path) if f.severity != "info"]
     assert (finding.code, finding.severity) == ("CB223", "warning")
     assert finding in chainbuild.load(path).findings
@@ -79,20 +72,20 @@ def test_an_unsupported_kinematic_beside_the_default_is_a_warning(tmp_path: Path
 @pytest.mark.parametrize("overlay", ["", "kinematic = 37"])
 def test_an_unsupported_default_is_an_error(overlay: str, tmp_path: Path) -> None:
     text = "trafo[0].id 9\ntrafo[1].id 37\n" if overlay else "kinematik_id 37\ntrafo[0].id 9\ntrafo[1].id 37\n"
-    path = write(tmp_path, text, overlay)
+    path = machine_file(tmp_path, text, overlay)
     assert any("Delta robot" in text for text in errors(path))
     with pytest.raises(ChainbuildError, match="Delta robot"):
         chainbuild.load(path).chain()
 
 
 def test_an_unsupported_kinematic_that_the_overlay_passes_over_is_a_warning(tmp_path: Path) -> None:
-    path = write(tmp_path, "kinematik_id 37\ntrafo[0].id 9\ntrafo[1].id 37\n", "kinematic = 9")
+    path = machine_file(tmp_path, "kinematik_id 37\ntrafo[0].id 9\ntrafo[1].id 37\n", "kinematic = 9")
     assert errors(path) == []
     assert chainbuild.load(path).chain().kinematic == "KIN_TYP 9"
 
 
 def test_another_fault_of_a_second_kinematic_stays_an_error(tmp_path: Path) -> None:
-    path = write(tmp_path, "trafo[0].id 9\ntrafo[1].id 45\ntrafo[1].param[20] 7\n")
+    path = machine_file(tmp_path, "trafo[0].id 9\ntrafo[1].id 45\ntrafo[1].param[20] 7\n")
     assert any("HD21 is 7" in text for text in errors(path))
 
 

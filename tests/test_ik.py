@@ -9,7 +9,8 @@ import pytest
 from chainbuild.chain.assemble import Element, linear, mark, rotary, shift
 from chainbuild.errors import AxisValueError
 from chainbuild.robot import Robot
-from tests.test_robot import arm, make_chain, random_axes, table_machine
+from tests.kit.draws import random_axes
+from tests.kit.robots import arm, make_chain, table_machine
 
 
 def scara() -> Robot:

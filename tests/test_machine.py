@@ -25,7 +25,8 @@ from chainbuild.formats.sinumerik import machine as robx_machine
 from chainbuild.formats.text import read_source
 from chainbuild.formats.twincat import files as twincat_files
 from chainbuild.formats.twincat import machine as twincat_machine
-from tests.sinumerik.robx_files import NR6, robx_text
+from tests.kit.machine_files import machine_file
+from tests.kit.robx_files import NR6, robx_text
 
 
 @dataclass(frozen=True)
@@ -112,14 +113,6 @@ def translations(dialect: Dialect, monkeypatch: pytest.MonkeyPatch) -> list[obje
     return calls
 
 
-def write(folder: Path, text: str, overlay: str = "") -> Path:
-    path = folder / "machine.txt"
-    path.write_text(text, "utf-8")
-    if overlay:
-        (folder / "machine.chainbuild.toml").write_text(overlay, "utf-8")
-    return path
-
-
 def lenient(dialect: Dialect, path: Path) -> Machine:
     """Read a file as `check` does."""
     return dialect.reads(read_source(path), path, find_overlay(path), Collector(strict=False))
@@ -133,7 +126,7 @@ def errors(machine: Machine) -> list[str]:
 
 
 def test_an_unknown_kinematic(dialect: Dialect, tmp_path: Path) -> None:
-    path = write(tmp_path, dialect.good)
+    path = machine_file(tmp_path, dialect.good)
     for machine in (chainbuild.load(path), lenient(dialect, path)):
         for ask in (machine.chain, machine.parameters):
             with pytest.raises(MachineDataError, match="configures no kinematic 77") as caught:
@@ -143,7 +136,7 @@ def test_an_unknown_kinematic(dialect: Dialect, tmp_path: Path) -> None:
 
 
 def test_an_unknown_kinematic_of_the_overlay(dialect: Dialect, tmp_path: Path) -> None:
-    path = write(tmp_path, dialect.good, "kinematic = 77\n")
+    path = machine_file(tmp_path, dialect.good, "kinematic = 77\n")
     machine = chainbuild.load(path)
     with pytest.raises(MachineDataError, match="configures no kinematic 77") as caught:
         machine.chain()
@@ -153,7 +146,7 @@ def test_an_unknown_kinematic_of_the_overlay(dialect: Dialect, tmp_path: Path) -
 
 
 def test_an_unknown_channel(dialect: Dialect, tmp_path: Path) -> None:
-    machine = chainbuild.load(write(tmp_path, dialect.good))
+    machine = chainbuild.load(machine_file(tmp_path, dialect.good))
     known = str(machine.kinematics()[0].channel)
     for ask in (machine.chain, machine.parameters):
         with pytest.raises(MachineDataError, match="channel 9") as caught:
@@ -164,14 +157,14 @@ def test_an_unknown_channel(dialect: Dialect, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("length", [float("nan"), float("inf"), tolerances.HUGE_AXIS_VALUE, "5", None])
 def test_a_tool_length_that_is_none(dialect: Dialect, length: float, tmp_path: Path) -> None:
-    machine = chainbuild.load(write(tmp_path, dialect.good))
+    machine = chainbuild.load(machine_file(tmp_path, dialect.good))
     with pytest.raises(MachineDataError, match="the tool length") as caught:
         machine.chain(tool_length_mm=length)
     assert caught.value.parameter == "tool_length_mm"
 
 
 def test_conventions_that_do_not_exist(dialect: Dialect, tmp_path: Path) -> None:
-    machine = chainbuild.load(write(tmp_path, dialect.good))
+    machine = chainbuild.load(machine_file(tmp_path, dialect.good))
     name, _ = dialect.choice
     with pytest.raises(ConventionError, match="unknown convention 'no_such'"):
         machine.chain(conventions={"no_such": "x"})
@@ -182,19 +175,19 @@ def test_conventions_that_do_not_exist(dialect: Dialect, tmp_path: Path) -> None
 
 
 def test_a_convention_that_is_used(dialect: Dialect, tmp_path: Path) -> None:
-    machine = chainbuild.load(write(tmp_path, dialect.good))
+    machine = chainbuild.load(machine_file(tmp_path, dialect.good))
     name, choice = dialect.choice
     usual, chosen = machine.chain(), machine.chain(conventions={name: choice})
     used = {one.convention.name: (one.choice, one.by_user) for one in chosen.conventions}
     assert used[name] == (choice, True)
     assert [(one.choice, one.by_user) for one in usual.conventions if one.convention.name == name] != [(choice, True)]
     assert chosen.findings == usual.findings
-    by_overlay = chainbuild.load(write(tmp_path, dialect.good, f'[conventions]\n{name} = "{choice}"\n'))
+    by_overlay = chainbuild.load(machine_file(tmp_path, dialect.good, f'[conventions]\n{name} = "{choice}"\n'))
     assert by_overlay.chain().conventions == chosen.conventions
 
 
 def test_a_convention_that_is_not_used(dialect: Dialect, tmp_path: Path) -> None:
-    machine = chainbuild.load(write(tmp_path, dialect.good))
+    machine = chainbuild.load(machine_file(tmp_path, dialect.good))
     usual, other = machine.chain(), machine.chain(conventions={"tfl_ext": "after_fl", "kin98_carrier": "refused"})
     added = other.findings[len(usual.findings) :]
     assert other.findings[: len(usual.findings)] == usual.findings
@@ -207,7 +200,7 @@ def test_a_convention_that_is_not_used(dialect: Dialect, tmp_path: Path) -> None
 
 
 def test_a_value_that_reading_refuses(dialect: Dialect, tmp_path: Path) -> None:
-    path = write(tmp_path, dialect.refused_value)
+    path = machine_file(tmp_path, dialect.refused_value)
     with pytest.raises(ChainbuildError) as caught:
         chainbuild.load(path)
     machine = lenient(dialect, path)
@@ -222,7 +215,7 @@ def test_a_value_that_reading_refuses(dialect: Dialect, tmp_path: Path) -> None:
 
 def test_data_that_make_no_machine(dialect: Dialect, tmp_path: Path) -> None:
     text, code = dialect.refused_data
-    path = write(tmp_path, text)
+    path = machine_file(tmp_path, text)
     with pytest.raises(MachineDataError) as caught:
         chainbuild.load(path).chain()
     assert caught.value.code == code
@@ -237,7 +230,7 @@ def test_data_that_make_no_machine(dialect: Dialect, tmp_path: Path) -> None:
 
 
 def test_a_lenient_machine_goes_on_to_find_more(dialect: Dialect, tmp_path: Path) -> None:
-    path = write(tmp_path, dialect.two_errors)
+    path = machine_file(tmp_path, dialect.two_errors)
     first, second = (finding for finding in chainbuild.check(path) if finding.severity == "error")
     assert first.text != second.text
     with pytest.raises(MachineDataError) as caught:
@@ -248,7 +241,7 @@ def test_a_lenient_machine_goes_on_to_find_more(dialect: Dialect, tmp_path: Path
 def test_a_strict_machine_stops_at_the_first_error(
     dialect: Dialect, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    machine = chainbuild.load(write(tmp_path, dialect.good))
+    machine = chainbuild.load(machine_file(tmp_path, dialect.good))
     collectors: list[Collector] = []
 
     def translate(_selected: object, _length: float, _choose: object, collector: Collector) -> None:
@@ -264,7 +257,7 @@ def test_a_strict_machine_stops_at_the_first_error(
 
 def test_a_sound_kinematic_beside_a_faulty_one(tmp_path: Path) -> None:
     text = "trafo[0].id 9\ntrafo[1].id 45\ntrafo[1].param[20] 7\n"
-    path = write(tmp_path, text)
+    path = machine_file(tmp_path, text)
     for machine in (chainbuild.load(path), lenient(DIALECTS["TwinCAT"], path)):
         for _ in range(2):
             with pytest.raises(MachineDataError, match="HD21"):
@@ -276,7 +269,7 @@ def test_a_sound_kinematic_beside_a_faulty_one(tmp_path: Path) -> None:
 def test_a_chain_that_contradicts_itself_is_refused_when_it_is_translated(
     dialect: Dialect, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    machine = chainbuild.load(write(tmp_path, dialect.good))
+    machine = chainbuild.load(machine_file(tmp_path, dialect.good))
     whole = machine._translate
 
     def broken(*arguments: object) -> chainbuild.Chain:
@@ -292,7 +285,7 @@ def test_a_chain_that_contradicts_itself_is_refused_when_it_is_translated(
 
 
 def test_loading_and_asking_translates_once(dialect: Dialect, translations: list[object], tmp_path: Path) -> None:
-    machine = chainbuild.load(write(tmp_path, dialect.good))
+    machine = chainbuild.load(machine_file(tmp_path, dialect.good))
     chain = machine.chain()
     entry = machine.kinematics()[0]
     for again in (
@@ -310,7 +303,7 @@ def test_loading_and_asking_translates_once(dialect: Dialect, translations: list
 def test_other_arguments_are_translated_anew(dialect: Dialect, translations: list[object], tmp_path: Path) -> None:
     name, choice = dialect.choice
     machine = chainbuild.load(
-        write(tmp_path, dialect.good, f'tool_length_mm = 20\n[conventions]\n{name} = "{choice}"\n')
+        machine_file(tmp_path, dialect.good, f'tool_length_mm = 20\n[conventions]\n{name} = "{choice}"\n')
     )
     chain = machine.chain()
     assert machine.chain(conventions={name: choice}).joints is chain.joints
@@ -330,7 +323,7 @@ def test_other_arguments_are_translated_anew(dialect: Dialect, translations: lis
 def test_check_translates_each_kinematic_once(
     dialect: Dialect, overlay: str, translations: list[object], tmp_path: Path
 ) -> None:
-    path = write(tmp_path, dialect.good, overlay.format(second=dialect.second))
+    path = machine_file(tmp_path, dialect.good, overlay.format(second=dialect.second))
     found = chainbuild.check(path)
     assert all(finding.severity != "error" for finding in found)
     assert len(translations) == len(chainbuild.load(path).kinematics())
@@ -338,6 +331,6 @@ def test_check_translates_each_kinematic_once(
 
 def test_check_translates_a_faulty_kinematic_once(dialect: Dialect, translations: list[object], tmp_path: Path) -> None:
     text, code = dialect.refused_data
-    found = chainbuild.check(write(tmp_path, text))
+    found = chainbuild.check(machine_file(tmp_path, text))
     assert code in {finding.code for finding in found}
     assert len(translations) == len(lenient(dialect, tmp_path / "machine.txt").kinematics())

@@ -6,57 +6,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from chainbuild.chain.assemble import Element, assemble, linear, mark, rotary, shift
-from chainbuild.chain.elements import Axis, Chain
+from chainbuild.chain.assemble import Element, linear, rotary, shift
 from chainbuild.chain.fold import drawn_bounds
 from chainbuild.errors import AxisValueError, ChainbuildError, ChainError
 from chainbuild.robot import Robot
-
-LIMITS = {
-    "A1": (-170, 170), "A2": (-190, 45), "A3": (-120, 156), "A4": (-185, 185), "A5": (-120, 120), "A6": (-350, 350),
-}  # fmt: skip
-
-
-def make_chain(tool: list[Element], workpiece: list[Element], names: str, held: tuple[str, ...] = ()) -> Chain:
-    axes = []
-    for name in names.split():
-        kind = "linear" if name[0] in "XYZ" else "rotary"
-        bound = 500.0 if kind == "linear" else 180.0
-        lower, upper = LIMITS.get(name, (-bound, bound))
-        axes.append(Axis(name, kind, "mm" if kind == "linear" else "deg", lower, upper, False, held=name in held))
-    body = assemble(axes, tool, workpiece)
-    return Chain(
-        "test", "Test", "test", "test", body.links, body.joints, body.frames, tuple(axes), body.axis_map, "orirpy"
-    )
-
-
-def arm_elements() -> list[Element]:
-    return [
-        shift(z=400.0), rotary("A1", "z", sign=-1.0), shift(x=25.0), rotary("A2", "y"), shift(x=455.0),
-        rotary("A3", "y"), shift(z=35.0), rotary("A4", "x", sign=-1.0), shift(x=420.0), rotary("A5", "y"),
-        rotary("A6", "x", sign=-1.0), shift(x=80.0), mark("flange"), shift(x=10.0, y=20.0, z=30.0),
-    ]  # fmt: skip
-
-
-def arm() -> Robot:
-    return Robot(make_chain(arm_elements(), [], "A1 A2 A3 A4 A5 A6"))
-
-
-def table_machine() -> Robot:
-    tool: list[Element] = [linear("X", "x"), linear("Y", "y"), linear("Z", "z"), shift(z=-87.5), mark("flange")]
-    workpiece: list[Element] = [
-        shift(-100.0, 5.0, -30.0),
-        rotary("A", "x", sign=-1.0, offset_deg=12.0),
-        shift(z=50.0),
-        rotary("C", "z"),
-    ]
-    return Robot(make_chain(tool, workpiece, "X Y Z A C"))
-
-
-def random_axes(robot: Robot, rng: np.random.Generator) -> np.ndarray:
-    lower = np.array([axis.lower for axis in robot.axes])
-    upper = np.array([axis.upper for axis in robot.axes])
-    return lower + (upper - lower) * rng.random(len(lower))
+from tests.kit.draws import random_axes
+from tests.kit.robots import arm, make_chain, table_machine
 
 
 @pytest.mark.parametrize("make", [arm, table_machine])

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from .tables_algebra import DEFAULTS, chain, rx, ry, rz
-from .tables_cases import CASES, FORMULAS
-from .test_tables_selfcheck import TIGHT, pose, same
+from .tables_cases import CASES, FORMULAS, TIGHT, pose, same
 
 CONVENTIONS = tomllib.loads(
     (Path(__file__).parents[2] / "chainbuild" / "data" / "conventions_twincat_tables.toml").read_text("utf-8")

@@ -23,7 +23,8 @@ from chainbuild.errors import ChainError, FileAccessError
 from chainbuild.frames import rot_x, rot_y, rot_z, urdf_rpy
 from chainbuild.robot import Robot
 from chainbuild.writers.urdf import joint_speeds, urdf_limitations, urdf_text, write_urdf
-from tests.out.sample_chains import arm, chain_of, rotary_axis, table_machine
+from tests.kit.draws import random_axes
+from tests.kit.sample_chains import arm, chain_of, rotary_axis, table_machine
 
 SAMPLES: dict[str, Callable[[], Chain]] = {
     "arm": arm,
@@ -35,10 +36,6 @@ SHIPPED: dict[str, Callable[[], Chain]] = {
     name: (lambda name=name: chainbuild.load(name).chain()) for name in chainbuild.shipped()
 }
 ALL = [pytest.param(make, id=name) for name, make in {**SAMPLES, **SHIPPED}.items()]
-
-
-def random_axes(robot: Robot, rng: np.random.Generator) -> np.ndarray:
-    return np.array([rng.uniform(axis.lower, axis.upper) for axis in robot.axes])
 
 
 def by_name(robot: Robot, q: np.ndarray) -> dict[str, float]:

@@ -11,7 +11,7 @@ from chainbuild.formats.sinumerik.reading.data_table import tabulate
 from chainbuild.formats.sinumerik.reading.reader import Reading, read_assignments
 from chainbuild.formats.text import SourceText
 from chainbuild.machines import shipped_path
-from tests.sinumerik.robx_files import NR6, close, pose_of, read, robx_text
+from tests.kit.robx_files import NR6, close, pose_of, read, robx_text
 
 
 def reading(text: str, collector: Collector | None = None) -> Reading:

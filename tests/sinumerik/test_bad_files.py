@@ -12,9 +12,8 @@ from chainbuild.findings import Collector, finding_kinds
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.sinumerik.machine import read_machine
 from chainbuild.formats.text import read_source
-from tests.sinumerik.bad_files import BAD, nr6
-from tests.sinumerik.robx_files import NR6, read, robx_text
-from tests.sinumerik.test_translation import CC4
+from tests.kit.bad_robx_files import BAD, nr6
+from tests.kit.robx_files import CC4, NR6, read, robx_text
 
 
 @pytest.mark.parametrize("name", BAD)

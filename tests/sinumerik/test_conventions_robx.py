@@ -8,9 +8,7 @@ import pytest
 from chainbuild.convention import conventions
 from chainbuild.formats.overlay import Overlay
 from chainbuild.frames import angles_from_matrix
-from tests.sinumerik.robx_files import NR6, F, R, T, chain_of, close, pose_of
-from tests.sinumerik.test_extra_axes import FLANGE, TABLE
-from tests.sinumerik.test_translation import CC4, TE4_ARM
+from tests.kit.robx_files import CC4, FLANGE, NR6, TABLE, TE4_ARM, F, R, T, chain_of, close, pose_of
 
 AXES = np.array((31, -47, 53, 71, -37, 113), dtype=float)
 TESTED: set[str] = set()

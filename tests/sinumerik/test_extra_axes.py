@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.sinumerik.robx_files import NR6, F, R, T, chain_of, close, pose_of, read, robx_text
+from tests.kit.robx_files import FLANGE, NR6, TABLE, F, R, T, chain_of, close, pose_of, read, robx_text
 
 
 def test_base_axes_move_the_whole_robot():
@@ -41,16 +41,6 @@ def workpiece_of(chain, axes):
     return still @ np.linalg.inv(pose_of(chain, axes))
 
 
-TABLE = {
-    **NR6,
-    "EXT_ROT_AX_VECTOR_1": (0, 0, 1),
-    "EXT_ROT_AX_VECTOR_2": (0, 1, 0),
-    "EXT_ROT_JOINT_OFFSET_1": (30, 0, 0),
-    "EXT_ROT_BASE_OFFSET": (900, 0, 200),
-    "EXT_ROT_PART_OFFSET": (0, 0, 40),
-}
-
-
 def test_manual_example_of_table_axes():
     """Rotary and swivel axis (ROBX manual 8.2.3) with L1 = 900, L2 = 200, L3 = 30, L4 = 40."""
     chain = chain_of(TABLE, axes_in=(1, 2, 3, 4, 5, 6, 0, 0, 0, 7, 8))
@@ -72,17 +62,6 @@ def test_three_table_axes_with_offsets():
     chain = chain_of(data, axes_in=(1, 2, 3, 4, 5, 6, 0, 0, 0, 7, 8, 9))
     expected = T(900, 0, 200) @ R("z", 20) @ T(30) @ R("y", 30) @ T(1, 2, 3) @ R("x", 40) @ T(z=40)
     assert close(workpiece_of(chain, (10, -80, 60, 20, 30, 40, 25, 36, 47)), expected)
-
-
-FLANGE = {
-    **NR6,
-    "EXT_FL_ROT_AX_VECTOR_1": (0, 0, 1),
-    "EXT_FL_ROT_AX_VECTOR_2": (0, 1, 0),
-    "EXT_FL_ROT_JOINT_OFF_1": (60, 0, -70),
-    "EXT_FL_ROT_BASE_OFFSET": (50, 0, 0),
-    "TTCFL_POS": (0, 0, -80),
-    "TTCFL_RPY": (0, 90, 0),
-}
 
 
 def test_manual_example_of_flange_axes():

@@ -6,7 +6,6 @@ every number is drawn at random and non-zero, axes are reversed with offsets, ev
 
 from __future__ import annotations
 
-import zlib
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +14,9 @@ import pytest
 
 import chainbuild
 from chainbuild.convention import conventions
-from tests.chain.straight import check_joint_values
 from tests.hand.robx_hand import parallelogram_angle_deg, pose_mm, scara_c_deg
+from tests.kit.draws import seed_of
+from tests.kit.straight import check_joint_values
 
 MACHINES = 100
 VECTORS = 100  # MACHINES × VECTORS = 10,000 poses
@@ -120,10 +120,6 @@ def compare(
         where = f"{conv} {md} axes {axes}"
         np.testing.assert_allclose(T.translation * 1000.0, wanted[:3, 3], atol=POSITION_MM, rtol=0, err_msg=where)
         np.testing.assert_allclose(T.rotation, wanted[:3, :3], atol=ROTATION, rtol=0, err_msg=where)
-
-
-def seed_of(*parts: object) -> int:
-    return zlib.crc32(repr(parts).encode())
 
 
 @pytest.mark.parametrize("kind", [2, 3, 5, 6])

@@ -8,8 +8,7 @@ import pytest
 
 from chainbuild.errors import ConventionError, MachineDataError, OverlayError
 from chainbuild.formats.overlay import Overlay
-from tests.sinumerik.robx_files import NR6, chain_of, read, robx_text
-from tests.sinumerik.test_translation import CC4, TE4_ARM
+from tests.kit.robx_files import CC4, NR6, TE4_ARM, chain_of, read, robx_text
 
 LIMITS = """
 N36100 $MA_POS_LIMIT_MINUS[AX1]=-170

@@ -6,7 +6,7 @@ import pytest
 
 from chainbuild.errors import MachineDataError
 from chainbuild.formats.load import check
-from tests.sinumerik.robx_files import NR6, read, robx_text
+from tests.kit.robx_files import NR6, read, robx_text
 
 TRACK = (1, 2, 3, 4, 5, 6, 7)
 TABLE = (1, 2, 3, 4, 5, 6, 0, 0, 0, 7)

@@ -8,7 +8,7 @@ from chainbuild.findings import Collector, Finding
 from chainbuild.formats.sinumerik.reading.reader import read_assignments
 from chainbuild.formats.text import SourceText
 from chainbuild.robot import Robot
-from tests.sinumerik.robx_files import NR6, read, robx_text
+from tests.kit.robx_files import NR6, read, robx_text
 
 
 def with_code(code: str, extra: str, axes_in: tuple[int, ...] | None = None) -> list[Finding]:

@@ -5,10 +5,8 @@ from __future__ import annotations
 import pytest
 
 from chainbuild.findings import finding_kinds
-from tests.sinumerik.robx_files import NR6, pose_of, read, robx_text
-from tests.sinumerik.test_translation import CC4, TE4_ARM
+from tests.kit.robx_files import ARM5, CC4, NR6, TE4_ARM, pose_of, read, robx_text
 
-ARM5 = {**NR6, "NUM_AXES": 5, "TFLWP_RPY": (30, 0, 0)}
 KIND_OF = {1: (1, 1, 1), 2: (1, 3, 3), 3: (3, 3, 3), 4: (1, 1, 3), 5: (3, 3, 1), 6: (3, 1, 1), 7: (3, 3, 3)}
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from chainbuild.errors import OverlayError
 from chainbuild.formats.overlay import Overlay
-from tests.sinumerik.robx_files import NR6, F, R, T, chain_of, close, pose_of, read, robx_text
+from tests.kit.robx_files import NR6, F, R, T, chain_of, close, pose_of, read, robx_text
 
 AXES = (31, -47, 53, 71, -37, 113)
 LENGTHS = "$TC_DP1[1,1]=120\n$TC_DP3[1,1]=120\n$TC_DP4[1,1]=13\n$TC_DP5[1,1]=14\n"

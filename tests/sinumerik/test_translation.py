@@ -6,23 +6,7 @@ import numpy as np
 import pytest
 
 from chainbuild.robot import Robot
-from tests.sinumerik.robx_files import NR6, F, R, T, chain_of, close, pose_of
-
-# The worked example of the older package's manual: a 4-axis articulated arm.
-TE4_ARM = {
-    "KINCLASS": 1,
-    "NUM_AXES": 4,
-    "MAIN_AXES": 3,
-    "WRIST_AXES": 1,
-    "A4PAR": 1,
-    "AXES_TYPE": (3, 3, 3, 3),
-    "MAIN_LENGTH_AB": (300, 300),
-    "TIRORO_POS": (0, 0, 500),
-    "TX3P3_POS": (300, 0, 0),
-    "TX3P3_RPY": (0, 0, -90),
-    "TFLWP_POS": (200, 0, 0),
-    "TFLWP_RPY": (0, -90, 180),
-}
+from tests.kit.robx_files import CC4, NR6, TE4_ARM, F, R, T, chain_of, close, pose_of
 
 
 @pytest.mark.parametrize("package", ["ROBX", "TRAFO6"])
@@ -165,22 +149,6 @@ def test_four_axes(main):
     assert close(pose_of(chain, axes), expected)
     assert len(chain.axes) == 4
     assert chain.task == "pose"
-
-
-CC4 = {
-    "MAIN_AXES": 2,
-    "NUM_AXES": 4,
-    "WRIST_AXES": 1,
-    "A4PAR": 1,
-    "AXES_TYPE": (1, 3, 3, 3, 3, 3),
-    "MAIN_LENGTH_AB": (150, 250),
-    "TIRORO_RPY": (0, 0, 90),
-    "TX3P3_POS": (220, 0, 0),
-    "TX3P3_RPY": (0, 0, -90),
-    "TFLWP_RPY": (0, -90, 180),
-    "AXES_DIR": (1, -1, 1, -1),
-    "MAMES": (10, 20, -30, 40),
-}
 
 
 @pytest.mark.parametrize("sequence", [(4, 1, 2, 3), (2, 1, 3, 4), (3, 1, 2, 4)])

@@ -24,9 +24,10 @@ from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.branches.gather import gather
 from chainbuild.ik.request import IkRequest
 from chainbuild.robot import Robot
-from tests.solve.machines import ALL, poses, robot_of
-from tests.solve.test_direct import NOT_DIRECT, same_turns
-from tests.test_robot import arm, arm_elements, make_chain, random_axes, table_machine
+from tests.kit.compare import same_turns
+from tests.kit.draws import random_axes
+from tests.kit.kin_robots import ALL, NOT_DIRECT, poses, robot_of
+from tests.kit.robots import arm, arm_elements, robot_from, table_machine, ur5
 
 METHODS = {
     13: "position", 14: "position", 36: "single wrist axis", 45: "spherical wrist", 85: "position",
@@ -75,11 +76,6 @@ POSITIONERS: dict[str, list[Element]] = {
         linear("Z1", "z"), rotary("A2", "z"), linear("X3", "x"), shift(x=300.0, y=30.0),
     ],
 }  # fmt: skip
-
-
-def robot_from(tool: list[Element], workpiece: list[Element] | None = None) -> Robot:
-    moves = [e.name for e in [*tool, *(workpiece or [])] if hasattr(e, "name")]
-    return Robot(make_chain(tool, workpiece or [], " ".join(moves)))
 
 
 def check(robot: Robot, count: int, *, at_least: int = 1, seed: int = 3) -> None:
@@ -173,15 +169,6 @@ def test_the_wrist_singularity_keeps_a4() -> None:
     found = ik_all(robot, robot.fk([10.0, -80.0, 70.0, 20.0, 0.0, 30.0]), [10.0, -80.0, 70.0, 5.0, 3.0, 0.0])
     assert found[0].free_axes == ("A4",)
     np.testing.assert_allclose(found[0].axes, [10.0, -80.0, 70.0, 5.0, 0.0, 45.0], atol=1e-8)
-
-
-def ur5() -> Robot:
-    elements: list[Element] = [
-        shift(z=89.159), rotary("A1", "z"), shift(y=135.85), rotary("A2", "y"), shift(y=-119.7, z=425.0),
-        rotary("A3", "y"), shift(z=392.25), rotary("A4", "y"), shift(y=93.0), rotary("A5", "z"), shift(z=94.65),
-        rotary("A6", "y"), shift(y=82.3),
-    ]  # fmt: skip
-    return robot_from(elements)
 
 
 def test_eaik_solves_what_has_an_offset_wrist() -> None:

@@ -32,8 +32,8 @@ from chainbuild.ik.branches.opw.formulas import CONSTANTS
 from chainbuild.ik.branches.opw.parameters import opw_arm
 from chainbuild.ik.request import IkRequest
 from chainbuild.robot import Robot
-from tests.solve.machines import poses
-from tests.test_robot import arm, table_machine
+from tests.kit.kin_robots import poses
+from tests.kit.robots import arm, table_machine
 
 MACHINES = ("arm", "kr6r900", "tx2_60", "irb2600", "parallelogram_nr")
 both_paths = pytest.mark.parametrize("compiled", [True, False])

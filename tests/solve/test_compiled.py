@@ -15,7 +15,8 @@ from chainbuild.ik.search.compiled import packing as compiled
 from chainbuild.ik.search.problem import problem_of
 from chainbuild.ik.search.solver import search
 from chainbuild.robot import Robot
-from tests.test_robot import arm, random_axes, table_machine
+from tests.kit.draws import random_axes
+from tests.kit.robots import arm, table_machine
 
 PLAIN = IkOptions(compiled=False)
 NAMES = (

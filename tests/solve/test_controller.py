@@ -11,7 +11,7 @@ import chainbuild
 from chainbuild import frames
 from chainbuild.chain.elements import ControllerSolver
 from chainbuild.robot import Robot
-from tests.sinumerik.robx_files import NR6, chain_of
+from tests.kit.robx_files import NR6, chain_of
 
 AXES = np.array([10.0, -60.0, 70.0, 20.0, 40.0, 30.0])
 

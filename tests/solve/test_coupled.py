@@ -13,17 +13,12 @@ from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
 from chainbuild.ik.solve import keeping_sums
 from chainbuild.robot import Robot
+from tests.kit.draws import random_axes
 
 
 @pytest.fixture(scope="module")
 def heavy() -> Robot:
     return chainbuild.Robot.load("parallelogram_nr")
-
-
-def inside_axis_limits(robot: Robot, rng: np.random.Generator) -> np.ndarray:
-    lower = np.array([axis.lower for axis in robot.axes])
-    upper = np.array([axis.upper for axis in robot.axes])
-    return lower + (upper - lower) * rng.random(len(lower))
 
 
 def test_the_machine_watches_the_angle_of_its_elbow(heavy: Robot) -> None:
@@ -49,7 +44,7 @@ def test_no_answer_violates_it(heavy: Robot) -> None:
     rng = np.random.default_rng(8)
     refused = 0
     for _ in range(400):
-        axes = inside_axis_limits(heavy, rng)
+        axes = random_axes(heavy, rng)
         found = heavy.ik(heavy.fk(axes), axes)  # half of the starts stand outside the parallelogram's limit
         if found.success:
             assert heavy.limits.broken_sums(found.axes) == ()

@@ -14,7 +14,7 @@ from chainbuild.comparison.samples import make_samples
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot import Robot
 from chainbuild.tables.recording import Recording
-from tests.test_robot import arm, table_machine
+from tests.kit.robots import arm, table_machine
 
 FEW = CheckOptions(count=60)
 OFFSET = frames.f_frame((0.02, -0.01, 0.3), (10.0, 20.0, 30.0))

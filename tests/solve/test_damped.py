@@ -15,7 +15,8 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.ik.options import DEFAULT, IkOptions
 from chainbuild.ik.region import freedoms_of
 from chainbuild.robot import Robot
-from tests.test_robot import arm, make_chain, random_axes, table_machine
+from tests.kit.draws import random_axes
+from tests.kit.robots import arm, make_chain, table_machine
 
 BOTH = pytest.mark.parametrize("compiled", [True, False], ids=["compiled", "plain"])
 POSE = (10.0, -80.0, 70.0, 20.0, 40.0, 30.0)

@@ -12,18 +12,13 @@ from chainbuild import frames
 from chainbuild.chain.assemble import Element, linear, rotary, shift
 from chainbuild.ik.branches.direct import linear_axes_for
 from chainbuild.robot import Robot
-from tests.solve.machines import ALL, poses, robot_of
-from tests.test_robot import arm, make_chain, table_machine
+from tests.kit.compare import same_turns
+from tests.kit.kin_robots import ALL, NOT_DIRECT, poses, robot_of
+from tests.kit.robots import arm, make_chain, table_machine
 
 # KIN_TYP → number of solutions of a generic pose.
 TWO = (1, 2, 9, 10, 11, 16, 22, 23, 25, 28, 33, 52, 57, 58, 59, 60, 61, 63, 64, 76, 80, 81, 82)
 ONE = (3, 4, 5, 6, 7, 8, 17, 18, 30, 34, 207)
-NOT_DIRECT = (13, 14, 36, 45, 85, 96, 202, 203, 205, 206, 208, 213)
-
-
-def same_turns(robot: Robot, found: np.ndarray, wanted: np.ndarray) -> bool:
-    turn = np.array([360.0 if axis.kind == "rotary" else 1e12 for axis in robot.axes])
-    return bool(np.abs((found - wanted + turn / 2.0) % turn - turn / 2.0).max() < 1e-6)
 
 
 def check(kin: int, count: int, seed: int) -> None:

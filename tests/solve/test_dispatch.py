@@ -12,7 +12,7 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.ik import solve as dispatch
 from chainbuild.ik.result import IkResult
 from chainbuild.robot import Robot
-from tests.test_robot import arm
+from tests.kit.robots import arm
 
 AXES = np.array([10.0, -80.0, 70.0, 20.0, 40.0, 30.0])
 

@@ -12,8 +12,9 @@ from chainbuild.chain.compose import stack
 from chainbuild.coupling.distribution import Distribution
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.robot import Robot
-from tests.twincat.coupling_kit import AT_TABLE, XY, chain_of
-from tests.twincat.universal_kit import CA_HEAD, Universal, X, robot_lines, rotation, shift
+from tests.kit.couplings import AT_TABLE, XY
+from tests.kit.twincat_files import chain_of
+from tests.kit.universal import CA_HEAD, Universal, X, robot_lines, rotation, shift
 
 LETTERS = "XYZABC"
 

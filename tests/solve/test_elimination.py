@@ -17,7 +17,7 @@ from chainbuild.ik.branches.elimination.conformal import arrow, coefficients, mo
 from chainbuild.ik.branches.elimination.eaik_arm import eaik_answers, eaik_robot
 from chainbuild.ik.branches.elimination.elimination import elimination
 from chainbuild.ik.request import IkRequest
-from tests.solve.test_analytic import ur5
+from tests.kit.robots import ur5
 
 Rows = list[np.ndarray]
 

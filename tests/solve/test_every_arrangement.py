@@ -18,9 +18,9 @@ from chainbuild.ik.request import IkRequest
 from chainbuild.machines import shipped
 from chainbuild.robot import Robot
 from docs.robx_combinations import LAST_ROTARY, machine_data
-from tests.solve.machines import robot_of
-from tests.solve.test_direct import same_turns
-from tests.test_robot import random_axes
+from tests.kit.compare import same_turns
+from tests.kit.draws import random_axes
+from tests.kit.kin_robots import robot_of
 
 KINS = (85, 202, 206, 208, 213)
 # One of each pair of wrists that lead to the same structure.

@@ -12,14 +12,10 @@ from chainbuild.ik.branches.arms.positioner import positioner
 from chainbuild.ik.branches.arms.two_joints import reach_by_two
 from chainbuild.ik.branches.core.roots import real_angles, real_lengths
 from chainbuild.ik.branches.core.serial import Screw
+from tests.kit.draws import unit
 
 X, Y, Z = np.eye(3)
 ROWS = ["".join(kinds) for kinds in itertools.product("pr", repeat=3)]
-
-
-def unit(rng: np.random.Generator) -> np.ndarray:
-    v = rng.normal(size=3)
-    return v / np.linalg.norm(v)
 
 
 def moved(screws: list[Screw], q: np.ndarray, p: np.ndarray) -> np.ndarray:

@@ -8,7 +8,8 @@ import pytest
 import chainbuild
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.ik.options import IkOptions
-from tests.test_robot import arm, random_axes, table_machine
+from tests.kit.draws import random_axes
+from tests.kit.robots import arm, table_machine
 
 
 @pytest.mark.parametrize("make", [arm, table_machine])

@@ -13,6 +13,7 @@ from chainbuild import frames
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.policies import four_axis as programmed
 from chainbuild.robot import Robot
+from tests.kit.draws import random_axes
 
 FOUR_AXES = ("scara_cc", "scara_sc", "cylinder_cs", "palletiser_nr4")
 
@@ -21,17 +22,11 @@ def build(name: str) -> Robot:
     return chainbuild.Robot.load(name)
 
 
-def inside(robot: Robot, rng: np.random.Generator) -> np.ndarray:
-    lower = np.array([axis.lower for axis in robot.axes])
-    upper = np.array([axis.upper for axis in robot.axes])
-    return lower + (upper - lower) * rng.random(len(lower))
-
-
 @pytest.mark.parametrize("name", FOUR_AXES)
 def test_a_and_b_follow_where_they_cannot_be_reached(name: str) -> None:
     robot, rng = build(name), np.random.default_rng(3)
     for _ in range(15):
-        axes = inside(robot, rng)
+        axes = random_axes(robot, rng)
         T = robot.fk(axes)
         a, b, c = frames.angles_from_matrix("orirpy", T.rotation)
         # B stays off ±90, where A and C could not be told apart, and off what the robot can do.
@@ -55,7 +50,7 @@ def test_a_pose_within_reach_is_met_as_given(name: str, monkeypatch: pytest.Monk
     robot, rng = build(name), np.random.default_rng(4)
     monkeypatch.setattr(programmed, "_following", lambda *_: pytest.fail("the orientation was replaced"))
     for _ in range(10):
-        T = robot.fk(inside(robot, rng))
+        T = robot.fk(random_axes(robot, rng))
         found = robot.ik(T)
         assert found.success
         np.testing.assert_allclose(robot.fk(found.axes).rotation, T.rotation, atol=2e-6)
@@ -114,7 +109,7 @@ def test_pose_angles_of_other_robots_are_those_of_the_pose() -> None:
 def test_absolute_c_decides_the_turns() -> None:
     robot, rng = build("scara_cc"), np.random.default_rng(6)
     for _ in range(40):
-        axes = inside(robot, rng)
+        axes = random_axes(robot, rng)
         c = robot.pose_angles(axes)[2]
         found = robot.ik(robot.fk(axes), absolute_c_deg=c)
         assert found.success

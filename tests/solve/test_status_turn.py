@@ -11,9 +11,9 @@ import chainbuild
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.status_turn import status_turn
 from chainbuild.robot import Robot
-from tests.solve.machines import robot_of
-from tests.test_robot import arm
-from tests.twincat.table_kit import build
+from tests.kit.kin_robots import robot_of
+from tests.kit.kin_types import build
+from tests.kit.robots import arm
 
 
 def wide(robot: Robot) -> Robot:

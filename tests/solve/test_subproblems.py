@@ -9,13 +9,9 @@ import pytest
 
 from chainbuild import frames
 from chainbuild.ik.branches.core import subproblems as sub
+from tests.kit.draws import unit
 
 X, Y, Z = np.eye(3)
-
-
-def unit(rng: np.random.Generator) -> np.ndarray:
-    v = rng.normal(size=3)
-    return v / np.linalg.norm(v)
 
 
 def apart(a: float, b: float) -> float:

@@ -13,7 +13,7 @@ from chainbuild.ik.options import DEFAULT, IkOptions
 from chainbuild.ik.search.problem import Problem, problem_of
 from chainbuild.ik.search.starts.turned import COUNT, LARGEST_STEP, TurnedStarts
 from chainbuild.robot import Robot
-from tests.test_robot import arm, table_machine
+from tests.kit.robots import arm, table_machine
 
 NAMES = (
     "arm",

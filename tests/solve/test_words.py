@@ -12,7 +12,8 @@ import pytest
 import chainbuild
 from chainbuild.ik.options import IkOptions
 from chainbuild.ik.search import words
-from tests.test_robot import arm, random_axes, table_machine
+from tests.kit.draws import random_axes
+from tests.kit.robots import arm, table_machine
 
 BOTH = [True, False]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,10 +12,9 @@ import chainbuild
 from chainbuild.chain.elements import Chain
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import inverse, rot_x, rot_y, rot_z, shift, transform
+from tests.kit.paths import REFERENCE
+from tests.kit.twincat_files import codes, kin_45, machine, pose
 
-from .support import codes, kin_45, machine, pose
-
-REFERENCE = Path(__file__).parents[1] / "data" / "reference"
 # Plausible, all lengths different, every offset set, joints 2, 4 and 6 reversed.
 FULL = {
     1: 1100000, 2: 210000, 3: -320000, 4: 150000, 5: -250000, 6: 400000, 7: 4000000, 8: 4550000, 9: 4200000, 10: 900000,

@@ -10,9 +10,8 @@ import pytest
 import chainbuild
 from chainbuild.errors import UnsupportedKinematicError
 from chainbuild.formats.twincat.universal.as_universal import as_universal, universal_of
-
-from .support import codes, machine, pose
-from .universal_kit import shift
+from tests.kit.twincat_files import codes, machine, pose
+from tests.kit.universal import shift
 
 SERIAL = (
     1,

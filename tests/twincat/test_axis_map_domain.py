@@ -9,7 +9,7 @@ import pytest
 import chainbuild
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.robot import Robot
-from tests.twincat.head_kit import build
+from tests.kit.kin_types import build
 
 CASES = [
     (59, {7: 45}, "A", 90.001, "-90 to 90 deg"),

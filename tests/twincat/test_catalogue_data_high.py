@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import re
-import tomllib
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-DATA = Path(__file__).parents[2] / "chainbuild" / "formats" / "twincat" / "data"
+from tests.kit.type_files import CARRIES, EFFECTS, FAMILIES, load
 
 # Channel order of the axes; the two letters say what kind and what it carries: l linear, r rotary; t tool, w workpiece.
 AXES: dict[int, str] = {
@@ -79,19 +77,8 @@ COMPLETE = {45, 76, 96, 206, 208, 213}  # chapter 4.1; 98, 202, 203 and 205 are 
 
 KIND = {"l": "length", "a": "angle", "f": "flag", "s": "sign", "n": "count"}
 AXIS_KIND = {"l": "linear", "r": "rotary"}
-CARRIES = {"t": "tool", "w": "workpiece"}
-FAMILIES = {
-    "head", "table", "mixed", "saw", "fixed_head", "cardan", "face", "arm", "scara", "palletiser", "lever",
-    "linear_robot",
-}  # fmt: skip
-EFFECTS = {"pose", "limit", "none", "control"}
+
 TYPES = sorted(AXES)
-
-
-def load(kin_typ: int) -> dict[str, Any]:
-    """Parses the data file of one type."""
-    with (DATA / f"kin{kin_typ:03d}.toml").open("rb") as file:
-        return tomllib.load(file)
 
 
 def row(kin_typ: int, n: int) -> dict[str, Any]:

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import re
-import tomllib
-from pathlib import Path
-from typing import Any
 
 import pytest
 
-DATA = Path(__file__).parents[2] / "chainbuild" / "formats" / "twincat" / "data"
+from tests.kit.type_files import CARRIES, EFFECTS, FAMILIES, load
 
 # Channel order of the axes; the lower-case letter says what they carry: t tool, w workpiece (sections 2.1 to 2.25).
 AXES: dict[int, str] = {
@@ -73,20 +70,10 @@ SECTIONS = {1: 1, 2: 2, 3: 3, 4: 4, 5: 5, 6: 6, 7: 7, 8: 8, 9: 9, 10: 10, 11: 11
             18: 16, 22: 19, 23: 20, 25: 21, 28: 22, 30: 23, 33: 24, 34: 25}  # fmt: skip
 
 KIND = {"l": "length", "a": "angle", "f": "flag", "s": "sign", "r": "ratio", "n": "count"}
-CARRIES = {"t": "tool", "w": "workpiece"}
-FAMILIES = {
-    "head", "table", "mixed", "saw", "fixed_head", "cardan", "face", "arm", "scara", "palletiser", "lever",
-    "linear_robot",
-}  # fmt: skip
+
 KINDS = {"length", "angle", "flag", "sign", "ratio", "count"}
-EFFECTS = {"pose", "limit", "none", "control"}
+
 TYPES = sorted(AXES)
-
-
-def load(kin_typ: int) -> dict[str, Any]:
-    """Parses the data file of one type."""
-    with (DATA / f"kin{kin_typ:03d}.toml").open("rb") as file:
-        return tomllib.load(file)
 
 
 @pytest.mark.parametrize("kin_typ", TYPES)

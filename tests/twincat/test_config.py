@@ -9,8 +9,7 @@ from chainbuild.findings import Collector
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.twincat.lists.channel import read_channel
 from chainbuild.formats.twincat.lists.config import Channel, Trafo
-
-from .support import codes, machine, parameters
+from tests.kit.twincat_files import codes, machine, parameters
 
 
 def channel(text: str, collector: Collector | None = None) -> Channel:

@@ -8,8 +8,7 @@ from chainbuild.chain.elements import Axis
 from chainbuild.errors import ChainbuildError, MachineDataError, ParseError
 from chainbuild.formats.text import SourceText, is_xml
 from chainbuild.formats.twincat.lists.container import read_container
-
-from .support import codes, machine
+from tests.kit.twincat_files import codes, machine
 
 ROBOT = "trafo[0].id 45\ntrafo[0].param[6] 4000000\nEnde"
 

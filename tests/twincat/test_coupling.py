@@ -12,10 +12,9 @@ from chainbuild.chain.poses import frame_placement
 from chainbuild.errors import ChainbuildError
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.twincat.coupling.coupling_groups import coupling_data
-
-from .coupling_kit import AT_TABLE, XY, XY_GROUP, chain_of
-from .support import codes, machine, pose
-from .universal_kit import CA_HEAD, TABLE, XY_UNIT, XZ_UNIT, robot_lines, robot_pose, rotation, shift
+from tests.kit.couplings import AT_TABLE, XY, XY_GROUP
+from tests.kit.twincat_files import chain_of, codes, machine, pose
+from tests.kit.universal import CA_HEAD, TABLE, XY_UNIT, XZ_UNIT, robot_lines, robot_pose, rotation, shift
 
 
 def random_axes(count: int, rng: np.random.Generator) -> np.ndarray:

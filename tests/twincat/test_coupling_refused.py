@@ -9,10 +9,9 @@ import pytest
 from chainbuild.errors import ChainbuildError
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.twincat.coupling.coupling_groups import coupling_data
-
-from .coupling_kit import AT_TABLE, XY, XY_GROUP, chain_of
-from .support import machine
-from .universal_kit import XY_UNIT, robot_lines
+from tests.kit.couplings import AT_TABLE, XY, XY_GROUP
+from tests.kit.twincat_files import chain_of, machine
+from tests.kit.universal import XY_UNIT, robot_lines
 
 
 def changed(old: str, new: str, lines: Sequence[str] = AT_TABLE) -> list[str]:

@@ -9,8 +9,7 @@ import pytest
 
 from chainbuild.errors import ChainbuildError
 from chainbuild.formats.twincat.universal.directions import DIRECTION_MODES, angles_of_direction, tool_direction
-
-from .universal_kit import rotation
+from tests.kit.universal import rotation
 
 AXES = {"A": (1, 0, 0), "B": (0, 1, 0), "C": (0, 0, 1), "X": (1, 0, 0), "Y": (0, 1, 0), "Z": (0, 0, 1)}
 # P-CHAN-00112: mode → first angle, second angle, tool direction at zero.

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chainbuild.frames import rot_x, rot_y, rot_z
-from tests.twincat.table_kit import build, random_axes
+from tests.kit.kin_types import axes_anywhere, build
 
 SCARA = {2: 225.0, 3: 175.0}
 
@@ -61,7 +61,7 @@ def test_palletiser_second_arm() -> None:
 @pytest.mark.parametrize("choice", ["absolute", "relative"])
 def test_palletiser_flange_stays_level(choice: str) -> None:
     built = build(96, {**PALLETISER, 10: 90.0}, kin96_arm2_angle=choice)
-    for axes in random_axes(built.robot, 10):
+    for axes in axes_anywhere(built.robot, 10):
         assert built.robot.fk(axes).rotation == pytest.approx(rot_z(axes[0] + axes[3]), abs=1e-12)
 
 
@@ -129,7 +129,7 @@ def test_five_axis_palletiser_g5_sense() -> None:
 def test_five_axis_palletiser_is_the_six_axis_arm_without_its_fourth_joint() -> None:
     six = build(45, {n: FIVE_AXIS[n] for n in (7, 8, 9, 10, 11, 12)})
     five = build(213, {**FIVE_AXIS, 48: 0.0})
-    for g1, g2, g3, g4, _ in random_axes(five.robot, 10):
+    for g1, g2, g3, g4, _ in axes_anywhere(five.robot, 10):
         arm = six.robot.frame_placements([g1, g2, g3, 0.0, g4, 0.0])["flange"].translation
         assert five.robot.frame_placements([g1, g2, g3, g4, 0.0])["flange"].translation == pytest.approx(arm)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -14,10 +13,8 @@ import chainbuild
 from chainbuild.errors import MachineDataError
 from chainbuild.formats.twincat.lists.hdtable import type_data
 from chainbuild.machines import shipped
-from tests.twincat.head_kit import HEADS, build, generic_hd, random_axes
-from tests.twincat.table_kit import distance
-
-REFERENCE = Path(__file__).parents[1] / "data" / "reference"
+from tests.kit.kin_types import HEADS, axes_inside, build, distance, head_hd
+from tests.kit.paths import REFERENCE
 
 # Smallest parameters that make a machine, where all zeros do not.
 MINIMAL: dict[int, dict[int | str, float]] = {59: {7: 45.0}, 60: {7: 45.0}, 207: {4: 90.0}, 8: {4: 90.0}, 18: {4: 90.0}}
@@ -46,17 +43,17 @@ def test_the_two_ways_to_a_direction_of_the_ca_head() -> None:
 
 @pytest.mark.parametrize("kin", HEADS)
 def test_rank_is_the_number_of_axes(kin: int) -> None:
-    built = build(kin, generic_hd(kin), 80.0)
-    J = built.robot.jacobian(random_axes(built, 1)[0])
+    built = build(kin, head_hd(kin), 80.0)
+    J = built.robot.jacobian(axes_inside(built.robot, 1)[0])
     virtual = 1 if kin == 70 else 0  # CV has no drive
     assert np.linalg.matrix_rank(J, tol=1e-6) == len(built.robot.axes) - virtual
 
 
 @pytest.mark.parametrize("kin", HEADS)
 def test_jacobian_is_the_derivative(kin: int) -> None:
-    built = build(kin, generic_hd(kin), 80.0)
+    built = build(kin, head_hd(kin), 80.0)
     robot, step = built.robot, 1e-4
-    for axes in random_axes(built, 20):
+    for axes in axes_inside(built.robot, 20):
         J, T = robot.jacobian(axes), robot.fk(axes)
         for n, axis in enumerate(robot.axes):
             moved = np.eye(len(axes))[n] * step
@@ -67,8 +64,8 @@ def test_jacobian_is_the_derivative(kin: int) -> None:
 
 @pytest.mark.parametrize("kin", HEADS)
 def test_axis_values_come_back(kin: int) -> None:
-    built = build(kin, generic_hd(kin), 80.0)
-    for axes in random_axes(built, 20):
+    built = build(kin, head_hd(kin), 80.0)
+    for axes in axes_inside(built.robot, 20):
         q = built.robot.q(axes)
         back = built.robot.axes_from_q(q)
         assert built.robot.q(back) == pytest.approx(q, abs=1e-12)
@@ -78,7 +75,7 @@ def test_axis_values_come_back(kin: int) -> None:
 
 @pytest.mark.parametrize("kin", HEADS)
 def test_joints_bear_the_names_of_the_axes(kin: int) -> None:
-    built = build(kin, generic_hd(kin), 80.0)
+    built = build(kin, head_hd(kin), 80.0)
     helpers = {25: {"nozzle"}, 207: {"plunge"}}.get(kin, set())
     virtual = {"CV"} if kin == 70 else set()
     joints = {joint.name: joint.kind for joint in built.robot.chain.joints}
@@ -90,7 +87,7 @@ def test_joints_bear_the_names_of_the_axes(kin: int) -> None:
 
 @pytest.mark.parametrize("kin", HEADS)
 def test_joint_bounds_hold_what_the_axes_reach(kin: int) -> None:
-    built = build(kin, generic_hd(kin), 80.0)
+    built = build(kin, head_hd(kin), 80.0)
     axes = built.robot.axes
     lower, upper = np.array([a.lower for a in axes]), np.array([a.upper for a in axes])
     low, high = built.robot.chain.axis_map.q_bounds(lower, upper)
@@ -103,13 +100,13 @@ def test_joint_bounds_hold_what_the_axes_reach(kin: int) -> None:
 
 @pytest.mark.parametrize("kin", HEADS)
 def test_the_tool_length_follows_the_tool_vector(kin: int) -> None:
-    short, long = build(kin, generic_hd(kin)), build(kin, generic_hd(kin), 80.0)
-    for axes in random_axes(long, 3):
+    short, long = build(kin, head_hd(kin)), build(kin, head_hd(kin), 80.0)
+    for axes in axes_inside(long.robot, 3):
         expected = -80.0 * short.tool_vector(axes)
         if kin == 33:
             expected = np.zeros(3)  # the head keeps the tip by its mechanics
         if kin == 25:
-            expected /= math.cos(math.radians(axes[4] - generic_hd(25)[3]))
+            expected /= math.cos(math.radians(axes[4] - head_hd(25)[3]))
         moved = long.base_mm("tool", axes) - long.base_mm("flange", axes)
         T_workpiece = long.base_rotation("workpiece", axes)
         if kin != 207:
@@ -125,13 +122,13 @@ SWITCHES = {(59, 19), (59, 20), (59, 21), (60, 21)}
     ("kin", "n"), [(k, row.n) for k in HEADS for row in type_data()[k].hd if (k, row.n) not in SWITCHES]
 )
 def test_every_parameter_does_what_its_row_says(kin: int, n: int) -> None:
-    row, hd = type_data()[kin].row(n), generic_hd(kin)
+    row, hd = type_data()[kin].row(n), head_hd(kin)
     if kin == 5:
         hd[5] = 95.0 if n == 3 else 5.0  # HD2 and HD3 belong to different tools
     before = hd.get(n, 0.0)
     changed = {**hd, n: -before if row.kind == "sign" else 1.0 - before if row.kind == "flag" else before + 9.0}
     first, second = build(kin, hd, 80.0), build(kin, changed, 80.0)
-    points = random_axes(first, 5)
+    points = axes_inside(first.robot, 5)
     apart = min(distance(first.robot.fk(axes), second.robot.fk(axes)) for axes in points)
     assert (apart > 1e-4) == (row.effect == "pose"), row.name
 
@@ -142,7 +139,7 @@ def test_every_parameter_does_what_its_row_says(kin: int, n: int) -> None:
      (59, 21, 2), (60, 21, -1), (70, 9, 5), (70, 10, 0.1)],
 )  # fmt: skip
 def test_values_that_are_not_permitted_are_refused(kin: int, n: int, value: float) -> None:
-    hd = {**generic_hd(kin), n: value}
+    hd = {**head_hd(kin), n: value}
     with pytest.raises(MachineDataError, match=f"HD{n} is {value:g}"):
         build(kin, hd)
     lenient = build(kin, hd, strict=False)
@@ -152,12 +149,12 @@ def test_values_that_are_not_permitted_are_refused(kin: int, n: int, value: floa
 
 @pytest.mark.parametrize("kin", (16, 22, 28, 30, 70))
 def test_a_direction_of_zero_counts_as_plus_with_a_finding(kin: int) -> None:
-    hd = generic_hd(kin)
+    hd = head_hd(kin)
     signs = [row.n for row in type_data()[kin].hd if row.kind == "sign"]
     absent, plus = ({**hd, **dict.fromkeys(signs, value)} for value in (0.0, 1.0))
     first, second = build(kin, absent), build(kin, plus)
     assert first.codes().count("CB402") == len(signs) and "CB402" not in second.codes()
-    axes = random_axes(first, 1)[0]
+    axes = axes_inside(first.robot, 1)[0]
     assert distance(first.robot.fk(axes), second.robot.fk(axes)) == 0
 
 

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from chainbuild.convention import conventions
-from tests.twincat.head_kit import HEADS, build
-from tests.twincat.table_kit import distance
+from tests.kit.kin_types import HEADS, build, distance
 
 Hd = dict[int | str, float]
 S, C = math.sin(math.radians(30.0)), math.cos(math.radians(30.0))

@@ -10,8 +10,7 @@ import pytest
 from chainbuild.chain.fold import drawn_values
 from chainbuild.errors import ChainbuildError, MachineDataError
 from chainbuild.frames import rot_about, rot_x, rot_y, rot_z
-from tests.twincat.head_kit import build, random_axes
-from tests.twincat.table_kit import Built, Vector, distance
+from tests.kit.kin_types import Built, Vector, axes_inside, build, distance
 
 Hd = dict[int | str, float]
 
@@ -59,7 +58,7 @@ def drives(c: float, a: float) -> tuple[float, float]:
 def test_drives_and_head_angles_meet_in_the_same_pose(signs: tuple[int, int]) -> None:
     hd = {**GEAR, 14: signs[0], 15: signs[1]}
     head, motors = build(28, hd), build(28, hd, kin28_axis_values="drives")
-    for axes in random_axes(head, 10):
+    for axes in axes_inside(head.robot, 10):
         there = [*axes[:3], *drives(*axes[3:])]
         assert distance(head.robot.fk(axes), motors.robot.fk(there)) < 1e-12
         # The joints stand where they are drawn: those of the head's angles count as their axes do.
@@ -71,7 +70,7 @@ def test_drives_and_head_angles_meet_in_the_same_pose(signs: tuple[int, int]) ->
 
 def test_the_gear_leaves_programmed_angles_alone() -> None:
     plain, geared = build(28, {1: 100, 3: 7, 4: 5, 9: 20, 14: 1, 15: 1}), build(28, GEAR)
-    for axes in random_axes(plain, 5):
+    for axes in axes_inside(plain.robot, 5):
         assert distance(plain.robot.fk(axes), geared.robot.fk(axes)) < 1e-15
 
 
@@ -79,7 +78,7 @@ def test_signs_before_the_gear_belong_to_the_drives() -> None:
     turned = {**GEAR, 14: -1, 15: -1}
     plain, head = build(28, GEAR), build(28, turned, gear_flag_place="before_gear")
     motors = build(28, turned, gear_flag_place="before_gear", kin28_axis_values="drives")
-    for axes in random_axes(plain, 5):
+    for axes in axes_inside(plain.robot, 5):
         assert distance(plain.robot.fk(axes), head.robot.fk(axes)) < 1e-15
         cm, am = drives(*axes[3:])
         assert distance(plain.robot.fk(axes), motors.robot.fk([*axes[:3], -cm, -am])) < 1e-12
@@ -148,7 +147,7 @@ def test_offsets_behind_the_conversion_or_not(kin: int, offsets: Hd, inner: floa
     exact = build(kin, hd, spatial_angle_offsets="direction_exact")
     ideal, machine = build(kin, {7: 45, 1: 100}), build(kin, {7: 45, 1: 100, 21: 1})
     shifted = build(kin, hd)
-    for axes in random_axes(ideal, 5):
+    for axes in axes_inside(ideal.robot, 5):
         assert distance(exact.robot.fk(axes), ideal.robot.fk(axes)) < 1e-12
         joints = np.degrees(ideal.robot.q(axes)[3:])
         assert (
@@ -235,7 +234,7 @@ def test_cv_turns_the_programmed_tool_vector() -> None:
         assert build(70, kin70_cv=choice).tool_vector([0, 0, 0, 10, 0, 90]) == pytest.approx(vector, abs=1e-12)
     hd: Hd = {1: 50, 4: 20, 7: 3, 8: 4, 9: -1, 10: 1, 14: 25}
     built, plain = build(70, hd), build(70, hd, kin70_cv="machine")
-    for axes in random_axes(plain, 10):
+    for axes in axes_inside(plain.robot, 10):
         still = [*axes[:5], 0.0]
         assert distance(built.robot.fk(still), plain.robot.fk(still)) < 1e-12
         turned = rot_z(25 + axes[5]) @ rot_z(-25) @ plain.tool_vector(still)

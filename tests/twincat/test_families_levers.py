@@ -9,7 +9,7 @@ import pytest
 
 from chainbuild.errors import MachineDataError
 from chainbuild.frames import rot_x, rot_y
-from tests.twincat.table_kit import build
+from tests.kit.kin_types import build
 
 
 def test_lever() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -11,9 +10,9 @@ import pytest
 
 from chainbuild.errors import ChainbuildError, MachineDataError, UnsupportedKinematicError
 from chainbuild.formats.twincat.lists.hdtable import type_data
-from tests.twincat.table_kit import build, distance, generic_hd, random_axes
+from tests.kit.kin_types import axes_anywhere, build, distance, generic_hd
+from tests.kit.paths import REFERENCE
 
-REFERENCE = Path(__file__).parents[1] / "data" / "reference"
 TABLES = (1, 13, 14, 23, 34, 52, 57, 58, 61, 63, 64, 80, 81, 82, 202, 203, 205)
 ARMS = (36, 85, 96, 206, 208, 213)
 TYPES = (*TABLES, *ARMS)
@@ -38,7 +37,7 @@ def test_tool_vector_at_zero_of_the_variants() -> None:
 @pytest.mark.parametrize("kin", TYPES)
 def test_rank_is_the_number_of_axes(kin: int) -> None:
     robot = build(kin, generic_hd(type_data()[kin]), 80.0).robot
-    J = robot.jacobian(random_axes(robot, 1)[0])
+    J = robot.jacobian(axes_anywhere(robot, 1)[0])
     assert np.linalg.matrix_rank(J, tol=1e-6) == len(robot.axes) == len(type_data()[kin].axes)
 
 
@@ -46,7 +45,7 @@ def test_rank_is_the_number_of_axes(kin: int) -> None:
 def test_jacobian_is_the_derivative(kin: int) -> None:
     robot = build(kin, generic_hd(type_data()[kin]), 80.0).robot
     step = 1e-4
-    for axes in random_axes(robot, 20):
+    for axes in axes_anywhere(robot, 20):
         J, T = robot.jacobian(axes), robot.fk(axes)
         for n, axis in enumerate(robot.axes):
             moved = np.eye(len(axes))[n] * step
@@ -58,7 +57,7 @@ def test_jacobian_is_the_derivative(kin: int) -> None:
 @pytest.mark.parametrize("kin", TYPES)
 def test_axis_values_come_back(kin: int) -> None:
     robot = build(kin, generic_hd(type_data()[kin])).robot
-    for axes in random_axes(robot, 20):
+    for axes in axes_anywhere(robot, 20):
         assert robot.axes_from_q(robot.q(axes)) == pytest.approx(axes, abs=1e-9)
 
 
@@ -78,7 +77,7 @@ def test_joints_bear_the_names_of_the_axes(kin: int) -> None:
 @pytest.mark.parametrize("kin", TYPES)
 def test_what_an_axis_carries_is_what_it_moves(kin: int) -> None:
     built = build(kin, generic_hd(type_data()[kin]))
-    start = random_axes(built.robot, 1)[0]
+    start = axes_anywhere(built.robot, 1)[0]
     for n, axis in enumerate(built.robot.axes):
         moved = start + np.eye(len(start))[n] * 7.0
         for frame in ("flange", "workpiece"):
@@ -98,7 +97,7 @@ def test_every_parameter_does_what_its_row_says(kin: int) -> None:
     data = type_data()[kin]
     hd = generic_hd(data)
     robot = build(kin, hd, 80.0).robot
-    points = random_axes(robot, 5)
+    points = axes_anywhere(robot, 5)
     for row in data.hd:
         changed = {**hd, row.n: 7.0 if row.kind == "count" else _other_value(row.kind, hd.get(row.n, 0.0))}
         if (kin, row.name) == (205, "turns_about_z"):
@@ -112,7 +111,7 @@ def test_every_parameter_does_what_its_row_says(kin: int) -> None:
 def test_the_tool_length_moves_the_tip_along_the_tool_vector(kin: int) -> None:
     hd = generic_hd(type_data()[kin])
     short, long = build(kin, hd), build(kin, hd, 80.0)
-    for axes in random_axes(short.robot, 3):
+    for axes in axes_anywhere(short.robot, 3):
         moved = long.mm(axes) - short.mm(axes)
         assert short.robot.frame_placements(axes)["flange"] == long.robot.frame_placements(axes)["flange"]
         if kin == 85:
@@ -150,7 +149,7 @@ def test_a_sign_of_zero_counts_as_plus_with_a_finding(kin: int) -> None:
     given, zero = build(kin, {4: 1, 5: 1}), build(kin, {4: 0, 5: 0})
     assert given.codes() == []
     assert zero.codes() == ["CB402", "CB402"]
-    axes = random_axes(given.robot, 1)[0]
+    axes = axes_anywhere(given.robot, 1)[0]
     assert distance(given.robot.fk(axes), zero.robot.fk(axes)) == 0.0
 
 

@@ -8,7 +8,7 @@ import pytest
 from chainbuild.convention import applying_to
 from chainbuild.formats.twincat.lists.hdtable import type_data
 from chainbuild.frames import rot_x, rot_y, rot_z
-from tests.twincat.table_kit import build, distance, generic_hd, random_axes
+from tests.kit.kin_types import axes_anywhere, build, distance, generic_hd
 
 TYPES = (1, 13, 14, 23, 34, 52, 57, 58, 61, 63, 64, 80, 81, 82, 202, 203, 205, 36, 85, 96, 206, 208, 213)
 TURN = {"A": rot_x, "B": rot_y, "C": rot_z}
@@ -150,7 +150,7 @@ def test_face_y_offset(kin: int) -> None:
     for choice, sense in (("plus", 1.0), ("minus", -1.0)):
         built = build(kin, {4: 12.0}, face_y_offset_sign=choice)
         assert built.mm([0, 0, 0])[1] == pytest.approx(sense * 12.0)
-    nearest = min(np.hypot(*built.mm(axes)[:2]) for axes in random_axes(built.robot, 200))
+    nearest = min(np.hypot(*built.mm(axes)[:2]) for axes in axes_anywhere(built.robot, 200))
     assert nearest >= 12.0
     assert np.hypot(*built.mm([0.0, 77.0, 5.0])[:2]) == pytest.approx(12.0)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chainbuild.formats.twincat.lists.hdtable import type_data
-from tests.twincat.table_kit import build
+from tests.kit.kin_types import build
 
 # Type, HD values → frame and its place in the machine base at zero of all axes.
 PLACES: list[tuple[int, dict[int | str, float], str, tuple[float, float, float]]] = [

@@ -10,7 +10,7 @@ import pytest
 import chainbuild
 from chainbuild.errors import ChainbuildError, MachineDataError, UnsupportedKinematicError
 from chainbuild.robot import Robot
-from tests.twincat.support import codes, machine
+from tests.kit.twincat_files import codes, machine
 
 START, END, LIMIT = 20.0, 45.0, 60.0  # HD2, HD3, HD4
 

@@ -6,8 +6,7 @@ import pytest
 
 from chainbuild.errors import ChainbuildError, MachineDataError
 from chainbuild.formats.text import is_twincat
-
-from .support import codes, kin_45, machine
+from tests.kit.twincat_files import codes, kin_45, machine
 
 
 @pytest.mark.parametrize(

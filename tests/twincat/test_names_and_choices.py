@@ -9,7 +9,7 @@ import pytest
 import chainbuild
 from chainbuild.errors import MachineDataError
 from chainbuild.findings import Finding
-from tests.twincat.support import codes, machine
+from tests.kit.twincat_files import codes, machine
 
 
 def found(text: str, code: str) -> list[Finding]:

@@ -10,7 +10,7 @@ from chainbuild.errors import ChainbuildError, MachineDataError
 from chainbuild.findings import Finding
 from chainbuild.formats.load import check
 from chainbuild.formats.overlay import Overlay
-from tests.twincat.support import codes, kin_45, machine
+from tests.kit.twincat_files import codes, kin_45, machine
 
 ARMS = {8: 4550000.0, 9: 4200000.0}
 

@@ -6,8 +6,7 @@ import pytest
 
 from chainbuild.errors import ChainbuildError
 from chainbuild.findings import Collector
-
-from .support import codes, parameters
+from tests.kit.twincat_files import codes, parameters
 
 
 def number(line: str) -> float:

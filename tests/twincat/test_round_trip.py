@@ -9,7 +9,8 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import ChainbuildError
-from tests.twincat.test_hand_formulas import FORMULAS, channel_list, random_axes, random_machine, seed_of
+from tests.kit.draws import seed_of
+from tests.kit.random_types import FORMULAS, channel_list, random_axes, random_machine
 
 BUILT = sorted(set(chainbuild.catalogue()) & set(FORMULAS))
 

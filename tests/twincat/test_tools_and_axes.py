@@ -10,8 +10,7 @@ import pytest
 from chainbuild.findings import Collector
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.twincat.lists.toollist import read_tools
-
-from .support import codes, kin_45, machine, parameters, pose
+from tests.kit.twincat_files import codes, kin_45, machine, parameters, pose
 
 TOOLS = """\
 wz[5].laenge            6000        # Tool length

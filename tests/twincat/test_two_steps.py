@@ -11,9 +11,8 @@ from chainbuild.chain.elements import Chain
 from chainbuild.errors import UnsupportedKinematicError
 from chainbuild.frames import angles_from_matrix
 from chainbuild.robot import Robot
-
-from .support import codes, machine, pose
-from .universal_kit import CA_HEAD
+from tests.kit.twincat_files import codes, machine, pose
+from tests.kit.universal import CA_HEAD
 
 AC_TABLE = ["id 58", "param[0] 1500000", "param[5] 600000", "param[8] -5000000", "param[9] 100000"]
 CA_HEAD_9 = ["id 9", "param[0] 1200000", "param[1] 800000", "param[4] 30000"]

@@ -10,13 +10,8 @@ import pytest
 from chainbuild.errors import ChainbuildError, MachineDataError
 from chainbuild.formats.overlay import Overlay
 from chainbuild.robot import Robot
-
-from .support import codes, machine, pose
-from .universal_kit import CA_HEAD, TABLE, AxisOf91, Universal, X, Y, Z, random_universal, rotation, shift
-
-
-def chain_of(lines: list[str], **options: object):  # type: ignore[no-untyped-def]
-    return machine("\n".join(lines)).chain(**options)  # type: ignore[arg-type]
+from tests.kit.twincat_files import chain_of, codes, machine, pose
+from tests.kit.universal import CA_HEAD, TABLE, AxisOf91, Universal, X, Y, Z, random_universal, rotation, shift
 
 
 def check(universal: Universal, lines: list[str], rng: np.random.Generator, length_mm: float = 0.0) -> None:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from .support import machine
-from .universal_kit import TABLE, XY_UNIT, robot_lines
+from tests.kit.universal import TABLE, XY_UNIT, robot_lines
 
 XY_GROUP = [
     "trafo[2].id 210", "trafo[2].group[0].name LIN_ROB", "trafo[2].group[0].chain[0] LINEAR",
@@ -17,7 +14,3 @@ AT_TABLE = [
     *XY, *TABLE.lines(3, name="TABLE"), "trafo[2].group[0].workpiece_cs TABLE", "trafo[2].group[1].name TABLE",
     "trafo[2].group[1].chain[0] TABLE",
 ]  # fmt: skip
-
-
-def chain_of(lines: Sequence[str], **options: object):  # type: ignore[no-untyped-def]
-    return machine("\n".join(lines)).chain(**options)  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""Machine data files written from a few words, and poses in mm, for the tests of this folder."""
+"""Machine data files written from a few words, and poses in mm, by elementary matrices."""
 
 from __future__ import annotations
 
@@ -31,6 +31,62 @@ NR6: Data = {
     "TX3P3_RPY": (0, 90, 0),
     "TFLWP_POS": (0, 0, 85),
     "TFLWP_RPY": (0, 0, 0),
+}
+
+
+# The same arm with five axes.
+ARM5: Data = {**NR6, "NUM_AXES": 5, "TFLWP_RPY": (30, 0, 0)}
+
+# The worked example of the older package's manual: a 4-axis articulated arm.
+TE4_ARM: Data = {
+    "KINCLASS": 1,
+    "NUM_AXES": 4,
+    "MAIN_AXES": 3,
+    "WRIST_AXES": 1,
+    "A4PAR": 1,
+    "AXES_TYPE": (3, 3, 3, 3),
+    "MAIN_LENGTH_AB": (300, 300),
+    "TIRORO_POS": (0, 0, 500),
+    "TX3P3_POS": (300, 0, 0),
+    "TX3P3_RPY": (0, 0, -90),
+    "TFLWP_POS": (200, 0, 0),
+    "TFLWP_RPY": (0, -90, 180),
+}
+
+# A SCARA with its first axis linear, signs and zeros given.
+CC4: Data = {
+    "MAIN_AXES": 2,
+    "NUM_AXES": 4,
+    "WRIST_AXES": 1,
+    "A4PAR": 1,
+    "AXES_TYPE": (1, 3, 3, 3, 3, 3),
+    "MAIN_LENGTH_AB": (150, 250),
+    "TIRORO_RPY": (0, 0, 90),
+    "TX3P3_POS": (220, 0, 0),
+    "TX3P3_RPY": (0, 0, -90),
+    "TFLWP_RPY": (0, -90, 180),
+    "AXES_DIR": (1, -1, 1, -1),
+    "MAMES": (10, 20, -30, 40),
+}
+
+# The six-axis arm before a rotary/swivel table (ROBX manual 8.2.3), and with two axes behind its flange (8.3.3).
+TABLE: Data = {
+    **NR6,
+    "EXT_ROT_AX_VECTOR_1": (0, 0, 1),
+    "EXT_ROT_AX_VECTOR_2": (0, 1, 0),
+    "EXT_ROT_JOINT_OFFSET_1": (30, 0, 0),
+    "EXT_ROT_BASE_OFFSET": (900, 0, 200),
+    "EXT_ROT_PART_OFFSET": (0, 0, 40),
+}
+
+FLANGE: Data = {
+    **NR6,
+    "EXT_FL_ROT_AX_VECTOR_1": (0, 0, 1),
+    "EXT_FL_ROT_AX_VECTOR_2": (0, 1, 0),
+    "EXT_FL_ROT_JOINT_OFF_1": (60, 0, -70),
+    "EXT_FL_ROT_BASE_OFFSET": (50, 0, 0),
+    "TTCFL_POS": (0, 0, -80),
+    "TTCFL_RPY": (0, 90, 0),
 }
 
 

@@ -1,4 +1,4 @@
-"""Helpers of the TwinCAT tests: machines from strings, poses of chains."""
+"""TwinCAT machines and parameter lists from strings, and poses of their chains."""
 
 from __future__ import annotations
 
@@ -29,6 +29,11 @@ def parameters(text: str, collector: Collector | None = None) -> ParameterList:
     """Read a parameter list from a string."""
     lines = [Line(number, line) for number, line in enumerate(text.split("\n"), start=1)]
     return read_list(lines, FILE, collector or Collector())
+
+
+def chain_of(lines: Sequence[str], **options: object) -> Chain:
+    """Return the chain of a list; options as for `Machine.chain`."""
+    return machine("\n".join(lines)).chain(**options)  # type: ignore[arg-type]
 
 
 def codes(of: TwinCatMachine | Chain | Collector) -> list[str]:

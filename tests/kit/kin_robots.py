@@ -8,17 +8,18 @@ import numpy as np
 
 from chainbuild.formats.twincat.types.catalogue import catalogue
 from chainbuild.robot import Robot
-from tests.twincat import head_kit, table_kit
+from tests.kit.kin_types import HEADS, build, generic_hd, head_hd
 
 ALL = tuple(catalogue())
+# Types that have no three linear axes to solve for directly.
+NOT_DIRECT = (13, 14, 36, 45, 85, 96, 202, 203, 205, 206, 208, 213)
 
 
 @cache
 def robot_of(kin: int) -> Robot:
     """Return a robot of a KIN_TYP with generic dimensions."""
-    if kin in head_kit.HEADS:
-        return head_kit.build(kin, head_kit.generic_hd(kin), length=120.0).robot
-    return table_kit.build(kin, table_kit.generic_hd(catalogue()[kin].data), length=120.0).robot
+    values = head_hd(kin) if kin in HEADS else generic_hd(catalogue()[kin].data)
+    return build(kin, values, length=120.0).robot
 
 
 def poses(robot: Robot, n: int, seed: int = 0) -> list[np.ndarray]:

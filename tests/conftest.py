@@ -1,29 +1,16 @@
-"""A command line run in this process, with its exit code and both streams."""
+"""The command line run in this process, with its exit code and both streams."""
 
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 import chainbuild
 from chainbuild.cli import main
-
-REFERENCE = Path(__file__).parent.parent / "data" / "reference"
-AXES = "C1,B1,B2,A1,B3,A2\n"
-
-
-@dataclass(frozen=True)
-class Outcome:
-    code: int
-    out: str
-    err: str
-
-
-Run = Callable[..., Outcome]
+from tests.kit.command_line import Outcome, Run
 
 
 @pytest.fixture(scope="session")
@@ -33,7 +20,7 @@ def compiled_solver() -> None:
     assert robot.ik(robot.fk([0.0] * len(robot.axes))).success
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture
 def heeds_interrupts() -> Iterator[None]:
     """Let an interrupt through where the tests were started in the background, which would have it ignored."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -45,7 +32,11 @@ def heeds_interrupts() -> Iterator[None]:
 
 @pytest.fixture
 def run(
-    compiled_solver: None, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    compiled_solver: None,
+    heeds_interrupts: None,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> Run:
     """Return a function that runs the command in an empty folder."""
     monkeypatch.chdir(tmp_path)

@@ -1,7 +1,7 @@
 """Chains whose signs and zeros are folded into the joints: the cases, and what is recorded of each.
 
 `tests/data/before_fold.json` holds what the last version without the fold answered, and `test_fold` compares. It was
-written by this file with that version's `chainbuild` in front: `PYTHONPATH=OLD python tests/chain/before_fold.py`.
+written by this file with that version's `chainbuild` in front: `PYTHONPATH=OLD python tests/kit/before_fold.py`.
 Nothing here may read the joints themselves, which are what has changed.
 """
 

@@ -9,6 +9,7 @@ from chainbuild.chain import assemble as recipe
 from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.elements import Axis, Chain, Task
 from chainbuild.frames import f_frame, rot_x, rot_y, rot_z
+from tests.kit.chains import chain_from
 
 
 def chain_of(
@@ -20,20 +21,11 @@ def chain_of(
     task: Task = "auto",
 ) -> Chain:
     """Return a chain with the given branches."""
-    body = recipe.assemble(axes, tool, workpiece, axis_map)
-    return Chain(
-        name,
-        f"Test machine {name}",
-        "TwinCAT CNC",
-        "KIN_TYP 0",
-        body.links,
-        body.joints,
-        body.frames,
-        tuple(axes),
-        body.axis_map,
-        "cba",
-        task=task,
-    )
+    title, dialect, kinematic = f"Test machine {name}", "TwinCAT CNC", "KIN_TYP 0"
+    return chain_from(
+        axes, tool, workpiece, axis_map,
+        name=name, title=title, dialect=dialect, kinematic=kinematic, angle_mode="cba", task=task,
+    )  # fmt: skip
 
 
 def rotary_axis(name: str, lower: float = -170.0, upper: float = 170.0, speed: float | None = None) -> Axis:

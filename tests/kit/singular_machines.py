@@ -3,33 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from chainbuild.chain.assemble import Element, assemble, linear, mark, rotary, shift
-from chainbuild.chain.elements import Axis, Chain, Task
+from chainbuild.chain.assemble import Element, linear, mark, rotary, shift
+from chainbuild.chain.elements import Axis
 from chainbuild.robot import Robot
 from chainbuild.units import unit_of
+from tests.kit.chains import chain_from
 
 Vector = np.ndarray
 
 
-def build(
-    axes: Sequence[Axis],
-    tool: Sequence[Element],
-    workpiece: Sequence[Element] = (),
-    task: Task = "auto",
-    kinematic: str = "test",
-    dialect: str = "hand made",
-) -> Robot:
-    body = assemble(axes, tool, workpiece)
-    parts = (body.links, body.joints, body.frames, tuple(axes), body.axis_map)
-    return Robot(Chain("test", "Test", dialect, kinematic, *parts, "orirpy", task=task))
-
-
 def axis(name: str, bound: float = 180.0, **more: object) -> Axis:
+    """Return an axis of the given limits both ways, linear where its name begins with X, Y or Z."""
     kind = "linear" if name[0] in "XYZ" else "rotary"
     return Axis(name, kind, unit_of(kind), -bound, bound, False, **more)  # type: ignore[arg-type]
 
@@ -48,17 +36,19 @@ class OrthoArm:
 
     @classmethod
     def random(cls, rng: np.random.Generator, lateral: bool) -> OrthoArm:
+        """Draw an arm, with an offset to the side where asked."""
         a1, a2, c1 = rng.uniform(-200, 300), rng.uniform(-150, 150), rng.uniform(200, 800)
         c2, c3, c4 = rng.uniform(300, 1200), rng.uniform(300, 1200), rng.uniform(50, 250)
         return cls(a1, a2, rng.uniform(30, 150) if lateral else 0.0, c1, c2, c3, c4)
 
     def robot(self) -> Robot:
+        """Return the arm with a tool of 60 mm."""
         tool = [
             shift(z=self.c1), rotary("A1", "z"), shift(x=self.a1), rotary("A2", "y"), shift(z=self.c2),
             rotary("A3", "y"), shift(x=self.a2, y=self.b), rotary("A4", "z"), shift(z=self.c3), rotary("A5", "y"),
             rotary("A6", "z"), shift(z=self.c4), mark("flange"), shift(z=60.0),
         ]  # fmt: skip
-        return build([axis(f"A{n}") for n in range(1, 7)], tool)
+        return Robot(chain_from([axis(f"A{n}") for n in range(1, 7)], tool))
 
     def wrist(self, q: Vector) -> float:
         """Sine of the fifth joint."""
@@ -110,9 +100,9 @@ def mill(name: str, rng: np.random.Generator) -> tuple[Robot, int]:
     axes = [axis(letter, 1000.0) for letter in "XYZ"]
     if place == "head":
         axes += [axis(letter) for letter in order]
-        robot = build(axes, [*slides, *turns, offset()])
+        robot = Robot(chain_from(axes, [*slides, *turns, offset()]))
     else:
         axes += [axis(letter, carries="workpiece") for letter in order]
-        robot = build(axes, [*slides, offset()], [*turns, offset()])
+        robot = Robot(chain_from(axes, [*slides, offset()], [*turns, offset()]))
     tilting = order[1] if place == "head" else order[0]
     return robot, next(n for n, a in enumerate(robot.axes) if a.name == tilting)

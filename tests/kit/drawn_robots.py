@@ -6,28 +6,22 @@ from typing import Literal
 
 import numpy as np
 
-from chainbuild.chain.assemble import Element, assemble, linear, mark, rotary, shift, turn
-from chainbuild.chain.axismap import AxisMap
-from chainbuild.chain.elements import Axis, Chain
+from chainbuild.chain.assemble import Element, linear, mark, rotary, shift, turn
+from chainbuild.chain.elements import Axis
 from chainbuild.robot import Robot
 from chainbuild.units import unit_of
+from tests.kit.chains import chain_from
 
 
 def axis(name: str, lower: float, upper: float, carries: Literal["tool", "workpiece"] = "tool") -> Axis:
+    """Return an axis, linear where its name begins with X, Y or Z."""
     kind = "linear" if name[0] in "XYZ" else "rotary"
     return Axis(name, kind, unit_of(kind), lower, upper, False, carries=carries)
 
 
-def build(
-    title: str,
-    axes: list[Axis],
-    tool: list[Element],
-    workpiece: tuple[Element, ...] = (),
-    axis_map: AxisMap | None = None,
-) -> Robot:
-    body = assemble(axes, tool, workpiece, axis_map)
-    parts = (body.links, body.joints, body.frames, tuple(axes), body.axis_map)
-    return Robot(Chain("test", title, "hand made", "test", *parts, "orirpy"))
+def build(title: str, axes: list[Axis], tool: list[Element], workpiece: tuple[Element, ...] = ()) -> Robot:
+    """Return a robot under its title."""
+    return Robot(chain_from(axes, tool, workpiece, title=title, dialect="hand made"))
 
 
 def arm(title: str = "Arm") -> Robot:

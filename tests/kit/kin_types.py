@@ -10,16 +10,17 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from chainbuild.chain.assemble import assemble
-from chainbuild.chain.elements import Chain
 from chainbuild.convention import Choices
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.hdtable import HdRow, TypeData
 from chainbuild.formats.twincat.recipes.recipe import Params
 from chainbuild.formats.twincat.types.catalogue import catalogue
 from chainbuild.robot import Robot
+from tests.kit.chains import chain_from
 
 Vector = NDArray[np.float64]
+# The types that move a tool head.
+HEADS = (2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 22, 25, 28, 30, 33, 59, 60, 70, 76, 207)
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class Built:
         return place
 
     def tool_vector(self, axes: list[float] | Vector) -> Vector:
+        """Direction of the tool in the workpiece frame."""
         direction: Vector = self.robot.fk(axes).rotation[:, 2]
         return direction
 
@@ -45,16 +47,20 @@ class Built:
         return place
 
     def base_rotation(self, frame: str, axes: list[float] | Vector) -> Vector:
+        """Rotation of a frame in the machine base."""
         rotation: Vector = self.robot.frame_placements(axes)[frame].rotation
         return rotation
 
     def asked(self) -> set[str]:
+        """Names of the conventions that the recipe asked for."""
         return {used.convention.name for used in self.choose.used()}
 
     def codes(self) -> list[str]:
+        """Numbers of the findings."""
         return [finding.code for finding in self.collector.findings]
 
     def zeros(self) -> list[float]:
+        """All axes at 0."""
         return [0.0] * len(self.robot.axes)
 
 
@@ -67,33 +73,22 @@ def build(
     kin: int,
     hd: Mapping[int | str, float] | None = None,
     length: float = 0.0,
+    radius: float = 0.0,
     strict: bool = True,
     **conventions: str,
 ) -> Built:
     """Build a type; HD values by number or name, in mm, degrees or bare numbers."""
     kind = catalogue()[kin]
-    raw = {}
-    for key, value in (hd or {}).items():
-        row = kind.data.row(key)
-        raw[row.n] = count(row, value)
+    rows = {kind.data.row(key).n: count(kind.data.row(key), value) for key, value in (hd or {}).items()}
     collector = Collector(strict=strict)
-    params = Params(kind.data, raw, tool_length_mm=length, collector=collector)
+    params = Params(kind.data, rows, tool_length_mm=length, tool_radius_mm=radius, collector=collector)
     choose = Choices(conventions)
     recipe = kind.recipe(params, choose)
-    body = assemble(params.axes, recipe.tool, recipe.workpiece, recipe.axis_map)
-    chain = Chain(
-        name=f"kin{kin}",
-        title=kind.title,
-        dialect="TwinCAT CNC",
-        kinematic=f"KIN_TYP {kin}",
-        links=body.links,
-        joints=body.joints,
-        frames=body.frames,
-        axes=params.axes,
-        axis_map=body.axis_map,
-        angle_mode="ypr",
+    chain = chain_from(
+        recipe.axes or params.axes, recipe.tool, recipe.workpiece, recipe.axis_map,
+        name=f"kin{kin}", title=kind.title, dialect="TwinCAT CNC", kinematic=f"KIN_TYP {kin}", angle_mode="ypr",
         task=recipe.task,
-    )
+    )  # fmt: skip
     return Built(Robot(chain), choose, collector)
 
 
@@ -113,11 +108,42 @@ def generic_hd(data: TypeData) -> dict[int | str, float]:
     return values
 
 
-def random_axes(robot: Robot, n: int, seed: int = 0) -> Vector:
-    """Return n axis vectors, ±500 mm and ±170 degrees."""
+def head_hd(kin: int) -> dict[int | str, float]:
+    """Return a head's value for every HD: lengths and angles different and none 0, every direction reversed."""
+    values: dict[int | str, float] = {}
+    for row in catalogue()[kin].data.hd:
+        if row.kind == "length":
+            values[row.n] = 37.0 + 13.0 * row.n
+        elif row.kind == "angle":
+            values[row.n] = 11.0 + 1.7 * row.n
+        elif row.kind == "sign":
+            values[row.n] = -1.0
+        elif row.kind == "ratio":
+            values[row.n] = 1.0 + 0.3 * row.n
+    if kin in (59, 60):
+        values[7] = 48.0
+    if kin == 207:
+        values[4] = 65.0
+    return values
+
+
+def axes_anywhere(robot: Robot, n: int, seed: int = 0) -> Vector:
+    """Return n axis vectors, ±500 mm and ±170 degrees, whatever the limits."""
     rng = np.random.default_rng(seed)
     half = np.array([500.0 if axis.kind == "linear" else 170.0 for axis in robot.axes])
     values: Vector = (rng.random((n, len(half))) * 2.0 - 1.0) * half
+    return values
+
+
+def axes_inside(robot: Robot, n: int, seed: int = 0) -> Vector:
+    """Return n axis vectors inside ±500 mm, ±170 degrees and nine tenths of the limits."""
+    rng = np.random.default_rng(seed)
+    axes = robot.axes
+    middle = np.array([(axis.lower + axis.upper) / 2.0 for axis in axes])
+    half = np.array(
+        [min(500.0 if a.kind == "linear" else 170.0, 0.45 * (a.upper - a.lower)) for a in axes],
+    )
+    values: Vector = middle + (rng.random((n, len(axes))) * 2.0 - 1.0) * half
     return values
 
 

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tests.sinumerik.robx_files import NR6, robx_text
-from tests.sinumerik.test_translation import TE4_ARM
-
-ARM5 = {**NR6, "NUM_AXES": 5, "TFLWP_RPY": (30, 0, 0)}
+from tests.kit.robx_files import ARM5, NR6, TE4_ARM, robx_text
 
 
 @dataclass(frozen=True)
