@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-PACKAGE = Path(__file__).parent.parent / "chainbuild"
+from tests.kit.paths import PACKAGE, TESTS
+
 FILES = sorted(PACKAGE.rglob("*.py"))
 
 # From the ground up. A room may import rooms below it and its own. The longest name that fits a file is its room.
@@ -142,7 +143,7 @@ def test_files_stay_short(path: Path) -> None:
 
 
 def test_hand_formulas_import_numpy_and_math_only() -> None:
-    folder = Path(__file__).parent / "hand"
+    folder = TESTS / "hand"
     allowed = {"__future__", "numpy", "math", "collections", "typing", "functools", "dataclasses", "tests"}
     formulas = [p for p in folder.glob("*.py") if not (p.name.startswith("test_") or p.name.endswith("_cases.py"))]
     assert len(formulas) > 3

@@ -12,8 +12,7 @@ from pathlib import Path
 import pytest
 
 import chainbuild
-
-ROOT = Path(__file__).parent.parent
+from tests.kit.paths import ROOT
 
 
 def generator():

@@ -12,8 +12,9 @@ import chainbuild
 from chainbuild.chain import geometry_table
 from chainbuild.formats.overlay import _READERS
 from chainbuild.machines import shipped_path
+from tests.kit.paths import ROOT
 
-PAGE = (Path(__file__).parent.parent / "docs/overlay.md").read_text("utf-8")
+PAGE = (ROOT / "docs/overlay.md").read_text("utf-8")
 ROBX, TWINCAT = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
 
 

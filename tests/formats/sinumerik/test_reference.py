@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,8 +12,9 @@ from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.sinumerik.machine import read_machine
 from chainbuild.formats.text import is_sinumerik, read_source
 from chainbuild.robot import Robot
+from tests.kit.paths import REFERENCE
 
-FILES = sorted((Path(__file__).parents[1] / "data" / "reference").glob("robx_*.tea"))
+FILES = sorted(REFERENCE.glob("robx_*.tea"))
 
 
 def test_there_are_reference_files():

@@ -9,8 +9,8 @@ import pytest
 
 import chainbuild
 from chainbuild.robot import Robot
+from tests.kit.paths import ROOT
 
-ROOT = Path(__file__).parent.parent
 MACHINES = chainbuild.shipped()
 ARMS = ("kr6r900", "irb2600", "kr6r900_2", "tx2_60")
 TARGETS = 100

@@ -11,8 +11,9 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import ChainbuildError, FileAccessError, ParseError
+from tests.kit.paths import TESTS
 
-BENCH = Path(__file__).parent / "bench"
+BENCH = TESTS / "bench"
 
 BRANCHED = """<robot name="two arms">
   <link name="base"/><link name="slide"/><link name="upper"/><link name="fore"/><link name="hand"/><link name="camera"/>

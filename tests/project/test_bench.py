@@ -18,8 +18,7 @@ from tests.bench.machines import Machine, machines
 from tests.bench.marks import COMPILED, PATH, PLAIN, REFERENCE, Mark, Results, marks
 from tests.bench.measure import Row
 from tests.bench.tables import mark_table, page
-
-ROOT = Path(__file__).parent.parent
+from tests.kit.paths import ROOT
 
 
 @pytest.fixture(scope="module")
