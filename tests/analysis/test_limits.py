@@ -14,7 +14,7 @@ from chainbuild.chain.elements import Chain
 from chainbuild.chain.geometry import Geometry, RodData, Shape
 from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError
-from tests.analysis.planar import edge, segment_distance, turned
+from tests.kit.planar import edge, segment_distance, turned
 
 ARM, CRANK, TOP = 1.1, 0.30, 0.85  # m: upper arm, crank, height of the shoulder of parallelogram_nr
 SHOULDER_X, FORE_X, FORE_Z = 0.4, 1.25, 0.25

@@ -25,8 +25,8 @@ from chainbuild.frames import f_frame, rot_z
 from chainbuild.kinematics.task_error import _joints
 from chainbuild.writers.notes import axis_map_in_words, header
 from chainbuild.writers.urdf import urdf_text
-from tests.chain import before_fold
-from tests.chain.straight import check_joint_values, sample_axes, straight_joints
+from tests.kit import before_fold
+from tests.kit.straight import check_joint_values, sample_axes, straight_joints
 
 BEFORE: dict[str, dict[str, Any]] = json.loads(before_fold.FILE.read_text("utf-8"))
 # How far from what was recorded: poses and derivatives [m, 1], sizes [m], what is drawn [m], distances of coal [m].

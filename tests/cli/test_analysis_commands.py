@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.cli.conftest import Run
+from tests.kit.command_line import Run
 
 COMMANDS = ["singularity", "collide", "limits", "workspace"]
 NEAR_WRIST = "0,-90,90,0,0.3,0"

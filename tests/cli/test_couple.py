@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import chainbuild
-from tests.cli.conftest import Run
-from tests.twincat.coupling_kit import XY
+from tests.kit.command_line import Run
+from tests.kit.couplings import XY
 
 
 @pytest.fixture

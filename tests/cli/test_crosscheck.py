@@ -12,7 +12,8 @@ import pytest
 import chainbuild
 from chainbuild.comparison.samples import make_samples
 from chainbuild.tables import PoseWriter
-from tests.cli.conftest import REFERENCE, Run
+from tests.kit.command_line import Run
+from tests.kit.paths import REFERENCE
 
 ARM = "kr6r900_2"
 TABLE = REFERENCE / "kin58_trt_2.lis"

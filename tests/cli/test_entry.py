@@ -17,11 +17,11 @@ import chainbuild
 from chainbuild.cli import entry
 from chainbuild.cli.entry import message_of
 from chainbuild.errors import ChainbuildError, Span
-from tests.cli.conftest import AXES, REFERENCE, Run
+from tests.kit.command_line import ARM, AXES, PROGRAM, Run
 
-ARM = REFERENCE / "kin45_kr6r900_2.lis"
+pytestmark = pytest.mark.usefixtures("heeds_interrupts")
+
 COMMANDS = ["info", "check", "fk", "ik", "urdf", "inspect", "demo", "types", "singularity"]
-PROGRAM = [sys.executable, "-m", "chainbuild.cli"]
 
 
 def test_version(run: Run) -> None:

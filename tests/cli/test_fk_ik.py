@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from pathlib import Path
 
@@ -11,20 +10,10 @@ import pytest
 
 import chainbuild
 from chainbuild import frames
-from tests.cli.conftest import AXES, REFERENCE, Outcome, Run
+from tests.kit.command_line import ARM, AXES, Outcome, Run, rows_of, write
+from tests.kit.paths import REFERENCE
 
-ARM = REFERENCE / "kin45_kr6r900_2.lis"
 HOME = "0,-90,90,0,0,0\n"
-
-
-def rows_of(text: str) -> list[dict[str, str]]:
-    return list(csv.DictReader(text.splitlines()))
-
-
-def write(name: str, text: str) -> Path:
-    path = Path(name)
-    path.write_text(text, "utf-8")
-    return path
 
 
 def recorded() -> list[str]:

@@ -4,35 +4,20 @@ from __future__ import annotations
 
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.kit.paths import REFERENCE
+
 from .kin_faces import TiltError, effective_tool_length_mm
-from .tables_algebra import RAW_UNIT, Matrix, chain, rx, ry, rz
-from .tables_cases import CASES, FORMULAS, span
-
-REFERENCE = Path(__file__).parent.parent / "data" / "reference"
-TIGHT = 1e-9
-
-
-def pose(kin: int, hd: dict[int, float], axes: list[float], length: float = 0.0, **conv: str) -> Matrix:
-    """Return a pose from HD values in mm and degrees, or unscaled where the case lists a flag."""
-    case = CASES[kin]
-    unscaled = {*case.flags, *(number for number, _ in case.fixed)}
-    raw = {number - 1: value if number in unscaled else value / RAW_UNIT for number, value in hd.items()}
-    return FORMULAS[kin](raw, axes, length, conv)
+from .tables_algebra import Matrix, chain, rx, ry, rz
+from .tables_cases import CASES, FORMULAS, TIGHT, pose, same, span
 
 
 def generic(kin: int, seed: int = 1, length: float = 0.0, **conv: str) -> Matrix:
     """Return a pose of the type with every HD set."""
     return FORMULAS[kin](CASES[kin].param(seed), CASES[kin].position(seed), length, conv)
-
-
-def same(left: Matrix, right: Matrix) -> bool:
-    """Tell whether two poses are equal."""
-    return bool(np.allclose(left, right, rtol=0, atol=TIGHT))
 
 
 @pytest.mark.parametrize("name", ["kin36_1", "kin58_trt_2", "kin58_trt_3"])
