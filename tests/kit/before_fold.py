@@ -38,6 +38,11 @@ FILE = Path(__file__).parents[1] / "data" / "before_fold.json"
 GENERAL = np.array([0.31, -0.52, 0.83])
 ROD = RodData(crank=0.31, angle_deg=-150.0, sideways=0.12)
 COUPLED, UNIVERSAL = 210, 91
+# Defaults of conventions have changed since; these are the ones of the record.
+THEN = {
+    **{key: {"machine_zero_sign": "plus"} for key in (61, 63, 80, 81, 82)},
+    **{key: {"linear_unit_offset_sign": "plus"} for key in (206, 208)},
+}
 
 
 def shipped_chains() -> Iterator[tuple[str, Chain]]:
@@ -61,14 +66,17 @@ def catalogue_chains() -> Iterator[tuple[str, Chain]]:
 
 
 def type_chain(number: int, reversed_axes: bool, **conventions: str) -> Chain:
-    return of_text("\n".join([*type_lines(number, reversed_axes), "Ende", ""]), "machine.lis", **conventions)
+    chosen = THEN.get(number, {}) | conventions
+    return of_text("\n".join([*type_lines(number, reversed_axes), "Ende", ""]), "machine.lis", **chosen)
 
 
 def two_steps(first: int, second: int) -> Chain:
     """Return a chain of two steps: what bounds the joints of the second is how far the first one reaches."""
     lines = [f"kin_step[{n}].{line}" for n, number in enumerate((first, second)) for line in type_lines(number, True)]
     chosen = [f"default_id_of_kin_step[{n}] {number}" for n, number in enumerate((first, second))]
-    return of_text("\n".join([*lines, *chosen, "Ende", ""]), "machine.lis")
+    return of_text(
+        "\n".join([*lines, *chosen, "Ende", ""]), "machine.lis", **(THEN.get(first, {}) | THEN.get(second, {}))
+    )
 
 
 def type_lines(number: int, reversed_axes: bool) -> list[str]:

@@ -57,7 +57,7 @@ def test_a_tool_length_that_is_none(length: object) -> None:
 
 @pytest.mark.parametrize(
     ("number", "mode", "code"),
-    [(None, "ypr", None), (0, "ypr", None), (1, "euler_a_first", None), (2, "cba", None), (3, "cab", None),
+    [(None, "ypr", None), (0, "ypr", None), (1, "euler_c_first", None), (2, "cba", None), (3, "cab", None),
      (4, "cba_std", None), (5, "abc", None), (14, "ab", None), (15, "ba", None),
      (-1, "ypr", "CB408"), (12, "ypr", "CB409")],
 )  # fmt: skip
