@@ -95,7 +95,7 @@ def transform(rotation: ArrayLike | None = None, position: ArrayLike = (0.0, 0.0
     return result
 
 
-def shift(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Matrix:
+def translation(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Matrix:
     """Return the 4×4 transform that only translates."""
     return transform(None, (x, y, z))
 

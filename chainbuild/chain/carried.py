@@ -13,7 +13,7 @@ from chainbuild.chain.geometry import Geometry
 from chainbuild.chain.names import Names
 
 
-def constraints(chain: Chain, before: int, after: int) -> Iterable[AxisConstraint]:
+def padded_constraints(chain: Chain, before: int, after: int) -> Iterable[AxisConstraint]:
     """Yield the limits on sums of axes of a chain, with other axes before and after its own."""
     for constraint in chain.constraints:
         yield replace(constraint, sum=padded(constraint.sum, before, after))

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import Block, side_by_side
-from chainbuild.chain.carried import carried_c, constraints, joined_geometry, padded
+from chainbuild.chain.carried import carried_c, joined_geometry, padded, padded_constraints
 from chainbuild.chain.elements import Chain, Frame, Joint, Link, Loop, Partial
 from chainbuild.chain.fold import drawn, joint_motion
 from chainbuild.chain.names import Names, as_name, free_name
@@ -189,7 +189,7 @@ def _graft(host: Chain, link: str, T: Matrix, guest: Chain, prefix: str, *, root
         dialect=host.dialect if guest.dialect in host.dialect else f"{host.dialect} + {guest.dialect}",
         kinematic=f"{host.kinematic} + {guest.kinematic}",
         task="auto",
-        constraints=(*constraints(host, 0, len(guest.axes)), *constraints(guest, len(host.axes), 0)),
+        constraints=(*padded_constraints(host, 0, len(guest.axes)), *padded_constraints(guest, len(host.axes), 0)),
         follows_c=False,
         controller_solver=None,
         geometry=joined_geometry(host.geometry, guest.geometry, names, [*tree.placements]),

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import chain, groupby, islice
 from pathlib import Path
 from threading import Timer
-from typing import TYPE_CHECKING, Annotated, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Final
 
 from cyclopts import Parameter
 
@@ -17,6 +17,7 @@ from chainbuild import tolerances
 from chainbuild.cli.show import note, output, with_progress
 from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, held_axes, pointed_axis
 from chainbuild.errors import ChainbuildError, Span, TableError
+from chainbuild.ik.rules import Solver
 from chainbuild.units import deg_from_rad, mm_from_m
 
 if TYPE_CHECKING:
@@ -30,15 +31,14 @@ if TYPE_CHECKING:
     Vector = NDArray[np.float64]
     Matrix = NDArray[np.float64]
 
-Solver = Literal["auto", "damped", "analytic", "controller"]
-Row = tuple["PoseRow", "IkResult"]
+PoseAndResult = tuple["PoseRow", "IkResult"]
 
 _PATIENCE_S = 2.0
 
 
 def solutions(
     robot: Robot, table: PoseTable, starts: AxisTable | None, solver: Solver, *, follow: bool
-) -> Iterator[Row]:
+) -> Iterator[PoseAndResult]:
     """Solve the rows of a table; without start values each begins where the last solution ended.
 
     Args:
@@ -61,7 +61,7 @@ def solutions(
     yield from rows
 
 
-def _one_by_one(robot: Robot, table: PoseTable, given: _Starts | None, solver: Solver) -> Iterator[Row]:
+def _one_by_one(robot: Robot, table: PoseTable, given: _Starts | None, solver: Solver) -> Iterator[PoseAndResult]:
     last: Vector | None = None
     for row in table.rows():
         result = _solved(robot, table, row, given.next() if given else last, solver)
@@ -72,7 +72,7 @@ def _one_by_one(robot: Robot, table: PoseTable, given: _Starts | None, solver: S
         given.finish()
 
 
-def _followed(robot: Robot, table: PoseTable, last: Vector | None, solver: Solver) -> Iterator[Row]:
+def _followed(robot: Robot, table: PoseTable, last: Vector | None, solver: Solver) -> Iterator[PoseAndResult]:
     """Solve a path: as a whole where nothing but the pose changes, else row by row from the solution before."""
     for _, group in groupby(table.rows(), key=_beside):
         part = list(group)

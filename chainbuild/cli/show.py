@@ -38,7 +38,7 @@ def console(stream: TextIO | None = None) -> Console:
     return Console(file=target, width=wide, markup=False, highlight=False, emoji=False)
 
 
-def table(title: str, *columns: str) -> RichTable:
+def empty_table(title: str, *columns: str) -> RichTable:
     """Return an empty table whose long cells fold."""
     result = RichTable(
         title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0)
@@ -48,7 +48,7 @@ def table(title: str, *columns: str) -> RichTable:
     return result
 
 
-def number(value: float | str | None) -> str:
+def shown_number(value: float | str | None) -> str:
     """Return a value of machine data as people write it."""
     if value is None:
         return "–"

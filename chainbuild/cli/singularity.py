@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from chainbuild.cli.axisvalues import At, rows_of
-from chainbuild.cli.show import console, note, number, print_json, table
+from chainbuild.cli.axisvalues import At, given_rows
+from chainbuild.cli.show import console, empty_table, note, print_json, shown_number
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
 from chainbuild.units import mm_from_m
 
 if TYPE_CHECKING:
-    from chainbuild.analysis.singularity.names import Report
+    from chainbuild.analysis.singularity.names import SingularityReport
     from chainbuild.analysis.singularity.nearest import Nearest
     from chainbuild.analysis.singularity.singularity import Singularity
     from chainbuild.analysis.singularity.thresholds import Judgement, Stretch, Thresholds
@@ -70,7 +70,7 @@ def singularity(
     from chainbuild.analysis.singularity.thresholds import thresholds_of
 
     robot = options.robot(file)
-    rows = rows_of(robot, at, axes)
+    rows = given_rows(robot, at, axes)
     if not len(rows):
         raise UsageError("--at or --axes is due")
     limits = thresholds_of(robot.chain)
@@ -99,7 +99,7 @@ class _Shown:
         length = None if measures.length is None else m_from_mm(measures.length)
         self.robot, self.rows, self.limits = robot, rows, limits
         self.table = measure_batch(robot, rows, length)
-        self.reports: list[tuple[int, Report]]
+        self.reports: list[tuple[int, SingularityReport]]
         if len(rows) == 1:
             self.reports = [(0, examine(robot, rows[0], measures.speed, length))]
         else:
@@ -130,7 +130,7 @@ class _Shown:
             "stretches": [asdict(stretch) for stretch in self.stretches],
         }
 
-    def _row(self, row: int, report: Report) -> dict[str, Any]:
+    def _row(self, row: int, report: SingularityReport) -> dict[str, Any]:
         speed, nearest = report.speed, self.nearest.get(row)
         names = [axis.name for axis in self.robot.axes]
         return {
@@ -152,7 +152,7 @@ class _Shown:
         out, report = console(), self.reports[0][1]
         measures = report.measures
         values = ", ".join(f"{value:.4g}" for value in measures.singular_values)
-        shown = table("Measures", "Measure", "Value")
+        shown = empty_table("Measures", "Measure", "Value")
         shown.add_row("singular values, scaled", values)
         shown.add_row("smallest", f"{measures.smallest:.6g}")
         shown.add_row("manipulability", f"{measures.manipulability:.4g}")
@@ -171,20 +171,20 @@ class _Shown:
         if 0 in self.nearest:
             _print_nearest(self.nearest[0], self.robot)
 
-    def _print_speeds(self, report: Report) -> None:
-        shown = table(
+    def _print_speeds(self, report: SingularityReport) -> None:
+        shown = empty_table(
             f"Axis speeds at {report.speed.tool_speed:g} mm/s of the tool, worst direction", "Axis", "Needs", "Can"
         )
         for row in report.speed.axes:
             unit = "deg/s" if row.axis.unit == "deg" else "mm/s"
             needed = "∞" if math.isinf(row.needed) else f"{round(row.needed, _DIGITS):.4g} {unit}"
-            shown.add_row(row.axis.name, needed, f"{number(row.limit)} {unit}" if row.limit is not None else "–")
+            shown.add_row(row.axis.name, needed, f"{shown_number(row.limit)} {unit}" if row.limit is not None else "–")
         console().print(shown)
         if report.speed.alarm:
             print(f"an axis would be too quick: alarm {report.speed.alarm} in JOG")
 
     def print_path(self) -> None:
-        shown = table("Close to singularities", "Row", "Smallest", "Kind", "What")
+        shown = empty_table("Close to singularities", "Row", "Smallest", "Kind", "What")
         for row, report in self.reports:
             for found in (*report.names, *report.notices):
                 shown.add_row(str(row + 1), f"{self.table.smallest[row]:.3g}", _kind(found), found.sentence)

@@ -14,7 +14,7 @@ from chainbuild.arrays import Matrices, Vector
 from chainbuild.chain.elements import Task
 from chainbuild.comparison.samples import Samples
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.every import every_branch
 from chainbuild.ik.request import IkRequest
 from chainbuild.kinematics.inputs import as_pose
@@ -230,7 +230,7 @@ def _count_branches(
     robot: Mechanism, row: Vector, target: Vector, good: Sequence[Vector], tally: _Tally, *, complete: bool
 ) -> None:
     """Add up missing and extra branches of one pose."""
-    query = Query.of(IkRequest(robot, target, row))
+    query = BranchQuery.of(IkRequest(robot, target, row))
     found = every_branch(query)
     if any(found.branches.free_axes):
         tally.singular += 1
@@ -246,7 +246,7 @@ def _count_branches(
     tally.extra += sum(all(_apart(query, answer, mine) for mine in ours) for answer in inside)
 
 
-def _into(query: Query, x: Vector) -> Vector:
+def _into(query: BranchQuery, x: Vector) -> Vector:
     """Return x with periodic axes brought inside their limits by whole turns where that is possible."""
     moved = x.copy()
     for n in np.flatnonzero(query.periodic):
@@ -258,7 +258,7 @@ def _into(query: Query, x: Vector) -> Vector:
     return moved
 
 
-def _apart(query: Query, a: Vector, b: Vector) -> bool:
+def _apart(query: BranchQuery, a: Vector, b: Vector) -> bool:
     """Tell whether two solutions differ by more than whole turns."""
     difference = a - b
     turns = query.periodic

@@ -17,8 +17,9 @@ import numpy as np
 
 from chainbuild.arrays import Matrices, Vector
 from chainbuild.chain.elements import Task
+from chainbuild.closest import and_joined
 from chainbuild.comparison.comparison import forward_poses, pose_errors
-from chainbuild.comparison.offsets import all_rigid, listed, mean_transform, mm_text, modes_apart, transform_text
+from chainbuild.comparison.offsets import all_rigid, mean_transform, mm_text, modes_apart, transform_text
 from chainbuild.frames import ANGLE_MODES, angles_from_matrix, inverse, matrix_from_angles
 from chainbuild.kinematics.inputs import as_pose
 
@@ -168,7 +169,7 @@ class _Diagnosis:
                 signs = np.ones(len(names))
                 signs[list(flipped)] = -1.0
                 which = tuple(names[n] for n in flipped)
-                text = f"{listed(which)} counted in the opposite direction"
+                text = f"{and_joined(which)} counted in the opposite direction"
                 yield _Reading("flipped axis", text, axes * signs, theirs, which)
         rotary = np.array([kind == "rotary" for kind in kinds])
         for factor, text in (
@@ -182,7 +183,7 @@ class _Diagnosis:
                 swapped = axes.copy()
                 swapped[:, [one, other]] = axes[:, [other, one]]
                 which = (names[one], names[other])
-                yield _Reading("swapped axes", f"{listed(which)} swapped", swapped, theirs, which)
+                yield _Reading("swapped axes", f"{and_joined(which)} swapped", swapped, theirs, which)
 
     def _pose_readings(self, axes: Vector, theirs: Matrices) -> Iterator[_Reading]:
         for factor, text in _LENGTH_UNITS:

@@ -14,7 +14,7 @@ import numpy as np
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import axes_for
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.elimination.eaik_arm import eaik_answers, eaik_robot
 from chainbuild.ik.branches.opw.parameters import opw_arm
 from chainbuild.ik.request import IkRequest
@@ -160,12 +160,12 @@ def _rows(value: Iterable[Any] | None, count: int) -> list[Vector]:
     return [row for row in rows if row.shape == (count,) and np.isfinite(row).all()]
 
 
-def _serial(robot: Mechanism) -> tuple[Query, Serial]:
-    query = Query.of(IkRequest(robot, np.eye(4)))
+def _serial(robot: Mechanism) -> tuple[BranchQuery, Serial]:
+    query = BranchQuery.of(IkRequest(robot, np.eye(4)))
     return query, query.serial()
 
 
-def _axes_from_joints(query: Query, serial: Serial, values: Vector) -> Vector | None:
+def _axes_from_joints(query: BranchQuery, serial: Serial, values: Vector) -> Vector | None:
     joints = np.array([screw.joint for screw in serial.screws], dtype=np.intp)
     found = axes_for(query, joints, values, query.structure.free)
     return found[0] / query.mechanism.kinematics.si_factors if found else None

@@ -35,11 +35,6 @@ def all_rigid(transforms: Matrices) -> bool:
     return bool(np.abs(R @ np.transpose(R, (0, 2, 1)) - np.eye(3)).max() < 1e-6 and (np.linalg.det(R) > 0).all())
 
 
-def listed(names: tuple[str, ...]) -> str:
-    """Return names as people list them."""
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
-
-
 def mm_text(vector: Vector) -> str:
     """Return a vector [m] in mm, to the nanometre."""
     return "(" + ", ".join(f"{round(mm_from_m(float(v)), 6) + 0.0:.10g}" for v in vector) + ")"

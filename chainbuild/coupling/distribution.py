@@ -29,7 +29,7 @@ _PASSES: Final = 50
 _DONE: Final = 1e-12  # m and rad
 _LEFT_OVER: Final = 1e-9
 
-Values = Mapping[str, float] | Sequence[float]
+PoseValues = Mapping[str, float] | Sequence[float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,11 +86,11 @@ class Distribution:
 
 def distribute(
     robot: Mechanism,
-    tcp: Values | None = None,
+    tcp: PoseValues | None = None,
     *,
     axes: Mapping[str, float | Mapping[str, float]] | None = None,
     locked: Iterable[str] = (),
-    current: Mapping[str, Values] | None = None,
+    current: Mapping[str, PoseValues] | None = None,
 ) -> Distribution:
     """Hand a tool position out to the partials of a robot.
 
@@ -231,7 +231,7 @@ def _values(mode: str, T: Matrix) -> Vector:
     return np.array([*(mm_from_m(float(v)) for v in T[:3, 3]), *frames.angles_from_matrix(mode, T[:3, :3])])
 
 
-def _six(values: Values) -> dict[str, float]:
+def _six(values: PoseValues) -> dict[str, float]:
     """Return values by letter, checked."""
     pairs = dict(values) if isinstance(values, Mapping) else dict(zip(LETTERS, values, strict=False))
     if not isinstance(values, Mapping) and len(values) != len(LETTERS):

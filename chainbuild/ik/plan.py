@@ -11,7 +11,7 @@ import numpy as np
 from chainbuild.chain.elements import Task
 from chainbuild.ik.branches.arms.arms import ARMS, ArmName, arm_solver
 from chainbuild.ik.branches.arms.spin import despun, first_joints, one_axis, with_idle, with_spin
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import ArmSolver, Serial
 from chainbuild.ik.branches.direct import query_is_direct
 from chainbuild.ik.branches.elimination.eaik_arm import eaik_solver
@@ -52,10 +52,10 @@ class SolverPlan:
 def plan_of(mechanism: Mechanism, held: Mapping[str, float] | Iterable[str] = ()) -> SolverPlan:
     """Return the plan of a mechanism; see `Robot.plan`."""
     values = held if isinstance(held, Mapping) else dict.fromkeys(held, 0.0)
-    return plan_for(Query.of(IkRequest(mechanism, np.eye(4), held=values)))
+    return plan_for(BranchQuery.of(IkRequest(mechanism, np.eye(4), held=values)))
 
 
-def plan_for(query: Query) -> SolverPlan:
+def plan_for(query: BranchQuery) -> SolverPlan:
     """Return the plan of a query, chosen at the first one of its kind."""
     if query.mechanism.chain.loops:
         return _searched("the chain has closed loops")
@@ -73,7 +73,7 @@ def _searched(reason: str) -> SolverPlan:
     return SolverPlan("search", f"{reason}: branches are searched for", False)
 
 
-def _chosen(query: Query, serial: Serial) -> SolverPlan:
+def _chosen(query: BranchQuery, serial: Serial) -> SolverPlan:
     task, count = query.mechanism.task, len(serial.screws)
     if task == "pose":
         found = _for_pose(serial)
@@ -90,7 +90,7 @@ def _chosen(query: Query, serial: Serial) -> SolverPlan:
     return _searched(f"no closed form is known for {count} joints in this arrangement")
 
 
-def _for_direction(query: Query, serial: Serial) -> SolverPlan | None:
+def _for_direction(query: BranchQuery, serial: Serial) -> SolverPlan | None:
     """Return a plan for position and tool direction: the turn about the tool vector is taken for one more joint."""
     column, axis = query.mechanism.chain.tool_column, one_axis(serial)
     known = None if axis is None else arm_solver(serial, "direction")

@@ -1,14 +1,18 @@
-"""The numbers of the damped search, the same for the plain and the compiled path.
+"""The names of the solvers, and the numbers of the damped search, the same for the plain and the compiled path.
 
-Each was measured on six- and seven-axis arms with targets drawn over the whole range of the axes.
+Each number was measured on six- and seven-axis arms with targets drawn over the whole range of the axes.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, Literal, get_args
 
 from chainbuild import tolerances
+
+# What a caller may ask for by name.
+Solver = Literal["auto", "damped", "analytic", "controller"]
+SOLVERS: Final[tuple[str, ...]] = get_args(Solver)
 
 # Outcomes.
 OK: Final = 0

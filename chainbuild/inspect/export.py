@@ -17,7 +17,7 @@ from chainbuild.files import write_text
 from chainbuild.frames import ANGLE_MODES
 from chainbuild.inspect.panel import panel_html
 from chainbuild.inspect.scene import Scene
-from chainbuild.inspect.sweep import FRAMES_PER_SECOND, Sweep, sweep
+from chainbuild.inspect.sweep import FRAMES_PER_SECOND, AxisSweep, axis_sweep
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -52,7 +52,7 @@ def page_html(robot: Mechanism) -> str:
     """Return the text of the page; the same robot gives the same text."""
     from meshcat import Visualizer
 
-    motion = sweep(robot)
+    motion = axis_sweep(robot)
     recorder = _Recorder()
     scene = Scene(Visualizer(window=recorder), robot)
     scene.draw(motion.axes[0])
@@ -69,7 +69,7 @@ def page_html(robot: Mechanism) -> str:
     )
 
 
-def _data(robot: Mechanism, scene: Scene, motion: Sweep, recorder: _Recorder) -> str:
+def _data(robot: Mechanism, scene: Scene, motion: AxisSweep, recorder: _Recorder) -> str:
     bounds = np.array(scene.bounds(motion.q))
     bounds = (1 - _SWEPT_SHARE) * np.array(scene.bounds(motion.q[:1])) + _SWEPT_SHARE * bounds
     data = {

@@ -13,8 +13,9 @@ from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies import Body, Colour, detail_bodies, link_bodies, machine_size
 from chainbuild.chain.elements import BASE_LINK, FRAME_NAMES, Chain, Frame
+from chainbuild.chain.poses import link_placements
 from chainbuild.inspect.labels import Side, draw_label
-from chainbuild.inspect.sweep import FRAMES_PER_SECOND, joint_transforms, link_placements
+from chainbuild.inspect.sweep import FRAMES_PER_SECOND, joint_transforms
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism

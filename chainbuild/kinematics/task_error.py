@@ -22,7 +22,7 @@ ToolError = Callable[[Vector], tuple[Vector, Matrix]]
 _UNDAMPED = 0.01  # share of a step that damping may take away without being asked
 
 
-class Task:
+class TaskError:
     """What is asked of which axes: the part of the error that is the same for every target.
 
     Args:
@@ -48,7 +48,7 @@ class Task:
         self._memory = _Memory(len(self._rows), len(free))
 
     @property
-    def damping(self) -> Damping:
+    def damping(self) -> DampedSteps:
         """What makes steps; each thread's own."""
         return self._memory.damping
 
@@ -97,7 +97,7 @@ class Task:
         return math.sqrt(shift.dot(shift)), math.sqrt(turn.dot(turn))
 
 
-class Damping:
+class DampedSteps:
     """Damped least-squares steps; keeps the factorisation's memory between calls.
 
     Args:
@@ -136,10 +136,10 @@ class Damping:
 
 
 class _Memory(local):
-    """A `Damping` for each thread: its factorisation works in place."""
+    """A `DampedSteps` for each thread: its factorisation works in place."""
 
     def __init__(self, rows: int, columns: int) -> None:
-        self.damping = Damping(rows, columns)
+        self.damping = DampedSteps(rows, columns)
 
 
 def _placed(kinematics: Kinematics, target: pin.SE3) -> Callable[[Vector], tuple[pin.SE3, Matrix]]:

@@ -79,7 +79,7 @@ def test_a_tool_offset_is_named(robot: Robot) -> None:
 
 
 def test_a_base_offset_is_named(robot: Robot) -> None:
-    found = named(robot, recorded(robot, lambda T: frames.shift(0.0, 0.4, 0.0) @ T))
+    found = named(robot, recorded(robot, lambda T: frames.translation(0.0, 0.4, 0.0) @ T))
     assert found.explanation.kind == "base offset"
     assert "(0, 400, 0) mm in the workpiece frame" in found.explanation.text
 

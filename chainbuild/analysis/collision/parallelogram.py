@@ -20,7 +20,7 @@ from chainbuild.chain.bodies import shown_limits
 from chainbuild.chain.elements import AxisConstraint, Chain
 from chainbuild.chain.geometry import NO_GEOMETRY
 from chainbuild.chain.rods import CRANK, LEVEL_LINKS, ROD, ROD_END, ROD_PIN, has_rods, with_rods
-from chainbuild.collision.model import CollisionModel, Pair
+from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 
@@ -171,7 +171,7 @@ class _Search:
         return (angle - self._angle(over, 0.0)) / self.sum.coefficients[self.m]
 
 
-def _arm_pairs(robot: Mechanism, moved: int) -> list[Pair]:
+def _arm_pairs(robot: Mechanism, moved: int) -> list[LinkPair]:
     """Return the pairs of housing, column, arms and rods that an axis moves against one another.
 
     What the forearm carries is not the parallelogram's, and what axis 3 does not move its angle cannot free.
@@ -235,6 +235,6 @@ def _verdicts(
     return tuple(said) or ("the limits fit",)
 
 
-def _too_wide(side: str, given: float, end: float, at: float, pair: Pair | None, over: str) -> str:
+def _too_wide(side: str, given: float, end: float, at: float, pair: LinkPair | None, over: str) -> str:
     touching = f"{pair[0]} and {pair[1]} touch" if pair else "the linkage reaches its dead point"
     return f"the {side} limit {given:g}° is too wide: at {over} = {at:.4g}° {touching} at {end:.2f}°"

@@ -18,7 +18,7 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import BASE_LINK, Chain
 from chainbuild.chain.fold import drawn, drawn_values
-from chainbuild.collision.model import CollisionModel, Pair
+from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
 
 # Bodies closer than this count as touching: without it the steps towards a contact would never end.
@@ -43,7 +43,7 @@ class Contact:
     row: int
     share: float
     axes: Vector
-    pair: Pair
+    pair: LinkPair
     distance: float
 
 
@@ -117,7 +117,7 @@ class _Walk:
             step /= 2.0
         return _SHORTEST_STEP
 
-    def _names(self, n: int) -> Pair:
+    def _names(self, n: int) -> LinkPair:
         a, b = self.model.pairs[n]
         return self.model.solids[a].name, self.model.solids[b].name
 

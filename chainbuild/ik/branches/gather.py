@@ -13,7 +13,7 @@ import numpy as np
 
 from chainbuild.arrays import Vector
 from chainbuild.ik.branches.core.axis_values import turned_axes
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.kinematics.newton import Stall, below, newton, shrinking
 
 _MOST_STARTS: Final = 400
@@ -25,7 +25,7 @@ _MET: Final = below(1e-16)
 _DAMPING: Final = shrinking(1e-3, 1e-12)
 
 
-def gather(query: Query) -> Iterator[Vector]:
+def gather(query: BranchQuery) -> Iterator[Vector]:
     """Yield SI axis values of distinct branches, the one near the start first."""
     rng = np.random.default_rng(20240229)
     free = query.structure.free
@@ -51,7 +51,7 @@ def gather(query: Query) -> Iterator[Vector]:
         start[free] = lower + (upper - lower) * rng.random(len(free))
 
 
-def _apart(a: Vector, b: Vector, query: Query) -> float:
+def _apart(a: Vector, b: Vector, query: BranchQuery) -> float:
     """Return the largest difference, whole turns of periodic axes not counted."""
     difference = a - b
     turns = query.periodic
@@ -59,7 +59,7 @@ def _apart(a: Vector, b: Vector, query: Query) -> float:
     return float(np.abs(difference).max())
 
 
-def _descend(query: Query, start: Vector) -> Vector | None:
+def _descend(query: BranchQuery, start: Vector) -> Vector | None:
     """Return the axis values where the residual vanishes, or None."""
     residual = query.mechanism.kinematics.residual(query.target, query.mechanism.task)
     ended = newton(residual, start, query.structure.free, _MET, _DAMPING, _STEPS, _STALL)

@@ -23,7 +23,7 @@ from chainbuild.arrays import Vector
 from chainbuild.chain.elements import ControllerSolver
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import turned_axes
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult, Status
 from chainbuild.ik.verify import is_met
@@ -60,7 +60,7 @@ def solve_controller(request: IkRequest) -> IkResult:
         ChainbuildError: the machine data grant no budget.
     """
     mechanism = request.mechanism
-    budget, query = budget_of(mechanism), Query.of(request)
+    budget, query = budget_of(mechanism), BranchQuery.of(request)
     residual = mechanism.kinematics.residual(query.target, mechanism.task)
 
     def damping(x: Vector, error: Vector) -> float:
@@ -91,19 +91,19 @@ def _target_function(error: Vector) -> float:
     return max(mm_from_m(float(np.abs(error[:3]).max())), float(np.abs(error[3:]).max(initial=0.0)))
 
 
-def _hand_deg(query: Query, x: Vector, budget: ControllerSolver) -> float | None:
+def _hand_deg(query: BranchQuery, x: Vector, budget: ControllerSolver) -> float | None:
     """Return the mathematical angle of axis 5 in (-180, 180]; None where the robot has none."""
     if budget.hand_angle is None:
         return None
     return math.remainder(budget.hand_angle.value(query.shown(x)), _FULL_TURN_DEG)
 
 
-def _singular(query: Query, x: Vector, budget: ControllerSolver) -> bool:
+def _singular(query: BranchQuery, x: Vector, budget: ControllerSolver) -> bool:
     hand = _hand_deg(query, x, budget)
     return hand is not None and abs(hand) < budget.limit_deg
 
 
-def _retracted(query: Query, x: Vector, budget: ControllerSolver) -> Vector:
+def _retracted(query: BranchQuery, x: Vector, budget: ControllerSolver) -> Vector:
     """Return a start whose axis 5 is not closer to 0 than ITERLIMIT2."""
     hand = _hand_deg(query, x, budget)
     if budget.hand_angle is None or hand is None or abs(hand) >= budget.limit2_deg:
@@ -116,7 +116,7 @@ def _retracted(query: Query, x: Vector, budget: ControllerSolver) -> Vector:
 
 
 def _judge(
-    query: Query, x: Vector, error: Vector, missed: tuple[float, float], budget: ControllerSolver
+    query: BranchQuery, x: Vector, error: Vector, missed: tuple[float, float], budget: ControllerSolver
 ) -> tuple[Status, str]:
     """Return status and reason of where the budget ended.
 

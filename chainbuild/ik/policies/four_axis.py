@@ -24,7 +24,7 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import turned_axes
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
 from chainbuild.kinematics.inputs import Pose
@@ -149,7 +149,7 @@ def _with_running_c(request: IkRequest, solve: Solve, c_deg: float, from_start: 
 
 def _following(request: IkRequest, angle: Angle, solve: Solve, from_start: bool) -> tuple[IkRequest, IkResult] | None:
     """Return the answer for a reachable orientation with the C given, or a failure of one, or None: there is none."""
-    query, failed = Query.of(request), None
+    query, failed = BranchQuery.of(request), None
     kinematics = request.mechanism.kinematics
     for x in _places(query, angle):
         T = kinematics.pose(kinematics.q(x))
@@ -163,7 +163,7 @@ def _following(request: IkRequest, angle: Angle, solve: Solve, from_start: bool)
     return failed
 
 
-def _places(query: Query, angle: Angle) -> Iterator[Vector]:
+def _places(query: BranchQuery, angle: Angle) -> Iterator[Vector]:
     """Yield SI axis values with the position and the C wanted, with whole turns towards the limits, each once.
 
     First comes where a descent from the start leads, then what other starts find, nearest to the start first.
@@ -189,7 +189,7 @@ def _places(query: Query, angle: Angle) -> Iterator[Vector]:
     yield from sorted(others, key=query.distance)
 
 
-def _descend(query: Query, angle: Angle, x: Vector) -> Vector | None:
+def _descend(query: BranchQuery, angle: Angle, x: Vector) -> Vector | None:
     """Return SI axis values that meet position and C, by damped Newton steps from x, or None."""
     kinematics, free = query.mechanism.kinematics, query.structure.free
 

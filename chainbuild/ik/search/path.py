@@ -20,7 +20,7 @@ from chainbuild.ik.options import DEFAULT, IkOptions
 from chainbuild.ik.request import Held
 from chainbuild.ik.search.batch import Columns, bar, pose_array, start_array
 from chainbuild.ik.search.compiled import packing as compiled
-from chainbuild.ik.search.found import Found
+from chainbuild.ik.search.found import SearchEnd
 from chainbuild.ik.search.lookahead import best_sequence, branches
 from chainbuild.ik.search.problem import Problem, problem_of
 from chainbuild.ik.search.solver import find
@@ -38,7 +38,7 @@ _AHEAD: Final = 60  # and after it
 _CHUNK: Final = 4096
 
 
-def follow(
+def solve_path(
     mechanism: Mechanism,
     poses: Sequence[Pose] | ArrayLike,
     start: ArrayLike | None = None,
@@ -137,7 +137,7 @@ def _easy_stretch(
     return len(targets)
 
 
-def _nearest_branch(problem: Problem, target: Matrix, last: Vector | None, options: IkOptions) -> Found:
+def _nearest_branch(problem: Problem, target: Matrix, last: Vector | None, options: IkOptions) -> SearchEnd:
     """Return the solution nearest to where the axes are, over the branches that many starts lead to."""
     best = find(problem, target, last, options)
     if last is None or best.outcome not in {rules.OK, rules.LIMITS}:
@@ -148,7 +148,7 @@ def _nearest_branch(problem: Problem, target: Matrix, last: Vector | None, optio
     return best
 
 
-def _write(columns: Columns, row: int, found: Found) -> None:
+def _write(columns: Columns, row: int, found: SearchEnd) -> None:
     columns.y[row] = found.y
     columns.counts[row] = found.outcome, found.iterations, found.restarts
     columns.misses[row] = found.distance, found.angle

@@ -23,7 +23,7 @@ from chainbuild.ik.search.starts.turned import TurnedStarts, turned_starts
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import Product
 
-T = TypeVar("T")
+_T = TypeVar("_T")
 
 KEPT: Final = 16  # problems kept a mechanism: additional axes may take another value with every pose
 
@@ -77,7 +77,7 @@ class Problem:
     held_beyond: tuple[str, ...]
     seed: int = 0
 
-    def prepared(self, kind: str, make: Callable[[], T]) -> T:
+    def prepared(self, kind: str, make: Callable[[], _T]) -> _T:
         """Return what was made once for this problem; see `Mechanism.prepared`."""
         return self.mechanism.prepared(kind, make, self, 2 * KEPT)
 

@@ -12,7 +12,7 @@ from chainbuild.errors import Span
 from chainbuild.findings import Collector
 from chainbuild.formats.sinumerik.reading.assignment import Assignment
 from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum, catalogue, lookup, lookup_number
-from chainbuild.formats.sinumerik.reading.values import Index, Value
+from chainbuild.formats.sinumerik.reading.values import ElementIndex, Value
 
 _ANY_CASE = re.IGNORECASE | re.ASCII
 OWN_DATUM: Final = re.compile(r"(?:\$MC_)?(?:ROBX|TRAFO6)_[A-Z0-9_]+", _ANY_CASE)
@@ -78,12 +78,12 @@ def warn_of_stranger(stranger: Stranger, assignments: list[Assignment], collecto
     collector.add("CB108", text, span=stranger.span, parameter=stranger.name, hint=hint)
 
 
-def _shown(datum: MachineDatum, given: Mapping[Index, Value]) -> str:
+def _shown(datum: MachineDatum, given: Mapping[ElementIndex, Value]) -> str:
     """Return the values of a datum that count, as a list: the file's, else the default, else a question mark."""
     return ", ".join(_elements(datum, given))
 
 
-def _elements(datum: MachineDatum, given: Mapping[Index, Value]) -> Iterator[str]:
+def _elements(datum: MachineDatum, given: Mapping[ElementIndex, Value]) -> Iterator[str]:
     default = datum.default or datum.default_known
     for n in range(datum.dimension):
         value = given.get(None if datum.dimension == 1 else n)

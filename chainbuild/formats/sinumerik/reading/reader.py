@@ -19,7 +19,7 @@ from chainbuild.formats.sinumerik.reading.misspelt import (
     warn_of_stranger,
 )
 from chainbuild.formats.sinumerik.reading.values import (
-    Index,
+    ElementIndex,
     Refusal,
     Value,
     check_value,
@@ -165,7 +165,7 @@ def _assignment(state: _State, line_span: Span, line: str) -> None:
         _refuse(state, refusal, _designation(datum, te4, match["index"]), span)
 
 
-def _values(datum: MachineDatum, match: re.Match[str]) -> Iterator[tuple[Index, Value]]:
+def _values(datum: MachineDatum, match: re.Match[str]) -> Iterator[tuple[ElementIndex, Value]]:
     """Yield index and value of what a line assigns: one element, or with SET several from its index on."""
     text = without_checksum(match["value"])
     elements = elements_of(text)
@@ -182,7 +182,7 @@ def _values(datum: MachineDatum, match: re.Match[str]) -> Iterator[tuple[Index, 
         yield index, _checked(datum, index, element)
 
 
-def _checked(datum: MachineDatum, index: Index, text: str) -> Value:
+def _checked(datum: MachineDatum, index: ElementIndex, text: str) -> Value:
     value = parse_value(text, string=datum.type == "string")
     check_value(datum, index if isinstance(index, int) else 0, value)
     return value
@@ -199,7 +199,7 @@ def _datum(match: re.Match[str]) -> MachineDatum | None:
     return None
 
 
-def _index(datum: MachineDatum, match: re.Match[str]) -> Index:
+def _index(datum: MachineDatum, match: re.Match[str]) -> ElementIndex:
     if match["index"] is not None and match["close"] is None:
         raise Refusal("CB101", "the bracket of the index is not closed", "NAME[index]=value")
     return parse_index(datum, match["index"])

@@ -1,6 +1,6 @@
 """Finding the ROBX and TE4 transformations of a channel: TRAFO_TYPE_x, package and refusals (ROBX manual 5.1.3).
 
-A `Report` puts findings on one: the same words for number, name and place of a datum everywhere.
+A `DatumReport` puts findings on one: the same words for number, name and place of a datum everywhere.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from chainbuild.formats.sinumerik.reading.robx import Robx, read_robx
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class DatumReport:
     """A transformation and where findings on it go."""
 
     robx: Robx

@@ -9,7 +9,7 @@ from chainbuild import tolerances
 from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum
 
 Value = float | str
-Index = int | str | tuple[int, int] | None
+ElementIndex = int | str | tuple[int, int] | None
 
 _ANY_CASE = re.IGNORECASE | re.ASCII
 _NUMBER = re.compile(r"([+-]?)\s*((?:\d+(?:\.\d*)?|\.\d+)(?:EX?[+-]?\d+)?)", _ANY_CASE)
@@ -121,7 +121,7 @@ def _mask(text: str, base: str, digits: str) -> float:
     return float(value)
 
 
-def parse_index(datum: MachineDatum, text: str | None) -> Index:
+def parse_index(datum: MachineDatum, text: str | None) -> ElementIndex:
     """Return what stands in brackets behind a datum: element number, axis name, (tool, edge), or None for a scalar.
 
     Raises:

@@ -24,7 +24,7 @@ from chainbuild.formats.sinumerik.geometry.translate import Translation
 from chainbuild.formats.sinumerik.reading.assignment import Assignment
 from chainbuild.formats.sinumerik.reading.data_table import DataTable, written_name
 from chainbuild.formats.sinumerik.reading.robx import Robx
-from chainbuild.formats.sinumerik.reading.transformations import Report
+from chainbuild.formats.sinumerik.reading.transformations import DatumReport
 from chainbuild.units import AxisKind, deg_from_rad, m_s_from_mm_min, mm_from_m, rad_s_from_rpm
 
 # The control's own default for an axis without software limits is ±1e8.
@@ -212,7 +212,7 @@ def _parallelogram_angles(translation: Translation, axes: Sequence[Axis]) -> tup
 
 def check_pose_data(robx: Robx, translation: Translation, axes: Sequence[Axis], collector: Collector) -> None:
     """Note where the printed parallelogram angle is not the elbow's, and a feature bit that has no effect."""
-    report = Report(robx, collector)
+    report = DatumReport(robx, collector)
     if robx.special_kin == 2:
         printed, elbow = _parallelogram_angles(translation, axes)
         if not np.allclose((*printed.coefficients, printed.offset), (*elbow.coefficients, elbow.offset), atol=1e-9):

@@ -13,7 +13,7 @@ from chainbuild.chain.check import ArmLength, doubt_lengths, doubt_reach
 from chainbuild.findings import Collector
 from chainbuild.formats.sinumerik.reading.catalogue import catalogue
 from chainbuild.formats.sinumerik.reading.robx import Robx
-from chainbuild.formats.sinumerik.reading.transformations import Report
+from chainbuild.formats.sinumerik.reading.transformations import DatumReport
 
 _LETTERS = "XYZ"
 _USE_LENGTH_B = ("NR", "CC", "NN")
@@ -26,7 +26,7 @@ _RADIAN_DIGITS = 5e-4  # 1.571, 1.5708 and 1.570796 are quarter turns, 1.57 may 
 
 def check_plausible(robx: Robx, collector: Collector) -> None:
     """Note what is sound but hardly meant."""
-    report = Report(robx, collector)
+    report = DatumReport(robx, collector)
     _check_extra_vectors(report)
     for name in _other_vectors(robx):
         _check_parts(report, name)
@@ -36,7 +36,7 @@ def check_plausible(robx: Robx, collector: Collector) -> None:
     _check_radians(report)
 
 
-def _check_radians(report: Report) -> None:
+def _check_radians(report: DatumReport) -> None:
     """Warn of angles that are quarter turns in radians, to the digits given: machine data count in degrees."""
     data = report.robx.data
     for row in data.package_rows(te4=data.te4):
@@ -50,7 +50,7 @@ def _check_radians(report: Report) -> None:
             report.collector.add("CB350", text, span=row.span, parameter=report.robx.parameter(name))
 
 
-def _check_extra_vectors(report: Report) -> None:
+def _check_extra_vectors(report: DatumReport) -> None:
     """Warn of a direction of an additional axis given in part, and note one that is all default."""
     robx = report.robx
     for axis in (*robx.base_axes, *robx.table.axes, *robx.flange.axes):
@@ -73,7 +73,7 @@ def _other_vectors(robx: Robx) -> Iterator[str]:
     yield "TFLWP_RPY"
 
 
-def _check_parts(report: Report, name: str) -> None:
+def _check_parts(report: DatumReport, name: str) -> None:
     """Warn of a vector of which the file gives some elements only."""
     datum, data = catalogue()[f"ROBX_{name}"], report.robx.data
     missing = [n for n in range(datum.dimension) if data.row(datum.name, n) is None]
@@ -85,7 +85,7 @@ def _check_parts(report: Report, name: str) -> None:
     report.add("CB346", f"{name} is given in part: for {shown} {count}", (name,))
 
 
-def _check_forearm_frame(report: Report) -> None:
+def _check_forearm_frame(report: DatumReport) -> None:
     """Warn of an arm with a wrist whose TX3P3_RPY is missing: axis 4 then lies across the forearm."""
     robx = report.robx
     if robx.arrangement == "NR" and robx.num_axes > 4 and not robx.given("TX3P3_RPY"):
@@ -93,7 +93,7 @@ def _check_forearm_frame(report: Report) -> None:
         report.add("CB348", text, ("TX3P3_RPY", "TX3P3_POS"), hint="0, 90, 0 is usual: axis 4 along the forearm")
 
 
-def _check_upper_arm(report: Report) -> None:
+def _check_upper_arm(report: DatumReport) -> None:
     """Warn of an arm whose lengths the file leaves to the default: 500 mm are hardly anybody's."""
     robx = report.robx
     if robx.arrangement in _USE_LENGTH_B and not robx.given("MAIN_LENGTH_AB"):
@@ -102,7 +102,7 @@ def _check_upper_arm(report: Report) -> None:
         report.add("CB351", text, ("MAIN_LENGTH_AB",))
 
 
-def _check_lengths(report: Report) -> None:
+def _check_lengths(report: DatumReport) -> None:
     robx = report.robx
     if robx.arrangement in _BEND:
         doubt_lengths(_arms(robx), report.collector)

@@ -8,8 +8,8 @@ from typing import Final
 from chainbuild.errors import Span
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.config import (
+    MAX_KINEMATIC_STEPS,
     MAX_PARAM,
-    MAX_STEPS,
     MAX_TRAFOS,
     UNKNOWN_ID_ALARM,
     UNS16,
@@ -129,7 +129,7 @@ def _place(entry: Assignment, root: str) -> tuple[int, int, tuple[Key, ...]]:
     """Return step, index and the rest of a name."""
     keys = entry.keys
     if root == "kin_step":
-        step = checked_index(entry, keys[0][1], MAX_STEPS - 1)
+        step = checked_index(entry, keys[0][1], MAX_KINEMATIC_STEPS - 1)
         if len(keys) < 3 or keys[1][0] != "trafo":
             raise bad_name(entry, "kin_step[i].trafo[j].NAME")
         return step, checked_index(entry, keys[1][1], MAX_TRAFOS - 1), keys[2:]
@@ -169,7 +169,7 @@ def _defaults(parameters: ParameterList, collector: Collector) -> dict[int, Defa
     defaults: dict[int, Default] = {}
     for id_name, name_name, step in (
         ("kinematik_id", "kinematik_name", 0),
-        *((f"default_id_of_kin_step[{i}]", f"default_name_of_kin_step[{i}]", i) for i in range(MAX_STEPS)),
+        *((f"default_id_of_kin_step[{i}]", f"default_name_of_kin_step[{i}]", i) for i in range(MAX_KINEMATIC_STEPS)),
     ):
         with kept_by(collector):
             id_entry, name_entry = parameters.get(id_name), parameters.get(name_name)

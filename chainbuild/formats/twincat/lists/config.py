@@ -12,7 +12,7 @@ from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.reader import Assignment
 
 MAX_TRAFOS: Final = 10
-MAX_STEPS: Final = 2
+MAX_KINEMATIC_STEPS: Final = 2
 MAX_PARAM: Final = 74  # P-TOOL-00009 and P-CHAN-00094; HD75 is the last
 MAX_NAME_CHARACTERS: Final = 16
 UNS16: Final = 65535  # largest id and type

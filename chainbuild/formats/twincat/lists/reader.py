@@ -60,11 +60,11 @@ class Assignment:
 
     def number(self) -> float:
         """Return the value as a finite number; raises ParseError."""
-        return values.number(self.raw, self.name, self._value_span())
+        return values.real_number(self.raw, self.name, self._value_span())
 
     def integer(self, lowest: int, highest: int) -> int:
         """Return the value as a whole number within bounds; raises ParseError or MachineDataError."""
-        return values.integer(self.raw, self.name, self._value_span(), lowest, highest)
+        return values.whole_number(self.raw, self.name, self._value_span(), lowest, highest)
 
     def text(self) -> str:
         """Return the value as a string; raises ParseError."""

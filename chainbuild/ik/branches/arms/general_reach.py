@@ -21,12 +21,12 @@ from chainbuild.ik.branches.core.serial import Screw
 from chainbuild.ik.branches.core.subproblems import ON_AXIS, cross, norm, part_across, subproblem_1, subproblem_4
 
 Vectors = NDArray[np.complex128]  # (n, 3)
-Values = tuple[float, float, float]
+JointTriple = tuple[float, float, float]
 
 _LEVEL: Final = 1e-9  # cosine below which a slide counts as square to an axis
 
 
-def skew_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[Values]:
+def skew_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[JointTriple]:
     """Return the values for turns a, b on skew axes before a joint c of either kind.
 
     With c fixed, height and distance are linear in the part of the point's place that b turns, and so give it; what b
@@ -64,7 +64,7 @@ def skew_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]
     return found
 
 
-def turn_slide_turn(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[Values]:
+def turn_slide_turn(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[JointTriple]:
     """Return the values for a slide b between turns a and c, not parallel to a."""
     a, b, c = row
     goal, axis, slide = d - a.point, a.direction, b.direction
@@ -91,7 +91,7 @@ def turn_slide_turn(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[f
     return found
 
 
-def slide_turn_slide(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[Values]:
+def slide_turn_slide(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[JointTriple]:
     """Return the values for a turn b between slides a and c that do not both lie across it."""
     a, b, c = row
     k = b.direction

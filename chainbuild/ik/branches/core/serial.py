@@ -99,7 +99,7 @@ class Serial:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Structure:
+class AxisStructure:
     """Which axes move which joints, for one choice of held axes.
 
     Attributes:
@@ -117,7 +117,7 @@ class Structure:
     revolute: Indices
 
 
-def structure_of(mechanism: Mechanism, fixed: NDArray[np.bool_]) -> Structure:
+def axis_structure(mechanism: Mechanism, fixed: NDArray[np.bool_]) -> AxisStructure:
     """Return the structure of a robot with some axes fixed, prepared at first use.
 
     Args:
@@ -127,7 +127,7 @@ def structure_of(mechanism: Mechanism, fixed: NDArray[np.bool_]) -> Structure:
     return mechanism.prepared("structure of free axes", lambda: _prepare(mechanism, fixed), fixed.tobytes())
 
 
-def _prepare(mechanism: Mechanism, fixed: NDArray[np.bool_]) -> Structure:
+def _prepare(mechanism: Mechanism, fixed: NDArray[np.bool_]) -> AxisStructure:
     chain = mechanism.chain
     between = _path(chain, "tool") ^ _path(chain, "workpiece")
     driven = _driven(mechanism)
@@ -135,7 +135,7 @@ def _prepare(mechanism: Mechanism, fixed: NDArray[np.bool_]) -> Structure:
     moving = [n for n, joint in enumerate(chain.joints) if joint.child in between and driven[n, free].any()]
     revolute = [n for n in moving if chain.joints[n].kind == "revolute"]
     turns = driven[revolute][:, free].any(axis=0)
-    return Structure(free, free[~turns], free[turns], _indices(moving), _indices(revolute))
+    return AxisStructure(free, free[~turns], free[turns], _indices(moving), _indices(revolute))
 
 
 def _indices(values: list[int]) -> Indices:

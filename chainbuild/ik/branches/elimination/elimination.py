@@ -22,7 +22,7 @@ from chainbuild.ik.branches.core.serial import Screw, Serial, image
 from chainbuild.ik.branches.core.subproblems import cross, rotation
 from chainbuild.ik.branches.elimination.conformal import arrow, coefficients, motion
 from chainbuild.ik.branches.elimination.eliminant import SINGULAR
-from chainbuild.ik.branches.elimination.loop import Loop, closed, eliminant, equations, inner_order
+from chainbuild.ik.branches.elimination.loop import OpenedLoop, closed, eliminant, equations, inner_order
 
 if TYPE_CHECKING:
     from chainbuild.ik.branches.core.serial import Solution
@@ -124,14 +124,14 @@ class Elimination:
         unscaled: Vector = values * factors
         return unscaled
 
-    def _opened(self, G: Matrix, first: int) -> Loop:
+    def _opened(self, G: Matrix, first: int) -> OpenedLoop:
         """Return the loop opened before a joint: those before it follow after the last, carried there by G⁻¹."""
         back = inverse(G)
         there, here = motion(G), motion(back)
         row = [*self.screws[first:], *(screw.carried(back) for screw in self.screws[:first])]
         parts = [*self.parts[first:], *(here @ part @ there for part in self.parts[:first])]
         end = arrow(row[-1].point, row[-1].direction)
-        return Loop(row, parts, end, there @ end)
+        return OpenedLoop(row, parts, end, there @ end)
 
     def _openings(self) -> list[Opening]:
         """Return where the loop may be opened and for which joint solved, the best conditioned leading."""
@@ -163,7 +163,7 @@ class Elimination:
         return eliminant(loop, equations(loop), opening[1]).solutions()[1]
 
 
-def _values(loop: Loop, solutions: list[tuple[float, float, float]], opening: Opening, G: Matrix) -> list[Vector]:
+def _values(loop: OpenedLoop, solutions: list[tuple[float, float, float]], opening: Opening, G: Matrix) -> list[Vector]:
     """Return all joint values (6,) that solutions of the inner joints, the one solved for leading, go with."""
     first, hidden = opening
     found = []

@@ -98,7 +98,7 @@ def arm_reach(arm: Product) -> ArmReach | None:
     shifts[0, 2] = 0.0
     last = float(shifts[-1] @ normals[-1])
     shifts[-1] -= last * normals[-1]
-    before, after = frames.shift(z=-first) @ ends.before, ends.after @ frames.shift(z=-last)
+    before, after = frames.translation(z=-first) @ ends.before, ends.after @ frames.translation(z=-last)
     return ArmReach(before, after, _length(shifts, normals) * (1.0 + _ROUNDED) + _ROUNDED)
 
 
