@@ -58,11 +58,6 @@ def raw_from_mm(value_mm: float) -> float:
     return value_mm * _RAW_PER_UNIT
 
 
-def raw_from_deg(value_deg: float) -> float:
-    """Return 1e-4 degree counts for degrees."""
-    return value_deg * _RAW_PER_UNIT
-
-
 def m_s_from_mm_min(value: float) -> float:
     """Return m/s for mm/min."""
     return value / 60_000.0

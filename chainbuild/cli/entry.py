@@ -35,7 +35,7 @@ from chainbuild.cli.usage import UsageError
 from chainbuild.cli.workspace import workspace
 from chainbuild.errors import ChainbuildError
 
-DONE, REFUSED, WRONG_USAGE, ROWS_FAILED, INTERRUPTED, READER_GONE = 0, 1, 2, 3, 130, 141
+DONE, REFUSED, WRONG_USAGE, INTERRUPTED, READER_GONE = 0, 1, 2, 130, 141
 
 _COMMANDS = (
     info,

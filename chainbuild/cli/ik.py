@@ -52,7 +52,7 @@ def solutions(
         TableError: a row holds no pose, or the starts are not as many as they should be.
     """
     given = _Starts(starts, table.file, only_one=follow) if starts else None
-    with _telling_of_compilation():
+    with _compilation_notice():
         begin = given.next() if follow and given else None
         rows = _followed(robot, table, begin, solver) if follow else _one_by_one(robot, table, given, solver)
         first = next(rows, None)
@@ -102,7 +102,7 @@ def _solved(robot: Robot, table: PoseTable, row: PoseRow, begin: Vector | None, 
 
 
 @contextmanager
-def _telling_of_compilation() -> Iterator[None]:
+def _compilation_notice() -> Iterator[None]:
     """Say what takes so long: with numba the solver is compiled at its first use and cached from then on."""
     from chainbuild.ik.search.compiled import packing as compiled
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from chainbuild.analysis.singularity.names import SingularityReport
     from chainbuild.analysis.singularity.nearest import Nearest
     from chainbuild.analysis.singularity.singularity import Singularity
-    from chainbuild.analysis.singularity.thresholds import Judgement, Stretch, Thresholds
+    from chainbuild.analysis.singularity.thresholds import Assessment, PathSection, Thresholds
     from chainbuild.robot import Robot
 
 _LEVELS = {"singular": "singular", "watched": "watched", "clear": "above its thresholds"}
@@ -93,7 +93,7 @@ class _Shown:
         from chainbuild.analysis.singularity.measures import measure_batch
         from chainbuild.analysis.singularity.names import examine, examine_path
         from chainbuild.analysis.singularity.nearest import nearest_singularity
-        from chainbuild.analysis.singularity.thresholds import judge, judge_path
+        from chainbuild.analysis.singularity.thresholds import assess, assess_path
         from chainbuild.units import m_from_mm
 
         length = None if measures.length is None else m_from_mm(measures.length)
@@ -106,11 +106,11 @@ class _Shown:
             self.reports = list(examine_path(robot, rows, measures.speed))
         chosen = [row for row, _ in self.reports] if measures.nearest else []
         self.nearest: dict[int, Nearest] = {row: nearest_singularity(robot, rows[row], length) for row in chosen}
-        self.judgements: dict[int, Judgement] = {}
-        self.stretches: tuple[Stretch, ...] = ()
+        self.assessments: dict[int, Assessment] = {}
+        self.stretches: tuple[PathSection, ...] = ()
         if limits is not None:
-            self.judgements = {row: judge(robot, rows[row], limits) for row, _ in self.reports}
-            self.stretches = tuple(judge_path(robot, rows, limits)) if len(rows) > 1 else ()
+            self.assessments = {row: assess(robot, rows[row], limits) for row, _ in self.reports}
+            self.stretches = tuple(assess_path(robot, rows, limits)) if len(rows) > 1 else ()
 
     def draw(self, path: Path) -> Path:
         from chainbuild.analysis.singularity.names import NEAR
@@ -144,7 +144,7 @@ class _Shown:
             "speeds": {one.axis.name: _finite(one.needed) for one in speed.axes},
             "possible_speed": speed.possible,
             "alarm": speed.alarm,
-            "judgement": asdict(self.judgements[row]) if row in self.judgements else None,
+            "judgement": asdict(self.assessments[row]) if row in self.assessments else None,
             "nearest": None if nearest is None else _nearest_data(nearest, names),
         }
 
@@ -158,9 +158,9 @@ class _Shown:
         shown.add_row("manipulability", f"{measures.manipulability:.4g}")
         shown.add_row("condition", f"{measures.condition:.4g}")
         shown.add_row("characteristic length", f"{mm_from_m(measures.length):.6g} mm")
-        judgement = self.judgements.get(0)
-        if judgement is not None and self.limits is not None:
-            level = _LEVELS[judgement.level] + (", A5 within ITERLIMIT" if judgement.hand_limit else "")
+        assessment = self.assessments.get(0)
+        if assessment is not None and self.limits is not None:
+            level = _LEVELS[assessment.level] + (", A5 within ITERLIMIT" if assessment.hand_limit else "")
             shown.add_row("for the control", f"{level} ({_thresholds(self.limits)})")
         out.print(shown)
         self._print_speeds(report)

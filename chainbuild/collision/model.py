@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from threading import local
 from typing import Any, Final, TypeAlias
 
-import coal
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +20,7 @@ from chainbuild.arrays import Vector
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.chain.elements import BASE_LINK
 from chainbuild.chain.rods import pinned_links
-from chainbuild.collision.solids import Solid, solids_of
+from chainbuild.collision.solids import solids_of
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 
@@ -84,7 +83,6 @@ class CollisionModel:
         self._given = None if watched is None else tuple(watched)
         self._shape = (len(robot.axes),)
         self.solids = solids_of(robot.chain)
-        self._ids = {solid.name: n for n, solid in enumerate(self.solids)}
         self._joint_of = {BASE_LINK: 0} | {joint.child: n + 1 for n, joint in enumerate(robot.chain.joints)}
         self.always: tuple[LinkPair, ...] = ()
         if self._given is not None:
@@ -215,12 +213,3 @@ class CollisionModel:
             touching &= np.array([result.isCollision() for result in results], dtype=bool)
         links = {self.links_of(self.pairs[n]): None for n in np.flatnonzero(touching)}
         return tuple(links)
-
-
-def capsule_distance(a: Solid, T_a: NDArray[np.float64], b: Solid, T_b: NDArray[np.float64]) -> Distance:
-    """Return coal's distance between two bodies placed at T (4, 4) [m]: the single query."""
-    request, result = coal.DistanceRequest(), coal.DistanceResult()
-    placed = [coal.Transform3s(np.ascontiguousarray(T[:3, :3]), T[:3, 3].copy()) for T in (T_a, T_b)]
-    coal.distance(a.geometry, placed[0], b.geometry, placed[1], request, result)
-    points = np.array([result.getNearestPoint1(), result.getNearestPoint2()])
-    return Distance((a.name, b.name), float(result.min_distance), points)

@@ -21,7 +21,7 @@ def mean_transform(transforms: Matrices) -> NDArray[np.float64]:
     return T
 
 
-def modes_apart() -> list[list[str]]:
+def distinct_angle_modes() -> list[list[str]]:
     """Return the names of the angle modes, those that mean the same in one list."""
     groups: dict[object, list[str]] = {}
     for name, mode in ANGLE_MODES.items():

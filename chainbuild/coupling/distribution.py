@@ -27,7 +27,7 @@ from chainbuild.units import mm_from_m
 
 _PASSES: Final = 50
 _DONE: Final = 1e-12  # m and rad
-_LEFT_OVER: Final = 1e-9
+_NEGLIGIBLE: Final = 1e-9
 
 PoseValues = Mapping[str, float] | Sequence[float]
 
@@ -168,13 +168,13 @@ class _Split:
         # A partial that turns may move what an earlier one has placed; then another round follows.
         for _ in range(_PASSES):
             for n in order:
-                self._hand_over(states, n, T, target)
-            if self._left_over(T) < _DONE:
+                self._assign(states, n, T, target)
+            if self._remaining(T) < _DONE:
                 return
-        if self._left_over(T) > _LEFT_OVER:
+        if self._remaining(T) > _NEGLIGIBLE:
             raise self._refusal(T)
 
-    def _hand_over(self, states: Sequence[State], n: int, T: Matrix, target: Vector) -> None:
+    def _assign(self, states: Sequence[State], n: int, T: Matrix, target: Vector) -> None:
         state, mode = states[n], states[n].partial.chain.angle_mode
         before = _product(states[:n]) @ state.partial.T_carrier_mcs
         after = _product(states[n + 1 :])
@@ -187,7 +187,7 @@ class _Split:
         position = before[:3, :3].T @ (T[:3, 3] - before[:3, 3]) - T_own[:3, :3] @ after[:3, 3]
         state.shift(np.array([mm_from_m(float(value)) for value in position]))
 
-    def _left_over(self, T: Matrix) -> float:
+    def _remaining(self, T: Matrix) -> float:
         left = frames.inverse(_product(self.tool_side)) @ T
         return max(float(np.linalg.norm(left[:3, 3])), float(np.linalg.norm(rotation_vector(left[:3, :3]))))
 

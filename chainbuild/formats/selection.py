@@ -117,7 +117,7 @@ def _as_int(value: object) -> int | None:
         return None
 
 
-def blame_channel(
+def name_right_channel(
     error: MachineDataError, entries: Sequence[KinematicEntry], wanted: int | str | None, channel: int
 ) -> None:
     """Let an error on a kinematic that a channel lacks say which other channel has it."""

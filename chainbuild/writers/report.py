@@ -21,7 +21,7 @@ _LEAST_ROWS: Final = 3  # the diagnosis wants as many
 
 def crosscheck_text(check: CrossCheck) -> str:
     """Return a cross-check in words, one finding a line."""
-    lines = [f"Cross-check of {check.title} ({check.kinematic}) with {check.judge}"]
+    lines = [f"Cross-check of {check.title} ({check.kinematic}) with {check.reference}"]
     if check.note and check.note != "recorded":
         lines.append(f"  {check.note}")
     if check.forward is not None:
@@ -40,7 +40,7 @@ def _forward_lines(forward: Forward, axes: Sequence[str]) -> list[str]:
     kinds = Counter(forward.samples.kinds)
     lines = [
         f"Forward: {agree} of {total} poses agree within {within}"
-        f" ({', '.join(f'{count} {kind}' for kind, count in kinds.items())}); compared: {forward.judged}",
+        f" ({', '.join(f'{count} {kind}' for kind, count in kinds.items())}); compared: {forward.compared}",
         f"  worst: {distance_text(float(forward.position_error[worst]))},"
         f" {degrees_text(float(forward.rotation_error[worst]))}"
         f" at {'row ' + str(worst + 1) + ': ' if _recorded(forward) else ''}"
@@ -132,7 +132,7 @@ def crosscheck_data(check: CrossCheck) -> dict[str, Any]:
         "machine": check.title,
         "kinematic": check.kinematic,
         "axes": list(check.axes),
-        "judge": check.judge,
+        "judge": check.reference,
         "note": check.note,
         "agrees": check.agrees,
         "conventions": dict(check.conventions),
@@ -148,7 +148,7 @@ def _forward_data(forward: Forward) -> dict[str, Any]:
     return {
         "poses": len(forward.samples),
         "agree": int(forward.agrees.sum()),
-        "compared": forward.judged,
+        "compared": forward.compared,
         "position_tolerance_mm": mm_from_m(forward.position_tolerance),
         "rotation_tolerance_deg": deg_from_rad(forward.rotation_tolerance),
         "worst": {

@@ -169,7 +169,7 @@ def test_a_failing_export_leaves_the_old_page(tmp_path: Path, monkeypatch: pytes
     def fail(_: Robot) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("chainbuild.inspect.export.sweep", fail)
+    monkeypatch.setattr("chainbuild.inspect.export.axis_sweep", fail)
     with pytest.raises(ZeroDivisionError):
         export_page(arm(), page)
     assert [path.name for path in tmp_path.iterdir()] == ["page.html"]

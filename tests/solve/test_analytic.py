@@ -21,7 +21,7 @@ from chainbuild.frames import rot_y
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.elimination.eaik_arm import eaik_answers, eaik_robot
 from chainbuild.ik.branches.every import ik_all
-from chainbuild.ik.branches.gather import gather
+from chainbuild.ik.branches.multistart import multistart_branches
 from chainbuild.ik.request import IkRequest
 from chainbuild.robot import Robot
 from tests.solve.machines import ALL, poses, robot_of
@@ -197,7 +197,7 @@ def test_restarts_find_what_eaik_finds() -> None:
         complete = ik_all(robot, target)
         query = BranchQuery.of(IkRequest.of(robot, target))
         factors = robot.kinematics.si_factors
-        gathered = [x / factors for x in gather(query)]
+        gathered = [x / factors for x in multistart_branches(query)]
         for branch in complete:
             assert any(same_turns(robot, other, branch.axes) for other in gathered)
 

@@ -28,7 +28,7 @@ _STEPS: Final = 37
 _HALF_TURN: Final = 180.0
 _REFINEMENTS: Final = 4
 # The file's limits are called tight only where they waste more than this.
-_WASTE_DEG: Final = 0.5
+_CONSERVATIVE_DEG: Final = 0.5
 _PRECISION_DEG: Final = 0.01
 
 
@@ -228,7 +228,7 @@ def _verdicts(
         said.append(_too_wide("upper", given[1], high.upper, high.over, high.upper_pair, over))
     if proposal is not None:
         for name, wasted in (("lower", given[0] - proposal[0]), ("upper", proposal[1] - given[1])):
-            if wasted > _WASTE_DEG:
+            if wasted > _CONSERVATIVE_DEG:
                 said.append(f"the {name} limit is too tight: {wasted:.1f}° of free angle are wasted")
     if not free:
         return ("no position is free: the bodies overlap everywhere, give radii or shapes in the overlay",)

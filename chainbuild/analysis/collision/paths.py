@@ -71,14 +71,14 @@ def contacts(model: CollisionModel, path: ArrayLike, clearance: float = 0.0) -> 
         raise ChainbuildError("the clearance", parameter="clearance", permitted="a finite length from 0")
     if not model.pairs:
         return
-    walk = _Walk(model, rows, clearance)
+    walk = _ConservativeAdvancement(model, rows, clearance)
     for row in range(max(len(rows) - 1, 1)):
         found = walk.segment(row)
         if found is not None:
             yield found
 
 
-class _Walk:
+class _ConservativeAdvancement:
     """Walks along the segments of one path."""
 
     def __init__(self, model: CollisionModel, rows: Matrix, clearance: float) -> None:
@@ -130,7 +130,7 @@ def pair_weights(model: CollisionModel, largest: Vector) -> Matrix:
         largest: (n_q,) largest absolute values of the joints as drawn on the way: they lengthen linear joints.
     """
     chain = model.robot.chain
-    ways = _ways(chain)
+    ways = _joints_to_links(chain)
     lengths = [float(np.linalg.norm(drawn(joint).T_parent_joint[:3, 3])) for joint in chain.joints]
     weights = np.zeros((len(model.pairs), len(chain.joints)))
     for n, pair in enumerate(model.pairs):
@@ -150,7 +150,7 @@ def pair_weights(model: CollisionModel, largest: Vector) -> Matrix:
     return weights
 
 
-def _ways(chain: Chain) -> dict[str, tuple[int, ...]]:
+def _joints_to_links(chain: Chain) -> dict[str, tuple[int, ...]]:
     """Return for each link the joints from the base to it."""
     ways: dict[str, tuple[int, ...]] = {BASE_LINK: ()}
     for n, joint in enumerate(chain.joints):

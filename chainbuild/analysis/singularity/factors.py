@@ -70,7 +70,7 @@ def factors(structure: SingularStructure, lines: Lines, task: Task, tool_directi
     if isinstance(form, ArmForm):
         found = list(_arm_factors(form, lines, structure.length))
     elif isinstance(form, CartesianForm):
-        found = list(_mill_factors(form, lines, task, tool_direction))
+        found = list(_cartesian_factors(form, lines, task, tool_direction))
     elif isinstance(form, WristForm):
         found = [_wrist_factor(form.joints, lines)]
     else:
@@ -102,7 +102,7 @@ def _wrist_factor(joints: tuple[int, int, int], lines: Lines) -> Factor:
     return Factor("wrist", float(np.linalg.norm(cross)), joints)
 
 
-def _mill_factors(mill: CartesianForm, lines: Lines, task: Task, d: Vector) -> Iterator[Factor]:
+def _cartesian_factors(mill: CartesianForm, lines: Lines, task: Task, d: Vector) -> Iterator[Factor]:
     directions = [lines.directions[n] for n in mill.rotary]
     if task == "direction" and len(mill.rotary) == 2:
         swings = [np.cross(c, d) for c in directions]

@@ -163,7 +163,7 @@ def _arm(probes: list[Lines], rotary: list[int], i: int, length: float) -> ArmFo
     rest = rotary[i + 2 :]
     head = _meeting(probes, rest, length)
     tip = (rest[0],) if _parallel(probes, rotary[i], rest[0]) else head
-    turn = rotary[i - 1] if i and _across(probes, rotary[i - 1], rotary[i]) else None
+    turn = rotary[i - 1] if i and _perpendicular(probes, rotary[i - 1], rotary[i]) else None
     wrist = (rest[-3], rest[-2], rest[-1]) if len(rest) >= 3 else None
     return ArmForm(rotary[i], rotary[i + 1], tip, turn, head, wrist)
 
@@ -202,5 +202,5 @@ def _parallel(probes: list[Lines], a: int, b: int) -> bool:
     return all(np.linalg.norm(np.cross(p.directions[a], p.directions[b])) < _SAME for p in probes)
 
 
-def _across(probes: list[Lines], a: int, b: int) -> bool:
+def _perpendicular(probes: list[Lines], a: int, b: int) -> bool:
     return all(abs(float(p.directions[a] @ p.directions[b])) < _SAME for p in probes)

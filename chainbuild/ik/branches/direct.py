@@ -30,13 +30,13 @@ from chainbuild.ik.result import IkResult
 from chainbuild.kinematics.mechanism import Mechanism
 
 _LINEAR_STEPS: Final = 2  # the second one only cleans the last digits
-_MOST_ROTARY: Final = 3
+_MAX_ROTARY: Final = 3
 
 
 def query_is_direct(query: BranchQuery) -> bool:
     """Tell whether the direct solver answers a query."""
     structure, chain = query.structure, query.mechanism.chain
-    if chain.loops or len(structure.linear) != 3 or len(structure.revolute) > _MOST_ROTARY:
+    if chain.loops or len(structure.linear) != 3 or len(structure.revolute) > _MAX_ROTARY:
         return False
     if len(structure.rotary) < len(structure.revolute):
         return False
@@ -85,7 +85,7 @@ def _candidates(query: BranchQuery) -> Iterator[Candidate]:
     structure = query.structure
     columns = structure.rotary[: len(structure.revolute)]  # axes beyond these (a virtual one) stay at the start
     for turns, joints in _rotary_solutions(query):
-        free = query.loose_axes(joints, turns.free, columns)
+        free = query.undetermined_axes(joints, turns.free, columns)
         for x in axes_for(query, joints, np.array(turns.angles), columns):
             for full in _placed(query, x, free):
                 yield full, query.axis_names(free)

@@ -14,7 +14,7 @@ from chainbuild.ik.branches.core.branches import Branches, Candidate, Solutions,
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import ArmSolver
 from chainbuild.ik.branches.direct import find_direct
-from chainbuild.ik.branches.gather import gather
+from chainbuild.ik.branches.multistart import multistart_branches
 from chainbuild.ik.branches.status_turn import has_status, status_turn
 from chainbuild.ik.plan import TASK_ROWS, plan_for
 from chainbuild.ik.request import Held, IkRequest
@@ -48,7 +48,7 @@ def every_branch(query: BranchQuery) -> Solutions:
         found = collect(query, _arm_candidates(query, plan.solver))
     else:
         _refuse_redundant(query)
-        found = collect(query, ((x, ()) for x in gather(query)))
+        found = collect(query, ((x, ()) for x in multistart_branches(query)))
     bits = None
     if has_status(query.mechanism):
         bits = [status_turn(query.mechanism, axes) for axes in found.branches.axes]
@@ -89,7 +89,7 @@ def _arm_candidates(query: BranchQuery, solver: ArmSolver) -> Iterator[Candidate
     free_axes = query.structure.free
     for values, free in solver(query.target.homogeneous, keep):
         for x in axes_for(query, joints, values, free_axes):
-            yield x, query.axis_names(query.loose_axes(joints, free, free_axes))
+            yield x, query.axis_names(query.undetermined_axes(joints, free, free_axes))
 
 
 def _refuse_redundant(query: BranchQuery) -> None:

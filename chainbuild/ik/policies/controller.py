@@ -79,7 +79,7 @@ def solve_controller(request: IkRequest) -> IkResult:
     if np.isfinite(x).all():
         x = next(turned_axes(query, x, query.structure.free))
     distance, angle = mechanism.kinematics.errors(x, query.target, mechanism.task)
-    status, reason = _judge(query, x, ended.error, (distance, angle), budget)
+    status, reason = _assessed(query, x, ended.error, (distance, angle), budget)
     return IkResult(
         status == "ok", query.shown(x), status, distance, angle, ended.steps, 0, mechanism.task, reason,
         mechanism.limits.violated(query.shown(x)) if status == "limits" else (),
@@ -115,7 +115,7 @@ def _retracted(query: BranchQuery, x: Vector, budget: ControllerSolver) -> Vecto
     return x
 
 
-def _judge(
+def _assessed(
     query: BranchQuery, x: Vector, error: Vector, missed: tuple[float, float], budget: ControllerSolver
 ) -> tuple[Status, str]:
     """Return status and reason of where the budget ended.

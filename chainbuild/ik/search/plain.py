@@ -82,7 +82,8 @@ class _Search:
             elif inside and squared < nearest:
                 nearest, best = squared, y
             if least == math.inf and (
-                attempt + 1 >= rules.HOPELESS or (attempt == 0 and self.problem.arm_too_short(self.target) is not None)
+                attempt + 1 >= rules.MAX_FAILED_DESCENTS
+                or (attempt == 0 and self.problem.arm_too_short(self.target) is not None)
             ):
                 break
         if start is not None and least < math.inf:
@@ -90,7 +91,7 @@ class _Search:
             met, y, _ = self.descend(start, False, rules.MAX_STEPS, rules.STALL_SHARE)
             outside = self.box.into(y) if met else outside
         best, nearest = self.approach(best)
-        outcome = rules.STALLED if nearest < rules.CLOSE**2 else rules.UNREACHABLE
+        outcome = rules.STALLED if nearest < rules.STALLED_BELOW**2 else rules.UNREACHABLE
         if least < math.inf:
             outcome = rules.LIMITS
         return SearchEnd(outcome, self.iterations, attempt, *self.task.misses(best, self.target, None), best, outside)

@@ -21,7 +21,7 @@ _SHOWN: Final = 60
 
 
 @dataclass(frozen=True, slots=True)
-class Stranger:
+class UnknownDatum:
     """A line that names a datum of the transformation which does not exist.
 
     Attributes:
@@ -35,13 +35,13 @@ class Stranger:
     span: Span
 
 
-def named_stranger(line: str, channel: int, span: Span, collector: Collector) -> Stranger | None:
+def unknown_datum(line: str, channel: int, span: Span, collector: Collector) -> UnknownDatum | None:
     """Return what a line names that is no datum; warn of one that names a datum but assigns nothing."""
     named = OWN_DATUM.search(line)
     if named is None:
         return None
     if lookup(named[0].upper()) is None:
-        return Stranger(named[0][:_SHOWN], channel, span)
+        return UnknownDatum(named[0][:_SHOWN], channel, span)
     text = f"the line names {named[0]} but assigns nothing; it was ignored"
     collector.add("CB111", text, span=span)
     return None
@@ -52,7 +52,7 @@ def has_own_name(line: str) -> bool:
     return OWN_DATUM.search(line) is not None
 
 
-def warn_of_stranger(stranger: Stranger, assignments: list[Assignment], collector: Collector) -> None:
+def warn_of_unknown(stranger: UnknownDatum, assignments: list[Assignment], collector: Collector) -> None:
     """Warn of a misspelt datum: the nearest name, and the value that counts in its place.
 
     Args:

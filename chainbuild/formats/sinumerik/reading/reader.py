@@ -12,11 +12,11 @@ from chainbuild.formats.sinumerik.reading.assignment import Assignment
 from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum, lookup, lookup_number
 from chainbuild.formats.sinumerik.reading.misspelt import (
     TE4_DATUM,
-    Stranger,
+    UnknownDatum,
     has_own_name,
-    named_stranger,
+    unknown_datum,
     warn_nameless,
-    warn_of_stranger,
+    warn_of_unknown,
 )
 from chainbuild.formats.sinumerik.reading.values import (
     ElementIndex,
@@ -81,7 +81,7 @@ class _State:
     channels: tuple[int, ...] = ()
     ignored: int = 0
     refused: int = 0
-    strangers: list[Stranger] = field(default_factory=list)
+    strangers: list[UnknownDatum] = field(default_factory=list)
 
 
 def read_assignments(source: SourceText, collector: Collector) -> Reading:
@@ -99,7 +99,7 @@ def read_assignments(source: SourceText, collector: Collector) -> Reading:
     for number, raw in enumerate(source.lines(), start=1):
         _read_line(state, number, raw)
     for stranger in state.strangers:
-        warn_of_stranger(stranger, state.assignments, collector)
+        warn_of_unknown(stranger, state.assignments, collector)
     if state.ignored:
         text = f"unrelated lines ignored: {state.ignored}"
         collector.add("CB110", text, span=Span(source.file))
@@ -247,5 +247,5 @@ def _not_ours(state: _State, span: Span, line: str, match: re.Match[str] | None)
     state.ignored += 1
     if not has_own_name(line):
         warn_nameless(match, span, state.collector)
-    elif stranger := named_stranger(line, state.channel, span, state.collector):
+    elif stranger := unknown_datum(line, state.channel, span, state.collector):
         state.strangers.append(stranger)

@@ -72,7 +72,7 @@ def find_transformations(table: DataTable, collector: Collector) -> tuple[Robx, 
         here = [robx for n in _DATA_SETS if (robx := _transformation(table, channel, n)) is not None]
         found += here
         _warn_of_other_package(table, channel, here, collector)
-        blamed = _blame(table, channel, here, collector) or blamed
+        blamed = _refuse_untransformed(table, channel, here, collector) or blamed
     if not found and not blamed:
         collector.add(
             "CB303",
@@ -96,7 +96,7 @@ def _transformation(table: DataTable, channel: int, n: int) -> Robx | None:
     return None
 
 
-def _blame(table: DataTable, channel: int, found: list[Robx], collector: Collector) -> bool:
+def _refuse_untransformed(table: DataTable, channel: int, found: list[Robx], collector: Collector) -> bool:
     """Refuse a channel with data but no transformation of their type; tell whether anything was refused."""
     if found:
         return False

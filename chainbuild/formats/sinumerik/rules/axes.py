@@ -18,7 +18,7 @@ from chainbuild.formats.sinumerik.rules.plausible import check_plausible
 
 _ROBOT_INPUTS = 6
 _USED_INPUTS = 15
-_MOST_CHANNEL_AXES = 20
+_MAX_CHANNEL_AXES = 20
 _SPINDLE = 2
 _WRISTS_BY_AXES = {4: (1, 2, 3), 5: (2, 3), 6: (2, 3, 5, 6)}
 _GRIPPER_ON = 2
@@ -80,10 +80,10 @@ def _check_inputs(report: DatumReport) -> None:
 def _check_channel_axes(report: DatumReport, used: Sequence[int]) -> None:
     """Warn of axes that the channel does not have: beyond the most that one can have, or without a machine axis."""
     name, data = f"TRAFO_AXES_IN_{report.robx.transformation}", report.robx.data
-    beyond = [axis for axis in used if axis > _MOST_CHANNEL_AXES]
+    beyond = [axis for axis in used if axis > _MAX_CHANNEL_AXES]
     if beyond:
-        text = f"$MC_{name} names channel axis {beyond[0]}; a channel has at most {_MOST_CHANNEL_AXES}"
-        report.add("CB344", text, general=name, permitted=f"0 to {_MOST_CHANNEL_AXES}")
+        text = f"$MC_{name} names channel axis {beyond[0]}; a channel has at most {_MAX_CHANNEL_AXES}"
+        report.add("CB344", text, general=name, permitted=f"0 to {_MAX_CHANNEL_AXES}")
     for axis in used:
         row = data.row("AXCONF_MACHAX_USED", axis - 1)
         if row is not None and row.value == 0.0:

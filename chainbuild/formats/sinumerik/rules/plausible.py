@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from chainbuild import tolerances
-from chainbuild.chain.check import ArmLength, doubt_lengths, doubt_reach
+from chainbuild.chain.check import ArmLength, check_length_magnitudes, check_reach_magnitude
 from chainbuild.findings import Collector
 from chainbuild.formats.sinumerik.reading.catalogue import catalogue
 from chainbuild.formats.sinumerik.reading.robx import Robx
@@ -20,7 +20,7 @@ _USE_LENGTH_B = ("NR", "CC", "NN")
 _BEND = ("NR", "CC", "SC")
 _REACH = ("NR", "CC", "NN")
 _QUARTER = math.pi / 2.0
-_MOST_QUARTERS = 4
+_MAX_QUARTERS = 4
 _RADIAN_DIGITS = 5e-4  # 1.571, 1.5708 and 1.570796 are quarter turns, 1.57 may be an angle
 
 
@@ -43,7 +43,7 @@ def _check_radians(report: DatumReport) -> None:
         if row.datum.unit != "deg" or isinstance(row.value, str):
             continue
         quarters = round(row.value / _QUARTER)
-        if quarters and abs(quarters) <= _MOST_QUARTERS and abs(row.value - quarters * _QUARTER) < _RADIAN_DIGITS:
+        if quarters and abs(quarters) <= _MAX_QUARTERS and abs(row.value - quarters * _QUARTER) < _RADIAN_DIGITS:
             name = row.datum.name.removeprefix("ROBX_")
             element = "" if row.index is None else f"[{row.index}]"
             text = f"{name}{element} is {row.value:g}: machine data count angles in degrees, is this {90 * quarters}°?"
@@ -105,7 +105,7 @@ def _check_upper_arm(report: DatumReport) -> None:
 def _check_lengths(report: DatumReport) -> None:
     robx = report.robx
     if robx.arrangement in _BEND:
-        doubt_lengths(_arms(robx), report.collector)
+        check_length_magnitudes(_arms(robx), report.collector)
     links = [value for link in robx.dh[: max(robx.num_axes - 4, 0)] for value in (link.a_mm, link.d_mm)]
     main = robx.lengths_mm if robx.arrangement in _USE_LENGTH_B else robx.lengths_mm[:1]
     reach = math.fsum(abs(length) for length in (*main, *links))
@@ -113,7 +113,9 @@ def _check_lengths(report: DatumReport) -> None:
     # Linear axes reach by their travel: what is short here says nothing there.
     if robx.arrangement in _REACH or reach > tolerances.ARM_REACH_MM[1]:
         span = robx.span("MAIN_LENGTH_AB", "TX3P3_POS")
-        doubt_reach(reach, span, "machine data count in mm: are these metres or micrometres?", report.collector)
+        check_reach_magnitude(
+            reach, span, "machine data count in mm: are these metres or micrometres?", report.collector
+        )
 
 
 def _arms(robx: Robx) -> Sequence[ArmLength]:

@@ -137,7 +137,7 @@ class Channel:
 
 
 @contextmanager
-def kept_by(collector: Collector) -> Iterator[None]:
+def errors_collected_by(collector: Collector) -> Iterator[None]:
     """Keep an error as a finding at the lenient door; let it pass at the strict one."""
     try:
         yield

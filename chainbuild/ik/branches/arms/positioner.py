@@ -26,7 +26,7 @@ from chainbuild.ik.branches.core.serial import Screw
 from chainbuild.ik.branches.core.subproblems import (
     cross,
     norm,
-    part_across,
+    perpendicular_part,
     rotate,
     subproblem_1,
     subproblem_2,
@@ -50,7 +50,7 @@ def positioner(screws: Sequence[Screw]) -> Reach | None:
     row = _slides_first(screws)
     solver = _known(row)
     if solver is None:
-        back = [screw.turned_round() for screw in reversed(screws)]
+        back = [screw.reversed() for screw in reversed(screws)]
         row = _slides_first(back)
         solver = _known(row)
         if solver is None:
@@ -147,7 +147,7 @@ def _after_two_turns(a: Screw, b: Screw, c: Screw) -> JointSolver | None:
     centre = meeting_point(a, b)
     if centre is None:
         return skew_turns
-    on_a_sphere = c.kind == "revolute" and norm(part_across(c.direction, centre - c.point)) < MEETING
+    on_a_sphere = c.kind == "revolute" and norm(perpendicular_part(c.direction, centre - c.point)) < MEETING
     return None if on_a_sphere else _meeting_turns
 
 

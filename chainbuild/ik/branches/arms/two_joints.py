@@ -32,7 +32,7 @@ def reach_by_two(a: Screw, b: Screw, p: Vector, d: Vector, keep: Sequence[float]
     if a.kind == "prismatic":
         return _slide_and_turn(a, b, p, d, keep)
     if b.kind == "prismatic":
-        backwards = _slide_and_turn(b.turned_round(), a.turned_round(), d, p, keep[::-1])
+        backwards = _slide_and_turn(b.reversed(), a.reversed(), d, p, keep[::-1])
         return [(turn, shift) for shift, turn in backwards]
     if parallel(a.direction, b.direction):
         return two_parallel_turns(a, b, p, d, keep)

@@ -22,7 +22,7 @@ _MAP_STRIDE: Final = 1.0  # longest step [rad]
 _MAP_EXACT: Final = 1e-14
 _MAP_CLOSE: Final = 1e-9  # what rounding may leave; the pose is verified and polished afterwards
 _ROUNDED_TURN: Final = 1e-9  # turns of a joint are counted with so much to spare
-_MOST_TURNS: Final = 4096  # bound on the combinations of whole turns that are looked at for one branch
+_MAX_TURNS: Final = 4096  # bound on the combinations of whole turns that are looked at for one branch
 
 
 def axes_for(query: BranchQuery, joints: Indices, values: Vector, columns: Indices) -> list[Vector]:
@@ -134,15 +134,15 @@ def turned_axes(query: BranchQuery, x: Vector, columns: Indices) -> Iterator[Vec
     """Yield x moved by whole turns of single axes, nearest first: all within limits, or the nearest only."""
     choices = []
     for n in columns:
-        places = _places(query, float(x[n]), int(n)) if query.periodic[n] else [float(x[n])]
+        places = _whole_turns(query, float(x[n]), int(n)) if query.periodic[n] else [float(x[n])]
         choices.append(places if query.windings else places[:1])
-    for combination in itertools.islice(itertools.product(*choices), _MOST_TURNS):
+    for combination in itertools.islice(itertools.product(*choices), _MAX_TURNS):
         turned = x.copy()
         turned[columns] = combination
         yield turned
 
 
-def _places(query: BranchQuery, value: float, n: int) -> list[float]:
+def _whole_turns(query: BranchQuery, value: float, n: int) -> list[float]:
     """Return value + whole turns within the limits of axis n, nearest to the start first; [value] if none is."""
     lower, upper, wanted = float(query.lower[n]), float(query.upper[n]), float(query.x0[n])
     slack = float(query.slack[n])
@@ -169,7 +169,7 @@ def _turned_joints(query: BranchQuery, x: Vector, block: _Block, joints: Indices
         last = math.floor((q_high[n] - q[n]) / math.tau + _ROUNDED_TURN) if turns else 0
         ranges.append(range(first, last + 1))
     found = []
-    for turns_of_joints in itertools.islice(itertools.product(*ranges), _MOST_TURNS):
+    for turns_of_joints in itertools.islice(itertools.product(*ranges), _MAX_TURNS):
         turned = x.copy()
         turned[columns] += block.inverse @ (math.tau * np.array(turns_of_joints, dtype=float))
         outside = query.mechanism.limits.outside(query.shown(turned))

@@ -76,7 +76,7 @@ class BranchQuery:
         """Return the names of axes."""
         return tuple(self.mechanism.axes[n].name for n in indices)
 
-    def loose_axes(self, joints: Indices, free: Iterable[bool], columns: Indices) -> list[int]:
+    def undetermined_axes(self, joints: Indices, free: Iterable[bool], columns: Indices) -> list[int]:
         """Return the axes behind joints that are free: for each the one that moves it most."""
         loose = [n for n, is_free in enumerate(free) if is_free]
         if not loose:

@@ -26,7 +26,7 @@ ArmSolver = Callable[[Matrix, Sequence[float]], list[Solution]]  # (target (4, 4
 _SAMPLES = 4
 
 
-def image(T: Matrix, point: Vector) -> Vector:
+def transformed_point(T: Matrix, point: Vector) -> Vector:
     """Return where a rigid motion (4, 4) takes a point (3,)."""
     moved: Vector = T[:3, :3] @ point + T[:3, 3]
     return moved
@@ -57,13 +57,13 @@ class Screw:
         R = rotation(self.direction, value)
         return transform(R, self.point - R @ self.point)
 
-    def turned_round(self) -> Screw:
+    def reversed(self) -> Screw:
         """Return the joint that moves the other way."""
         return Screw(self.kind, -self.direction, self.point, self.joint, self.sense)
 
-    def carried(self, T: Matrix) -> Screw:
+    def transformed(self, T: Matrix) -> Screw:
         """Return the joint moved by a rigid motion (4, 4)."""
-        return Screw(self.kind, T[:3, :3] @ self.direction, image(T, self.point), self.joint, self.sense)
+        return Screw(self.kind, T[:3, :3] @ self.direction, transformed_point(T, self.point), self.joint, self.sense)
 
     def move(self, value: float, point: Vector) -> Vector:
         """Return where the motion of a joint value takes a point."""
@@ -95,7 +95,7 @@ class Serial:
     def reversed(self) -> Serial:
         """Return the chain from the tool to the workpiece: T⁻¹ = exp(−sn'·qn) · … · exp(−s1'·q1) · M⁻¹."""
         back = inverse(self.M)
-        return Serial(tuple(screw.carried(back).turned_round() for screw in reversed(self.screws)), back)
+        return Serial(tuple(screw.transformed(back).reversed() for screw in reversed(self.screws)), back)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -173,7 +173,7 @@ def _branch(chain: Chain, frame: str) -> list[Joint]:
     return joints[::-1]
 
 
-_MOST_SERIALS = 64  # a held axis makes a chain of its own for every value
+_MAX_SERIALS = 64  # a held axis makes a chain of its own for every value
 
 
 def unrolled(mechanism: Mechanism, q: Vector, moving: Indices) -> Serial:
@@ -181,7 +181,7 @@ def unrolled(mechanism: Mechanism, q: Vector, moving: Indices) -> Serial:
     constant = np.ones(len(q), dtype=bool)
     constant[moving] = False
     key = moving.tobytes() + q[constant].tobytes()
-    return mechanism.prepared("serial", lambda: unroll(mechanism.chain, q, moving), key, _MOST_SERIALS)
+    return mechanism.prepared("serial", lambda: unroll(mechanism.chain, q, moving), key, _MAX_SERIALS)
 
 
 def unroll(chain: Chain, q: Vector, moving: Indices) -> Serial:

@@ -13,10 +13,10 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Complex, Matrix, Vector
-from chainbuild.ik.branches.arms.orientation import across
+from chainbuild.ik.branches.arms.orientation import perpendicular
 from chainbuild.ik.branches.arms.positioner import parallel
 from chainbuild.ik.branches.arms.two_joints import JointPair, reach_by_two
-from chainbuild.ik.branches.core.serial import Screw, image
+from chainbuild.ik.branches.core.serial import Screw, transformed_point
 from chainbuild.ik.branches.core.subproblems import rotate, subproblem_1, subproblem_2
 from chainbuild.ik.branches.elimination.conformal import ONE, SIZE, backwards, motion
 from chainbuild.ik.branches.elimination.eliminant import Eliminant
@@ -98,7 +98,7 @@ def closed(loop: OpenedLoop, inner: tuple[float, float, float], G: Matrix) -> li
     for screw, value in zip(loop.row[2:5], inner, strict=True):
         middle = middle @ screw.T(value)
     last = loop.row[5]
-    aside = across(last.direction)
+    aside = perpendicular(last.direction)
     found = []
     for first, second in _outer_pairs(loop, middle, G):
         R = (loop.row[0].T(first) @ loop.row[1].T(second) @ middle)[:3, :3].T @ G[:3, :3]
@@ -130,14 +130,16 @@ def _by_geometry(loop: OpenedLoop, middle: Matrix, G: Matrix) -> list[JointPair]
         pairs += [(turn.first, turn.second) for turn in turns]
     for along in (0.0, 1.0):
         point = last.point + along * last.direction
-        pairs += reach_by_two(one, two, image(middle, point), image(G, point), (0.0, 0.0))
+        pairs += reach_by_two(one, two, transformed_point(middle, point), transformed_point(G, point), (0.0, 0.0))
     return pairs
 
 
 def _miss(loop: OpenedLoop, pair: JointPair, middle: Matrix, G: Matrix) -> float:
     """Return how far the arrow misses its goal [arm lengths, rad]."""
     one, two, last = loop.row[0], loop.row[1], loop.row[5]
-    place = one.move(pair[0], two.move(pair[1], image(middle, last.point))) - image(G, last.point)
+    place = one.move(pair[0], two.move(pair[1], transformed_point(middle, last.point))) - transformed_point(
+        G, last.point
+    )
     direction = middle[:3, :3] @ last.direction
     for screw, value in ((two, pair[1]), (one, pair[0])):
         if screw.kind == "revolute":

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik.options import IkOptions
 from chainbuild.ik.search.found import SearchEnd
-from chainbuild.ik.search.problem import KEPT, Problem
+from chainbuild.ik.search.problem import MAX_PREPARED, Problem
 from chainbuild.ik.search.starts.turned import TurnedStarts
 
 
@@ -56,7 +56,7 @@ class Packed:
 
 def packed(problem: Problem) -> Packed | None:
     """Return a problem in few arrays, or None where its axis map is not affine."""
-    return problem.mechanism.prepared("packed", lambda: _pack(problem), problem, KEPT)
+    return problem.mechanism.prepared("packed", lambda: _pack(problem), problem, MAX_PREPARED)
 
 
 def _pack(problem: Problem) -> Packed | None:

@@ -165,8 +165,8 @@ def _half_turn(angles: Vector) -> Vector:
 
 LARGEST_STEP: Final = 0.5  # rad or m that an axis goes from its point to the start handed out
 
-_FEWEST_JOINTS: Final = 4  # below that nothing is worth a table
-_KEPT: Final = 2  # tables a robot: where axes between are held at ever other values, none is worth its making
+_MIN_JOINTS: Final = 4  # below that nothing is worth a table
+_MAX_TABLES: Final = 2  # tables a robot: where axes between are held at ever other values, none is worth its making
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -250,7 +250,7 @@ def turned_starts(mechanism: Mechanism, arm: Product, box: Box, middle: Vector, 
         seed: Seed.
     """
     ends = ends_of(arm)
-    if ends is None or np.count_nonzero(arm.A.any(axis=1)) < _FEWEST_JOINTS:
+    if ends is None or np.count_nonzero(arm.A.any(axis=1)) < _MIN_JOINTS:
         return None
     first, last = _turning(arm, ends.begin), _turning(arm, ends.end)
     if first is None or last is None:
@@ -259,7 +259,7 @@ def turned_starts(mechanism: Mechanism, arm: Product, box: Box, middle: Vector, 
     known: dict[object, TablePoints] = mechanism.prepared("tables of turned starts", dict)
     key = (box.names, arm.b[ends.begin : ends.end].tobytes(), seed)
     if key not in known:
-        if len(known) >= _KEPT:
+        if len(known) >= _MAX_TABLES:
             return None
         known[key] = table_points(arm, (ends.before, ends.after), box, middle, (first, last), signs, seed)
     return TurnedStarts(known[key], ends.before, ends.after, first, last, signs)
