@@ -6,8 +6,8 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-_ALIKE: Final = 0.6
-_SHOWN: Final = 12
+_ALIKE: Final = 0.6  # the cutoff that difflib itself takes
+_SHOWN: Final = 12  # fit on one or two lines of a message
 _LONGEST: Final = 80  # of a name that is compared: what is longer is no slip of the pen
 
 

@@ -27,6 +27,7 @@ from chainbuild.errors import ChainbuildError
 AxisLetter = Literal["x", "y", "z"]
 
 _INDEX: Final = {"x": 0, "y": 1, "z": 2}
+# Cosine and sine of 0, 90, 180, 270 degrees, exactly.
 _RIGHT_ANGLES: Final = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 
 

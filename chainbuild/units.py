@@ -18,6 +18,7 @@ from typing import Final, Literal
 AxisKind = Literal["linear", "rotary"]
 AxisUnit = Literal["mm", "deg"]
 
+# By definition.
 RAD_PER_DEG: Final = math.pi / 180.0
 M_PER_MM: Final = 1e-3
 _RAW_PER_UNIT: Final = 10_000.0  # TwinCAT lists count in 1e-4 mm and 1e-4 degrees

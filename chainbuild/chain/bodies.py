@@ -7,7 +7,7 @@ a cylinder (rotary) or box (linear) from joint to joint, as thick as looks right
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -22,20 +22,22 @@ BodyKind = Literal["cylinder", "box", "sphere"]
 Part = Literal["link", "joint", "rail", "lever", "flange", "tool", "table"]
 
 # Red, green, blue in 0…1. Warm: what carries the tool. Cool: what carries the workpiece.
-BASE_COLOUR: Colour = (0.29, 0.32, 0.37)
-JOINT_COLOUR: Colour = (0.20, 0.22, 0.26)
-TOOL_COLOUR: Colour = (0.70, 0.73, 0.78)
-TOOL_SIDE: tuple[Colour, Colour] = ((0.95, 0.52, 0.13), (0.98, 0.69, 0.33))
-WORKPIECE_SIDE: tuple[Colour, Colour] = ((0.10, 0.55, 0.55), (0.33, 0.71, 0.69))
+BASE_COLOUR: Final[Colour] = (0.29, 0.32, 0.37)
+JOINT_COLOUR: Final[Colour] = (0.20, 0.22, 0.26)
+TOOL_COLOUR: Final[Colour] = (0.70, 0.73, 0.78)
+TOOL_SIDE: Final[tuple[Colour, Colour]] = ((0.95, 0.52, 0.13), (0.98, 0.69, 0.33))
+WORKPIECE_SIDE: Final[tuple[Colour, Colour]] = ((0.10, 0.55, 0.55), (0.33, 0.71, 0.69))
 
 # Radius of a link over the size of the machine: at the base and at the tip, where arms are slender.
-_STOUT, _SLENDER = 0.055, 0.032
+_STOUT: Final = 0.055
+_SLENDER: Final = 0.032
 # A machine with long strokes and small heads is drawn as thick as an arm of this share of its stroke.
-_STROKE_SHARE = 0.35
+_STROKE_SHARE: Final = 0.35
 # Where nobody gave limits: the range drawn and swept, as a share of the machine's size, and in degrees.
-_ASSUMED_STROKE_SHARE, _ASSUMED_TURN_DEG = 0.5, 180.0
+_ASSUMED_STROKE_SHARE: Final = 0.5
+_ASSUMED_TURN_DEG: Final = 180.0
 # More than one turn either way tells the eye nothing.
-_SHOWN_TURN_DEG = 360.0
+_SHOWN_TURN_DEG: Final = 360.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from cyclopts import Parameter
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from chainbuild.analysis.collision.paths import Contact
     from chainbuild.collision.model import CollisionModel, Distance
 
-_COLLIDES = 3
+_COLLIDES: Final = 3  # exit code of a verdict against the user
 
 
 @Parameter(name="*", group="Pairs")

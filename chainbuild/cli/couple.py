@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from cyclopts import Parameter
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 OptionWords = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
 _LETTERS = "XYZABC"
-_DIGITS = 9  # of mm and degrees: the last ones are noise
+_DIGITS: Final = 9  # of mm and degrees: the last ones are noise
 
 
 def couple(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Final, Literal, get_args
 
 from cyclopts import Parameter
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 CallableOption = Literal["auto", "fk", "ik"]
 SampleName = Literal["random", "grid", "singular"]
 
-_DIFFERS = 3
+_DIFFERS: Final = 3  # exit code of a verdict against the user
 
 
 @Parameter(name="*", group="Poses")

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 PoseAndResult = tuple["PoseRow", "IkResult"]
 
-_PATIENCE_S = 2.0
+_PATIENCE_S: Final = 2.0  # seconds: compiled code that is kept loads in less
 
 
 def solutions(
@@ -174,8 +174,8 @@ class _Starts:
         )
 
 
-_ROWS_FAILED = 3
-_REASONS_SHOWN = 10
+_ROWS_FAILED: Final = 3  # exit code of a verdict against the user
+_REASONS_SHOWN: Final = 10  # fit on a screen; the others are counted
 # An arm whose poses are all nearer than this to its base got them in metres; a mill may well cut a part this small.
 _SMALL_MM: Final = 10.0
 

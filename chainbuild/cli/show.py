@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 Item = TypeVar("Item")
 
-_WIDTH_WITHOUT_TERMINAL: Final = 200
-_ROWS_BETWEEN_UPDATES: Final = 256
+_WIDTH_WITHOUT_TERMINAL: Final = 200  # characters: rows of a log file are not folded
+_ROWS_BETWEEN_UPDATES: Final = 256  # a bar redrawn at every row would cost more than the row
 # Findings that a channel, tool or kinematic was taken, or none, where the file has several: they change every result.
 CHOICES: Final = frozenset({"CB246", "CB337", "CB340", "CB406", "CB411"})
 _COLOURS: Final = {"error": "bold red", "warning": "yellow", "info": "dim"}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from cyclopts import Parameter
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from chainbuild.robot import Robot
 
 _LEVELS = {"singular": "singular", "watched": "watched", "clear": "above its thresholds"}
-_DIGITS = 6  # of mm/s and deg/s: the last ones are noise
+_DIGITS: Final = 6  # of mm/s and deg/s: the last ones are noise
 
 
 @Parameter(name="*", group="Singularity")

@@ -27,8 +27,8 @@ from chainbuild.kinematics.mechanism import Mechanism
 LinkPair: TypeAlias = tuple[str, str]
 
 _PROBES: Final = 64  # positions at which a pair must touch to count as always touching
-_SEED: Final = 11
-_SLIDES: Final = 3
+_SEED: Final = 11  # any: the same pairs are watched every time
+_SLIDES: Final = 3  # linear axes: as many as a machine tool has
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
 
-POSITION_TOLERANCE_M: Final = 1e-6
-ROTATION_TOLERANCE_RAD: Final = 1e-6
+POSITION_TOLERANCE_M: Final = 1e-6  # far above rounding, far below any dimension of a machine
+ROTATION_TOLERANCE_RAD: Final = 1e-6  # the same at a reach of 1 m
 _SAME_BRANCH: Final = 1e-4  # [m, rad]: near a singularity branches of one pose are only this well defined
 
 

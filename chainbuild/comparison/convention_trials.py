@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from chainbuild.formats.machine import Machine
 
 
-_MAX_PAIRS: Final = 400
-_MAX_POSES: Final = 200
+_MAX_PAIRS: Final = 400  # bound on the time: a trial builds a chain
+_MAX_POSES: Final = 200  # more of them tell nothing new about a choice
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 
 _RECORDED_POSITION_M: Final = 1e-5  # controllers show micrometres or tenths
-_RECORDED_ROTATION_RAD: Final = 1e-4
+_RECORDED_ROTATION_RAD: Final = 1e-4  # controllers show thousandths of a degree or hundredths
 _MAX_TRIALS: Final = 8  # of those that do not agree, in the result
 
 

@@ -27,13 +27,13 @@ if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
 
-_MAX_POSES: Final = 16
+_MAX_POSES: Final = 16  # enough to tell explanations apart; every one of many is tried on all of them
 _EXPLAINED: Final = 0.02  # share of the error that an explanation may leave
-_MAX_FLIPPED: Final = 3
-_MAX_OTHERS: Final = 4
-_ZERO_STEPS: Final = 8
-_ZERO_STARTS_DEG: Final = (0.0, 90.0, -90.0, 180.0)
-_NOTHING: Final = 1e-9
+_MAX_FLIPPED: Final = 3  # axes at a time: more would be another machine
+_MAX_OTHERS: Final = 4  # explanations named beside the best
+_ZERO_STEPS: Final = 8  # Gauss-Newton in one variable: converges in a few
+_ZERO_STARTS_DEG: Final = (0.0, 90.0, -90.0, 180.0)  # from one of them Gauss-Newton reaches any zero
+_NOTHING: Final = 1e-9  # mm, degrees or slopes: rounding
 # Factor → mistake. A solver gives metres, a recording mm: either may have been taken for the other.
 _LENGTH_UNITS: Final = (
     (1e-3, "millimetres taken for metres"),

@@ -25,9 +25,9 @@ from chainbuild.ik.solve import solve
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.units import mm_from_m
 
-_PASSES: Final = 50
+_PASSES: Final = 50  # rounds over the partials; one is enough unless one moves what another has placed
 _DONE: Final = 1e-12  # m and rad
-_NEGLIGIBLE: Final = 1e-9
+_NEGLIGIBLE: Final = 1e-9  # m and rad: rounding of the product over all partials
 
 PoseValues = Mapping[str, float] | Sequence[float]
 

@@ -13,7 +13,7 @@ from chainbuild import tolerances
 from chainbuild.closest import listed
 from chainbuild.errors import MachineDataError, Span
 
-_ID_DIGITS: Final = 9
+_ID_DIGITS: Final = 9  # more than any id has
 _HUGE_NUMBER: Final = 10**_ID_DIGITS  # beyond any id or channel
 
 

@@ -28,7 +28,7 @@ from chainbuild.kinematics.mechanism import Mechanism
 PlanName = ArmName | Literal["direct", "EAIK", "elimination", "search"]
 
 TASK_ROWS: Final[Mapping[Task, int]] = {"pose": 6, "direction": 5, "position": 3}  # freedoms that a task determines
-_MAX_VIRTUAL_JOINTS: Final = 2
+_MAX_VIRTUAL_JOINTS: Final = 2  # chains of fewer than four joints are left to EAIK or to the search
 _MAX_PREPARED: Final = 64  # a held axis makes a chain of its own for every value
 _REASONS: Final[Mapping[str, str]] = {
     **ARMS,

@@ -9,7 +9,7 @@ import string
 from html import escape
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
 # From where the machine is looked at: in front of its right side, a little from above (machine coordinates).
-_VIEW = (1.0, -1.35, 0.75)
+_VIEW: Final = (1.0, -1.35, 0.75)
 # How far the picture reaches from the machine at rest (0) to everything it sweeps over (1).
-_SWEPT_SHARE = 0.6
+_SWEPT_SHARE: Final = 0.6
 
 
 def export_page(robot: Mechanism, path: str | os.PathLike[str]) -> Path:

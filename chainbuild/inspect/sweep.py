@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise, product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -19,15 +19,15 @@ from chainbuild.errors import ChainbuildError
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
-FRAMES_PER_SECOND = 10
-_FRAMES_PER_AXIS = 50
+FRAMES_PER_SECOND: Final = 10  # the viewer interpolates between keyframes
+_FRAMES_PER_AXIS: Final = 50  # five seconds
 # Shares of an axis's time: to the lower limit, across to the upper one, back; the rest is a pause.
-_PHASES = (0.24, 0.44, 0.24)
+_PHASES: Final = (0.24, 0.44, 0.24)
 
 # Angles a rotary axis may take in the pose shown, degrees.
-_CANDIDATES = (0.0, 45.0, -45.0, 90.0, -90.0)
+_CANDIDATES: Final = (0.0, 45.0, -45.0, 90.0, -90.0)
 # A pose whose smallest singular value is below this share of the largest looks stretched out or folded up.
-_STRETCHED = 0.05
+_STRETCHED: Final = 0.05
 
 
 @dataclass(frozen=True, slots=True)

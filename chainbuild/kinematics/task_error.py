@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from threading import local
+from typing import Final
 
 import eigenpy
 import numpy as np
@@ -19,7 +20,7 @@ from chainbuild.kinematics.evaluation import Kinematics, frame_jacobian, tilt
 
 ToolError = Callable[[Vector], tuple[Vector, Matrix]]
 
-_UNDAMPED = 0.01  # share of a step that damping may take away without being asked
+_UNDAMPED: Final = 0.01  # share of a step that damping may take away without being asked
 
 
 class TaskError:

@@ -15,7 +15,7 @@ from chainbuild.comparison.crosscheck import CrossCheck
 from chainbuild.comparison.diagnosis import Explanation
 from chainbuild.units import deg_from_rad, mm_from_m
 
-_SHOWN_ROWS: Final = 12
+_SHOWN_ROWS: Final = 12  # fit on a line
 _LEAST_ROWS: Final = 3  # the diagnosis wants as many
 
 

@@ -17,7 +17,7 @@ from chainbuild.units import deg_from_rad, mm_from_m
 from chainbuild.writers.report import crosscheck_text
 from chainbuild.writers.svg_plots import Points, histogram, scatter
 
-_SHOWN_ROWS: Final = 20
+_SHOWN_ROWS: Final = 20  # fit on a page
 _FLOOR: Final = 1e-13  # [mm, deg] errors below are drawn here: rounding has no shape
 _STYLE: Final = """
 body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 70rem; padding: 0 1rem; color: #1b1f24; }

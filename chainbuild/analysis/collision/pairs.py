@@ -14,8 +14,8 @@ from chainbuild.kinematics.mechanism import Mechanism
 
 Verdict = Literal["adjacent", "always", "never", "sometimes"]
 
-DEFAULT_SAMPLES: Final = 10_000
-_CONFIDENCE: Final = 0.95
+DEFAULT_SAMPLES: Final = 10_000  # bounds what was missed at 3e-4 of all positions, with the confidence below
+_CONFIDENCE: Final = 0.95  # the usual one of a statistical bound
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,9 +24,9 @@ from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 
-_STEPS: Final = 37
-_HALF_TURN: Final = 180.0
-_REFINEMENTS: Final = 4
+_STEPS: Final = 37  # values of axis 2: every 5 degrees of a range of half a turn
+_HALF_TURN: Final = 180.0  # degrees: a linkage moves half a turn of its crank between dead points
+_REFINEMENTS: Final = 4  # halvings of a step: a sixteenth of it
 # The file's limits are called tight only where they waste more than this.
 _CONSERVATIVE_DEG: Final = 0.5
 _PRECISION_DEG: Final = 0.01

@@ -22,7 +22,7 @@ from chainbuild.kinematics.screws import joint_screws, joints_between_tips
 SingularityKind = Literal["wrist", "elbow", "shoulder", "pole", "tilt_end", "other", "gimbal_lock", "dead_point"]
 
 _SAME: Final = 1e-9  # sines and shares of the length below this are 0: data carry 1e-4 mm at best
-_PROBES: Final = 2
+_PROBES: Final = 2  # two: what lines up in one position by chance does not in the other
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -21,7 +21,7 @@ _EXACT: Final = 1e-6  # below this nothing is "nearly"
 _ALONG_AXIS: Final = 0.985  # cosine of 10 degrees: such a direction is called by its axis
 _SHARE: Final = 0.4  # parts of a motion below this share are not mentioned
 _RUNS: Final = 0.2  # axes below this share of the fastest do not run away
-_REMARK_DEG: Final = 0.5
+_REMARK_DEG: Final = 0.5  # a difference that a display of whole degrees would show
 
 
 def condition(robot: Mechanism, axes: Vector, factor: Factor) -> tuple[str, tuple[str, ...]]:

@@ -19,7 +19,7 @@ from chainbuild.formats.twincat.lists.toollist import Tool, read_tools
 from chainbuild.formats.twincat.machine import Content, TwinCatMachine
 from chainbuild.formats.twincat.types.catalogue import why_unsupported
 
-_TOOLS_NAMED: Final = 8
+_TOOLS_NAMED: Final = 8  # fit on a line; the others are counted
 
 
 def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Collector) -> TwinCatMachine:

@@ -30,7 +30,7 @@ from chainbuild.ik.result import IkResult
 from chainbuild.kinematics.mechanism import Mechanism
 
 _LINEAR_STEPS: Final = 2  # the second one only cleans the last digits
-_MAX_ROTARY: Final = 3
+_MAX_ROTARY: Final = 3  # more revolute joints leave the direction open
 
 
 def query_is_direct(query: BranchQuery) -> bool:

@@ -16,7 +16,7 @@ from chainbuild.ik.branches.core.axis_values import turned_axes
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.kinematics.newton import Stall, below, newton, shrinking
 
-_MAX_STARTS: Final = 400
+_MAX_STARTS: Final = 400  # bound on the time
 _IDLE_STARTS: Final = 60  # starts in a row without a new branch that end the search
 _STEPS: Final = 40  # at most, of one descent
 _STALL: Final = Stall(5, 0.9)

@@ -18,6 +18,7 @@ from chainbuild.kinematics.screws import joints_between_tips
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
+# Bits of the pose status, as KIN_TYP 45 numbers them.
 WRIST_BEHIND: Final = 1
 WRIST_IN_FRONT: Final = 2
 HAND_NEGATIVE: Final = 4

@@ -31,9 +31,9 @@ from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.newton import newton
 from chainbuild.units import mm_from_m
 
-_FLOOR: Final = 1e-12
+_FLOOR: Final = 1e-12  # keeps the factorisation alive at singular points
 _SINGULAR_DAMPING: Final = 1e-3  # share of the squared error, as in the damped solver
-_FULL_TURN_DEG: Final = 360.0
+_FULL_TURN_DEG: Final = 360.0  # angles that differ by it are one place
 ALARMS_SINGULAR: Final = (75370, 75371, 75372)  # interpreter, block preparation, interpolation
 
 

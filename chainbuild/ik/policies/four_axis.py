@@ -39,8 +39,8 @@ _STARTS: Final = 24  # places that a descent begins at where the start leads now
 _DAMPING: Final = shrinking(1e-3, 1e-14)
 _MET: Final = below(1e-20)
 _BLIND: Final = 1e-6  # a C that moves less than this with any axis is not what can be programmed
-_SAME: Final = 1e-6
-_FULL_TURN_DEG: Final = 360.0
+_SAME: Final = 1e-6  # solutions closer than this in every axis [m, rad] are one
+_FULL_TURN_DEG: Final = 360.0  # places that differ by it are one orientation
 
 
 class Angle(Protocol):

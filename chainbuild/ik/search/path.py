@@ -35,7 +35,7 @@ _MAX_STEP: Final = 0.2  # an axis motion (rad or m) beyond which other branches 
 _JUMP: Final = 0.5  # one beyond which the path around it is looked at as a whole
 _BACK: Final = 60  # so many poses before it
 _AHEAD: Final = 60  # and after it
-_CHUNK: Final = 4096
+_CHUNK: Final = 4096  # poses between two looks at the progress bar and the keyboard
 
 
 def solve_path(

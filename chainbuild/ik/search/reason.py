@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Final
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik import rules
@@ -14,7 +15,7 @@ from chainbuild.ik.search.problem import Problem
 
 Search = Callable[[Problem, Matrix, Vector | None, IkOptions], SearchEnd]
 
-_RESTARTS = 8  # enough to find out about the position alone
+_RESTARTS: Final = 8  # enough to find out about the position alone
 
 
 def reason_of(problem: Problem, target: Matrix, found: SearchEnd, options: IkOptions, search: Search) -> str:

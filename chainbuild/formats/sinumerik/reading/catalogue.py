@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 DatumType = Literal["int", "float", "bool", "hex", "string"]
 Prefix = Literal["MC", "MA", "MN", "ON", "SN", "SC", "TC"]
@@ -18,7 +18,7 @@ ValueRange = tuple[float | None, float | None]
 _ROBX = "ROBX_"
 _TE4 = "TRAFO6_"
 # The older TE4 package numbers the same data 300 lower: 62620 AXIS_SEQ is 62920 (ROBX manual 5.3.15).
-_TE4_DISTANCE = 300
+_TE4_DISTANCE: Final = 300
 
 
 @dataclass(frozen=True, slots=True)

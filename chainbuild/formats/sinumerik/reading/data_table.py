@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Final
 
 from chainbuild.errors import Span
 from chainbuild.findings import Collector
@@ -12,7 +13,7 @@ from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum, catalog
 from chainbuild.formats.sinumerik.reading.reader import Reading
 from chainbuild.formats.sinumerik.reading.values import ElementIndex, Value
 
-_SHARED = 0  # stands for "no channel" in keys: NC, axis and tool data are the same for all channels
+_SHARED: Final = 0  # stands for "no channel" in keys: NC, axis and tool data are the same for all channels
 _Key = tuple[int, bool, str, ElementIndex]
 
 

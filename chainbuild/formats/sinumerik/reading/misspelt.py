@@ -17,7 +17,7 @@ from chainbuild.formats.sinumerik.reading.values import ElementIndex, Value
 _ANY_CASE = re.IGNORECASE | re.ASCII
 OWN_DATUM: Final = re.compile(r"(?:\$MC_)?(?:ROBX|TRAFO6)_[A-Z0-9_]+", _ANY_CASE)
 TE4_DATUM: Final = re.compile(r"(?:\$MC_)?TRAFO6_", _ANY_CASE)
-_SHOWN: Final = 60
+_SHOWN: Final = 60  # characters of a name in a message
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Final
 
 from chainbuild.errors import ChainbuildError, MachineDataError, ParseError, Span
 from chainbuild.findings import Collector
@@ -48,7 +49,7 @@ _PROGRAM_END = re.compile(r"\s*(?:N\d+\s*)?(?:M0?2|M17|M30|RET)\s*", _ANY_CASE)
 _ESCAPE = re.compile(r"\\([$_\[\]])")
 _DATUM_MARKS = ("MD", "SD")
 _PARSE_CODES = ("CB101", "CB102", "CB103", "CB104")
-_MAX_CHANNEL = 99
+_MAX_CHANNEL: Final = 99
 
 
 @dataclass(frozen=True, slots=True)

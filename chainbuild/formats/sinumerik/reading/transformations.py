@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 from chainbuild.errors import ChainbuildError, MachineDataError, Span, UnsupportedKinematicError
 from chainbuild.findings import Collector
@@ -55,8 +56,8 @@ class DatumReport:
         )
 
 
-ROBX_TYPE = 4100
-TE4_TYPE = 4099
+ROBX_TYPE: Final = 4100
+TE4_TYPE: Final = 4099
 _DATA_SETS = range(1, 11)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from typing import Final
 
 from chainbuild import tolerances
 from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum
@@ -24,7 +25,7 @@ _SET = re.compile(r"SET\s*\((.*)\)", _ANY_CASE)
 _CHECKSUM = re.compile(r"[0-9A-F]{1,4}", _ANY_CASE)
 _WORDS = {"TRUE": 1.0, "FALSE": 0.0}
 _BASES = {"H": 16, "B": 2}
-_MASK_BITS = 32
+_MASK_BITS: Final = 32  # machine data of type DWORD
 
 
 class Refusal(Exception):

@@ -7,6 +7,7 @@ with a warning.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 
@@ -21,12 +22,19 @@ from chainbuild.formats.sinumerik.reading.robx import WRISTS, Robx
 from chainbuild.formats.sinumerik.reading.transformations import DatumReport
 from chainbuild.formats.sinumerik.rules.few_axes import check_five_axes, check_four_axes
 
-_CENTRAL, _INCLINED, _ANGLED = 2, 3, 5
-_RIGHT_ANGLE_DEG = 1e-6
-_LENGTH_MM = 1e-9
-_DEGENERATE_DEG = 10.0
-_PRINTED_ALPHA = (-90.0, 90.0)
-_ENDLESS, _ROTARY, _LINEAR = 4, 3, 1
+# Numbers of wrists, see `robx.WRISTS`.
+_CENTRAL: Final = 2
+_INCLINED: Final = 3
+_ANGLED: Final = 5
+# Numbers of kinds of axes in AXES_TYPE.
+_ENDLESS: Final = 4
+_ROTARY: Final = 3
+_LINEAR: Final = 1
+
+_RIGHT_ANGLE_DEG: Final = 1e-6  # degrees (of sines, too): far below what machine data are written to
+_LENGTH_MM: Final = 1e-9  # shorter than the last digit of any machine datum: rounding
+_DEGENERATE_DEG: Final = 10.0  # a wrist with axes closer to parallel hardly turns its hand
+_PRINTED_ALPHA: Final = (-90.0, 90.0)  # the angles that the manual draws for wrist axes 4-5 and 5-6
 
 
 def check_geometry(robx: Robx, translation: Translation, tool: Tool, choose: Choices, collector: Collector) -> None:

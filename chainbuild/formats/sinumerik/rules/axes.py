@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Final
 
 from chainbuild import tolerances
 from chainbuild.errors import UnsupportedKinematicError
@@ -16,14 +17,14 @@ from chainbuild.formats.sinumerik.reading.robx import ExtraAxis, ExtraGroup, Rob
 from chainbuild.formats.sinumerik.reading.transformations import DatumReport
 from chainbuild.formats.sinumerik.rules.plausible import check_plausible
 
-_ROBOT_INPUTS = 6
-_USED_INPUTS = 15
-_MAX_CHANNEL_AXES = 20
-_SPINDLE = 2
+_ROBOT_INPUTS: Final = 6  # elements of TRAFO_AXES_IN for the robot's own axes
+_USED_INPUTS: Final = 15  # elements of TRAFO_AXES_IN that ROBX reads
+_MAX_CHANNEL_AXES: Final = 20  # of a channel of the control
+_SPINDLE: Final = 2  # AXES_TYPE of a spindle
 _WRISTS_BY_AXES = {4: (1, 2, 3), 5: (2, 3), 6: (2, 3, 5, 6)}
-_GRIPPER_ON = 2
-_OPTION_BIT = 1 << 16
-_OPTION_ELEMENT = 3
+_GRIPPER_ON: Final = 2  # GRIP_REL_RESET_MODE: gripper-referred motion from reset on
+_OPTION_BIT: Final = 1 << 16  # of the option's element: the transformation is released
+_OPTION_ELEMENT: Final = 3  # of TECHNO_EXTENSION_MASK that holds the option
 
 
 def check_axes(robx: Robx, table: DataTable, collector: Collector) -> None:

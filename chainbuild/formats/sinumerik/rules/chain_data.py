@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -28,8 +28,8 @@ from chainbuild.formats.sinumerik.reading.transformations import DatumReport
 from chainbuild.units import AxisKind, deg_from_rad, m_s_from_mm_min, mm_from_m, rad_s_from_rpm
 
 # The control's own default for an axis without software limits is ±1e8.
-_NO_LIMIT = 1e8
-_ENDLESS = 4
+_NO_LIMIT: Final = 1e8
+_ENDLESS: Final = 4
 _LIMIT_DATA = ("POS_LIMIT_MINUS", "POS_LIMIT_PLUS")
 _NAMING_DATA = ("AXCONF_MACHAX_NAME_TAB", "AXCONF_LOGIC_MACHAX_TAB", "AXCONF_CHANAX_NAME_TAB")
 _PLAIN_AXIS = re.compile(r"AX\d+")
@@ -174,11 +174,11 @@ def _number(row: Assignment) -> float:
     return 0.0 if isinstance(row.value, str) else row.value
 
 
-ALARM_PARALLELOGRAM = 75329
-ALARM_EXCESSIVE_SPEED = 75324
+ALARM_PARALLELOGRAM: Final = 75329
+ALARM_EXCESSIVE_SPEED: Final = 75324
 _SCARA = ("CC", "SC", "CS")
-_PARALLEL = 1e-6
-_WITH_HAND = 5
+_PARALLEL: Final = 1e-6  # cosine: far below what machine data are written to
+_WITH_HAND: Final = 5  # axes: from the fifth on there is an angle of the hand
 
 
 def _sum(axes: Sequence[Axis], factors: Mapping[str, float], offset: float) -> AxisSum:

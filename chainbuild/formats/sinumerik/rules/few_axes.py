@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from chainbuild.arrays import Matrix
@@ -12,9 +14,9 @@ from chainbuild.formats.sinumerik.geometry.tool import Tool, length_transform
 from chainbuild.formats.sinumerik.geometry.translate import Translation, flange_frame
 from chainbuild.formats.sinumerik.reading.transformations import DatumReport
 
-_CENTRAL = 2
-_ANGLE = 1e-9
-_LENGTH_MM = 1e-6
+_CENTRAL: Final = 2  # number of the central wrist, see `robx.WRISTS`
+_ANGLE: Final = 1e-9  # sines and cosines below this are 0, but for rounding
+_LENGTH_MM: Final = 1e-6  # nanometres: rounding of lengths in mm
 _SCARA = ("CC", "SC", "CS")
 
 

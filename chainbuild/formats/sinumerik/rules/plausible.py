@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import Final
 
 from chainbuild import tolerances
 from chainbuild.chain.check import ArmLength, check_length_magnitudes, check_reach_magnitude
@@ -19,9 +20,9 @@ _LETTERS = "XYZ"
 _USE_LENGTH_B = ("NR", "CC", "NN")
 _BEND = ("NR", "CC", "SC")
 _REACH = ("NR", "CC", "NN")
-_QUARTER = math.pi / 2.0
-_MAX_QUARTERS = 4
-_RADIAN_DIGITS = 5e-4  # 1.571, 1.5708 and 1.570796 are quarter turns, 1.57 may be an angle
+_QUARTER: Final = math.pi / 2.0  # rad
+_MAX_QUARTERS: Final = 4  # a whole turn; larger values are no angles in radians
+_RADIAN_DIGITS: Final = 5e-4  # 1.571, 1.5708 and 1.570796 are quarter turns, 1.57 may be an angle
 
 
 def check_plausible(robx: Robx, collector: Collector) -> None:

@@ -30,7 +30,9 @@ from chainbuild.formats.twincat.recipes.recipe import Drive, Params, Recipe, Rec
 from chainbuild.frames import cos_sin_deg, rot_about, rot_z
 from chainbuild.units import deg_from_rad, rad_from_deg
 
-_UNDERFLOOR, _SAW = 1, 2  # HD20 of 59
+# Values of HD20 of 59.
+_UNDERFLOOR: Final = 1
+_SAW: Final = 2
 
 
 def kin_59(p: Params, choose: Choices) -> Recipe:

@@ -19,8 +19,8 @@ from chainbuild.formats.twincat.lists.reader import ParameterList
 from chainbuild.units import deg_from_raw, mm_from_tenth_um
 
 _LIMITS: Final = ("kenngr.swe_neg", "kenngr.swe_pos")
-_MODULO: Final = 0x4
-_UNS32: Final = 2**32 - 1
+_MODULO: Final = 0x4  # bit of the axis mode: a modulo axis
+_UNS32: Final = 2**32 - 1  # largest value of the mode, an unsigned 32-bit number
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,8 +21,8 @@ from chainbuild.formats.twincat.lists.counts import Unit, check_number
 from chainbuild.formats.twincat.lists.reader import Assignment, ParameterList
 from chainbuild.units import mm_from_tenth_um
 
-_MAX_TOOL: Final = 65535
-_MILLIMETRES: Final = 0
+_MAX_TOOL: Final = 65535  # largest tool number: 16 bits
+_MILLIMETRES: Final = 0  # value of mass_einheit; any other is inches
 # What of a tool acts on a kinematic, and how near another name must come to be taken for a slip.
 _NAMES: Final = ("laenge", "radius", "kin_id", "kin_name", "mass_einheit", "kinematic", "kinematik", "wz_kopf_versatz")
 _MISSPELT: Final = 0.8

@@ -23,7 +23,9 @@ from chainbuild.units import AxisKind, deg_from_rad, rad_from_deg
 FIVE_AXES: Final[tuple[AxisKind, ...]] = ("linear", "linear", "linear", "rotary", "rotary")
 _SIX_AXES: Final[tuple[AxisKind, ...]] = (*FIVE_AXES, "rotary")
 _TILT_SLACK: Final = 1e-12  # [rad] the largest lean, computed back by an arc sine, still counts as reached
-_C, _A = 3, 4  # indices in X, Y, Z, C, A (59: C, A; 60: C, B)
+# Indices in X, Y, Z, C, A (59: C, A; 60: C, B).
+_C: Final = 3
+_A: Final = 4
 
 
 def straight_map(

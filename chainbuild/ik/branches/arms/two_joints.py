@@ -14,7 +14,7 @@ from chainbuild.ik.branches.core.subproblems import cross, norm, subproblem_1, s
 
 JointPair = tuple[float, float]
 
-_BETWEEN: Final = 1e-12
+_BETWEEN: Final = 1e-12  # sine: slide and axis are parallel but for rounding
 
 
 def reach_by_two(a: Screw, b: Screw, p: Vector, d: Vector, keep: Sequence[float]) -> list[JointPair]:

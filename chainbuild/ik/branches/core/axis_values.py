@@ -17,9 +17,9 @@ from chainbuild.ik.region import periodic_axes
 from chainbuild.kinematics.mechanism import Mechanism
 
 _MAP_STEPS: Final = 20  # Newton steps that bring a nonlinear axis map to given joint values
-_MAP_STARTS: Final = 12
+_MAP_STARTS: Final = 12  # the start, its own joint values, and some anywhere within a turn
 _MAP_STRIDE: Final = 1.0  # longest step [rad]
-_MAP_EXACT: Final = 1e-14
+_MAP_EXACT: Final = 1e-14  # m and rad: nothing is gained by another step
 _MAP_CLOSE: Final = 1e-9  # what rounding may leave; the pose is verified and polished afterwards
 _ROUNDED_TURN: Final = 1e-9  # turns of a joint are counted with so much to spare
 _MAX_TURNS: Final = 4096  # bound on the combinations of whole turns that are looked at for one branch

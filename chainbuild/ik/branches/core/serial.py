@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ from chainbuild.kinematics.mechanism import Mechanism
 Solution = tuple[Vector, tuple[bool, ...]]  # joint values in the order of the screws, and which of them are free
 ArmSolver = Callable[[Matrix, Sequence[float]], list[Solution]]  # (target (4, 4), values to keep) → solutions
 
-_SAMPLES = 4
+_SAMPLES: Final = 4  # a factor that is 0 in one position by chance is not in all
 
 
 def transformed_point(T: Matrix, point: Vector) -> Vector:
@@ -173,7 +174,7 @@ def _branch(chain: Chain, frame: str) -> list[Joint]:
     return joints[::-1]
 
 
-_MAX_SERIALS = 64  # a held axis makes a chain of its own for every value
+_MAX_SERIALS: Final = 64  # a held axis makes a chain of its own for every value
 
 
 def unrolled(mechanism: Mechanism, q: Vector, moving: Indices) -> Serial:

@@ -29,16 +29,16 @@ if TYPE_CHECKING:
 
 Opening = tuple[int, int]  # the joint before which the loop is opened, and which of the inner joints is solved for
 
-JOINTS: Final = 6
+JOINTS: Final = 6  # of the loop: what a pose determines
 _TRIED: Final = 4  # the best openings, of which those that leave no doubt are preferred
 _TRIALS: Final = 2  # poses on which the openings of the loop are tried
 _GOOD: Final = 1e5  # condition up to which one opening of the loop is enough
-_MAX_OPENINGS: Final = 3
+_MAX_OPENINGS: Final = 3  # solved for one pose before the solutions found so far are taken
 _PERTURBATION: Final = 1e-4  # how far beside a singular pose another one is solved [arm lengths, rad]
 _NO_SOLUTION: Final = 1e-2  # values that miss by more are none
 _DEPENDENT: Final = 1e-9  # singular values below this share of the largest are rounding
-_STEPS: Final = 8
-_MAX_STEP: Final = 0.3
+_STEPS: Final = 8  # Newton's: from a solution of few digits, far more than are needed
+_MAX_STEP: Final = 0.3  # rad or arm lengths: a longer step is none towards the solution nearby
 
 
 class Elimination:

@@ -22,10 +22,10 @@ from chainbuild.ik.branches.elimination.conformal import ONE, SIZE, backwards, m
 from chainbuild.ik.branches.elimination.eliminant import Eliminant
 
 _EQUATIONS: Final = np.array([n for n in range(SIZE) if n != ONE])
-_PRODUCTS: Final = 8
+_PRODUCTS: Final = 8  # of joints 1 and 2: nine combinations without the constant one
 _DEPENDENT: Final = 1e-7  # singular values below this share of the largest leave the outer joints open
 _MET: Final = 1e-5  # an arrow that misses its goal by less [arm lengths, rad] meets it
-_NEAR: Final = 1e-2
+_NEAR: Final = 1e-2  # the same for solutions by geometry, which lose digits; the caller verifies all
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _CHUNK: Final = 2048  # poses at a time: what they need stays in the processor's cache
-_LAST_ROW: Final = (0.0, 0.0, 0.0, 1.0)
+_LAST_ROW: Final = (0.0, 0.0, 0.0, 1.0)  # of a rigid transform
 
 
 def ik_all_batch(

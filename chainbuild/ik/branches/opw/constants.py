@@ -20,8 +20,8 @@ from chainbuild.tolerances import LIMIT_SLACK
 
 _NO_LIMIT: Final = 1e300  # infinity times zero turns would be no number
 _SHORTEST: Final = 1e-6  # upper arm and forearm of at least this [m]
-_WHOLE: Final = 1e-9
-_SAMPLES: Final = 16
+_WHOLE: Final = 1e-9  # a determinant so near to 1 is one but for rounding: axes and joints make the same turns
+_SAMPLES: Final = 16  # any wrong constant shows in the first one
 _EXACT: Final = 1e-9  # what samples may miss [m, rad]
 
 

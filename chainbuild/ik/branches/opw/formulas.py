@@ -16,7 +16,7 @@ import numpy as np
 
 from chainbuild.ik.branches.core.subproblems import ON_AXIS, TOUCH
 
-BRANCHES: Final = 8
+BRANCHES: Final = 8  # shoulder, elbow and wrist have two ways each
 # Two branches whose angles differ by less than twice this are one [rad].
 SAME: Final = 5e-6
 

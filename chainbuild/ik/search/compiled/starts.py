@@ -16,7 +16,7 @@ from chainbuild.ik.search.compiled.kernels import jit
 from chainbuild.ik.search.compiled.limits import turned_inside
 from chainbuild.ik.search.starts.turned import LARGEST_STEP, NO_RADIUS
 
-_TURN: Final = 2.0 * math.pi
+_TURN: Final = 2.0 * math.pi  # rad
 _TAKEN: Final = np.float32(1e30)  # a distance that no start has; finite, for loops without infinities are quicker
 
 fastmath_jit: Final[Any] = numba.njit(error_model="numpy", fastmath=True)

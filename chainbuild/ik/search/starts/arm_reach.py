@@ -19,7 +19,7 @@ from chainbuild import frames
 from chainbuild.arrays import Matrix
 from chainbuild.kinematics.product import Product, poses_at
 
-_PARALLEL: Final = 1e-12
+_PARALLEL: Final = 1e-12  # sine: axes are parallel but for rounding
 _ROUNDED: Final = 1e-9  # m: a stretched arm reaches its own length, rounding included
 
 

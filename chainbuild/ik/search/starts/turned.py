@@ -30,7 +30,7 @@ from chainbuild.ik.search.starts.sampled import off_middle, points_inside
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import Product, poses_at
 
-COUNT: Final = 1024
+COUNT: Final = 1024  # of points: dense in four dimensions, and ranked in some microseconds
 DIRECTION_SHARE: Final = 0.4  # of the spread of radius and height: so much does the direction count
 NO_RADIUS: Final = 1e-9  # m: on the first axis any plane will do
 
