@@ -41,7 +41,7 @@ _DEFAULT_SPEED: Final = {"revolute": math.pi, "prismatic": 1.0}  # rad/s, m/s
 _DEFAULT_EFFORT: Final = {"revolute": 1000.0, "prismatic": 10_000.0}  # N·m, N
 # Which of the drawn details is the body of which tip, and how large the mark is where a drawing shows nothing.
 _TIPS: Final = {"flange": "flange", "tool": "tool", "table": "workpiece"}
-_MARK_SHARE: Final = 0.01
+_MARK_SHARE: Final = 0.01  # of the machine's size: seen, and in nobody's way
 
 
 def write_urdf(robot: Mechanism, folder: Path | str = "urdf_out") -> Path:

@@ -90,17 +90,16 @@ def numbers(source: str) -> Iterator[tuple[int, str, ast.stmt]]:
 def without_reason(source: str) -> list[str]:
     """Return the numbers that say neither on their line nor above it, or above their group, why they are so."""
     lines = source.splitlines()
-    comment = [number for number, line in enumerate(lines, 1) if line.startswith("#")]
-    missing = []
-    for _, name, node in numbers(source):
-        if IDENTIFIER.search(name):
-            continue
-        own = any("# " in line for line in lines[node.lineno - 1 : node.end_lineno])
-        # A group: lines of constants without a blank one between.
-        above = node.lineno - 1
-        while above and lines[above - 1].strip() and above not in comment:
-            above -= 1
-        if not own and above not in comment:
+    found = list(numbers(source))
+    missing, explained = [], False
+    for place, (index, name, node) in enumerate(found):
+        first, last = node.lineno - 1, node.end_lineno
+        below = place and index - found[place - 1][0] <= 1 and found[place - 1][2].end_lineno == first
+        above = lines[first - 1].startswith("#")
+        own = any("  # " in line for line in lines[first:last])
+        # A comment holds for the numbers right below it, up to one that has a reason of its own.
+        explained = above or (explained and bool(below) and not own)
+        if not (own or explained or IDENTIFIER.search(name)):
             missing.append(name)
     return missing
 
@@ -158,8 +157,11 @@ _B: Final = -2.0 * math.pi
 
 _C: Final = (1, 2)
 _D = 10**9
+# A pattern.
+_E: Final = re.compile("a")
+_F: Final = 3
 TEXT: Final = "40"
 SINGULAR_ALARM: Final = 75327
 """
-    assert without_reason(source) == ["_STEPS", "_C", "_D"]
+    assert without_reason(source) == ["_STEPS", "_C", "_D", "_F"]
     assert not_final(source) == ["_D"]

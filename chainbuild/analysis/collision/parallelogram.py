@@ -29,7 +29,7 @@ _HALF_TURN: Final = 180.0  # degrees: a linkage moves half a turn of its crank b
 _REFINEMENTS: Final = 4  # halvings of a step: a sixteenth of it
 # The file's limits are called tight only where they waste more than this.
 _CONSERVATIVE_DEG: Final = 0.5
-_PRECISION_DEG: Final = 0.01
+_PRECISION_DEG: Final = 0.01  # what limits are proposed in, rounded inwards
 
 
 @dataclass(frozen=True, slots=True)

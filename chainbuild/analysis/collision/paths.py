@@ -24,8 +24,9 @@ from chainbuild.errors import ChainbuildError
 # Bodies closer than this count as touching: without it the steps towards a contact would never end.
 CONTACT: Final = 1e-5
 _SHORTEST_STEP: Final = 1e-7  # share of a segment
+# Positions of a step at which a nonlinear map is asked how far the joints are from its start.
 _NONLINEAR_SAMPLES: Final = 8
-_NONLINEAR_MARGIN: Final = 1.5
+_NONLINEAR_MARGIN: Final = 1.5  # for what joints may move beyond that between two of them
 
 
 @dataclass(frozen=True, slots=True, eq=False)

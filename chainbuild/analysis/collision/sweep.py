@@ -18,7 +18,7 @@ from chainbuild.errors import ChainbuildError
 # Ends of intervals are found this well (mm or degrees); a tenth of what is promised.
 END: Final = 1e-3
 _SEEDS: Final = 181  # values tried where the last free one is no longer free
-DEFAULT_STEPS: Final = 41
+DEFAULT_STEPS: Final = 41  # values of the other axis: forty intervals of its range
 
 
 @dataclass(frozen=True, slots=True)

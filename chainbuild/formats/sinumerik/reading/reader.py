@@ -49,7 +49,7 @@ _PROGRAM_END = re.compile(r"\s*(?:N\d+\s*)?(?:M0?2|M17|M30|RET)\s*", _ANY_CASE)
 _ESCAPE = re.compile(r"\\([$_\[\]])")
 _DATUM_MARKS = ("MD", "SD")
 _PARSE_CODES = ("CB101", "CB102", "CB103", "CB104")
-_MAX_CHANNEL: Final = 99
+_MAX_CHANNEL: Final = 99  # two digits in the header of a file
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,7 +29,7 @@ from chainbuild.units import AxisKind, deg_from_rad, m_s_from_mm_min, mm_from_m,
 
 # The control's own default for an axis without software limits is ±1e8.
 _NO_LIMIT: Final = 1e8
-_ENDLESS: Final = 4
+_ENDLESS: Final = 4  # number of an endless rotary axis in AXES_TYPE
 _LIMIT_DATA = ("POS_LIMIT_MINUS", "POS_LIMIT_PLUS")
 _NAMING_DATA = ("AXCONF_MACHAX_NAME_TAB", "AXCONF_LOGIC_MACHAX_TAB", "AXCONF_CHANAX_NAME_TAB")
 _PLAIN_AXIS = re.compile(r"AX\d+")

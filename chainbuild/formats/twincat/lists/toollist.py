@@ -25,7 +25,7 @@ _MAX_TOOL: Final = 65535  # largest tool number: 16 bits
 _MILLIMETRES: Final = 0  # value of mass_einheit; any other is inches
 # What of a tool acts on a kinematic, and how near another name must come to be taken for a slip.
 _NAMES: Final = ("laenge", "radius", "kin_id", "kin_name", "mass_einheit", "kinematic", "kinematik", "wz_kopf_versatz")
-_MISSPELT: Final = 0.8
+_MISSPELT: Final = 0.8  # likeness by difflib
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ Candidate = tuple[Vector, tuple[str, ...]]  # SI axis values, and the names of a
 _POLISH_FROM: Final = 1e-11
 # Errors above this are no lost digits but another place.
 _POLISH_TO: Final = 1e-3
-_POLISH_STEPS: Final = 3
+_POLISH_STEPS: Final = 3  # from a thousandth, Newton needs two
 _POLISH: Final = shrinking(0.0, 1e-14)
 _SAME: Final = 1e-5  # branches closer than this in every axis [m, rad] are one
 

@@ -25,11 +25,11 @@ SINGULAR: Final = 1e12  # condition above which the equations do not tell soluti
 # Singular values below such a share of the largest belong to the kernel: where solutions nearly coincide, one reading
 # of it takes two for one, another takes them apart.
 _KERNELS: Final = (1e-8, 1e-6, 1e-4)
-_MAX_NULLITY: Final = 6
+_MAX_NULLITY: Final = 6  # of a kernel: as many solutions with one value of the joint are told apart
 _AT_INFINITY: Final = 1e-7  # singular values below this share of the largest belong to solutions without finite x or y
 _MAX_DISTANCE: Final = 1e6  # slides beyond this many arm lengths stand for infinity
 _MIX: Final = 0.7317  # an arbitrary weight: tells apart solutions that share x
-_LOOKED_FROM: Final = (0.3, 1.5, 2.7, -0.9, -2.1)
+_LOOKED_FROM: Final = (0.3, 1.5, 2.7, -0.9, -2.1)  # angles of the views, of which the best conditioned is taken
 
 
 @dataclass(frozen=True, slots=True, eq=False)
