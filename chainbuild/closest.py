@@ -1,4 +1,4 @@
-"""Names that a user may have meant: the known ones, the most alike first."""
+"""Names in messages: the known ones that a user may have meant, the most alike first; several in one sentence."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-_ALIKE: Final = 0.6
-_SHOWN: Final = 12
+_ALIKE: Final = 0.6  # the cutoff that difflib itself takes
+_SHOWN: Final = 12  # fit on one or two lines of a message
 _LONGEST: Final = 80  # of a name that is compared: what is longer is no slip of the pen
 
 
@@ -42,6 +42,16 @@ def listed(name: str, known: Sequence[str], shown: int = _SHOWN, *, called: Sequ
     names = list(dict.fromkeys([*alike, *known]))
     more = [f"… ({len(names)} in all)"] if len(names) > shown else []
     return ", ".join([*names[:shown], *more])
+
+
+def and_joined(names: Sequence[str]) -> str:
+    """Return several names as a sentence lists them.
+
+    >>> and_joined(["A4"]), and_joined(["A4", "A6"]), and_joined(["A2", "A3", "A5"])
+    ('A4', 'A4 and A6', 'A2, A3 and A5')
+    """
+    *first, last = names
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def _by_likeness(name: str, known: Sequence[str]) -> list[str]:

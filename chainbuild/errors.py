@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
-_SHOWN_LINE_LENGTH = 160
+_SHOWN_LINE_LENGTH: Final = 160  # characters: more would fold on every terminal
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,6 +27,7 @@ from chainbuild.errors import ChainbuildError
 AxisLetter = Literal["x", "y", "z"]
 
 _INDEX: Final = {"x": 0, "y": 1, "z": 2}
+# Cosine and sine of 0, 90, 180, 270 degrees, exactly.
 _RIGHT_ANGLES: Final = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 
 
@@ -95,7 +96,7 @@ def transform(rotation: ArrayLike | None = None, position: ArrayLike = (0.0, 0.0
     return result
 
 
-def shift(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Matrix:
+def translation(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Matrix:
     """Return the 4×4 transform that only translates."""
     return transform(None, (x, y, z))
 

@@ -140,9 +140,9 @@ class Robot(Mechanism):
             AxisValueError: start or held of wrong count, unknown name or not finite.
             ChainbuildError: a pose is no rigid transform.
         """
-        from chainbuild.ik.search.path import follow
+        from chainbuild.ik.search.path import solve_path
 
-        return follow(self, poses, start, held, progress, options)
+        return solve_path(self, poses, start, held, progress, options)
 
     def ik_batch(
         self,
@@ -166,9 +166,9 @@ class Robot(Mechanism):
             AxisValueError: starts or held of wrong count, unknown name or not finite.
             ChainbuildError: a pose is no rigid transform.
         """
-        from chainbuild.ik.search.batch import solve_many
+        from chainbuild.ik.search.batch import solve_batch
 
-        return solve_many(self, poses, starts, held, progress, options)
+        return solve_batch(self, poses, starts, held, progress, options)
 
     def ik_all(
         self,

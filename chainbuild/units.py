@@ -18,6 +18,7 @@ from typing import Final, Literal
 AxisKind = Literal["linear", "rotary"]
 AxisUnit = Literal["mm", "deg"]
 
+# By definition.
 RAD_PER_DEG: Final = math.pi / 180.0
 M_PER_MM: Final = 1e-3
 _RAW_PER_UNIT: Final = 10_000.0  # TwinCAT lists count in 1e-4 mm and 1e-4 degrees
@@ -56,11 +57,6 @@ def deg_from_raw(raw: float) -> float:
 def raw_from_mm(value_mm: float) -> float:
     """Return 1e-4 mm counts for millimetres."""
     return value_mm * _RAW_PER_UNIT
-
-
-def raw_from_deg(value_deg: float) -> float:
-    """Return 1e-4 degree counts for degrees."""
-    return value_deg * _RAW_PER_UNIT
 
 
 def m_s_from_mm_min(value: float) -> float:

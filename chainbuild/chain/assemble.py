@@ -108,7 +108,7 @@ def linear(
 
 def shift(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Fixed:
     """Return a constant translation in mm."""
-    return Fixed(frames.shift(x, y, z))
+    return Fixed(frames.translation(x, y, z))
 
 
 def turn(rotation: Matrix) -> Fixed:
@@ -122,7 +122,7 @@ def mark(frame: str) -> Mark:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Body:
+class Assembly:
     """Links, joints, frames and the axis map of a recipe: what a translator puts into a `Chain`."""
 
     links: tuple[Link, ...]
@@ -136,7 +136,7 @@ def assemble(
     tool: Sequence[Element],
     workpiece: Sequence[Element] = (),
     axis_map: AxisMap | None = None,
-) -> Body:
+) -> Assembly:
     """Turn two branches into links, joints, frames and an axis map.
 
     Args:
@@ -175,7 +175,7 @@ def assemble(
     if "flange" not in {frame.name for frame in marks}:
         end = next(frame for frame in marks if frame.name == "tool")
         marks.append(Frame("flange", end.link, end.T_link_frame))
-    return Body(tuple(links), tuple(joints), tuple(marks), axis_map or _affine(axes, moves))
+    return Assembly(tuple(links), tuple(joints), tuple(marks), axis_map or _affine(axes, moves))
 
 
 def _alone(move: Move, kinds: Mapping[str, AxisKind]) -> str | None:

@@ -7,7 +7,7 @@ a cylinder (rotary) or box (linear) from joint to joint, as thick as looks right
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -18,24 +18,26 @@ from chainbuild.chain.fold import drawn, drawn_bounds
 from chainbuild.chain.rods import CRANK, ROD_END, ROD_PIN, has_rods
 
 Colour = tuple[float, float, float]
-Kind = Literal["cylinder", "box", "sphere"]
+BodyKind = Literal["cylinder", "box", "sphere"]
 Part = Literal["link", "joint", "rail", "lever", "flange", "tool", "table"]
 
 # Red, green, blue in 0…1. Warm: what carries the tool. Cool: what carries the workpiece.
-BASE_COLOUR: Colour = (0.29, 0.32, 0.37)
-JOINT_COLOUR: Colour = (0.20, 0.22, 0.26)
-TOOL_COLOUR: Colour = (0.70, 0.73, 0.78)
-TOOL_SIDE: tuple[Colour, Colour] = ((0.95, 0.52, 0.13), (0.98, 0.69, 0.33))
-WORKPIECE_SIDE: tuple[Colour, Colour] = ((0.10, 0.55, 0.55), (0.33, 0.71, 0.69))
+BASE_COLOUR: Final[Colour] = (0.29, 0.32, 0.37)
+JOINT_COLOUR: Final[Colour] = (0.20, 0.22, 0.26)
+TOOL_COLOUR: Final[Colour] = (0.70, 0.73, 0.78)
+TOOL_SIDE: Final[tuple[Colour, Colour]] = ((0.95, 0.52, 0.13), (0.98, 0.69, 0.33))
+WORKPIECE_SIDE: Final[tuple[Colour, Colour]] = ((0.10, 0.55, 0.55), (0.33, 0.71, 0.69))
 
 # Radius of a link over the size of the machine: at the base and at the tip, where arms are slender.
-_STOUT, _SLENDER = 0.055, 0.032
+_STOUT: Final = 0.055
+_SLENDER: Final = 0.032
 # A machine with long strokes and small heads is drawn as thick as an arm of this share of its stroke.
-_STROKE_SHARE = 0.35
+_STROKE_SHARE: Final = 0.35
 # Where nobody gave limits: the range drawn and swept, as a share of the machine's size, and in degrees.
-_ASSUMED_STROKE_SHARE, _ASSUMED_TURN_DEG = 0.5, 180.0
+_ASSUMED_STROKE_SHARE: Final = 0.5
+_ASSUMED_TURN_DEG: Final = 180.0
 # More than one turn either way tells the eye nothing.
-_SHOWN_TURN_DEG = 360.0
+_SHOWN_TURN_DEG: Final = 360.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +56,7 @@ class Body:
     link: str
     part: Part
     T_link_body: Matrix
-    kind: Kind
+    kind: BodyKind
     dimensions: tuple[float, ...]
     colour: Colour
 
@@ -168,7 +170,7 @@ class _Drawing:
         if linear:
             edges = (2.4 * radius, 2.4 * radius, 2.8 * radius)
             return _body(link, "link", _along(joint.direction), "box", edges, colour)
-        return _body(link, "link", frames.shift(*self._below_table(link)), "sphere", (1.25 * radius,), colour)
+        return _body(link, "link", frames.translation(*self._below_table(link)), "sphere", (1.25 * radius,), colour)
 
     def _base_body(self) -> Body:
         """Return a bed under the table, a column up to the first rotary joint, or a foot at the origin."""
@@ -176,7 +178,7 @@ class _Drawing:
         for joint in self.children[BASE_LINK]:
             if joint.child in self.workpiece_side:
                 side = 6 * radius
-                T = frames.shift(*joint.T_parent_joint[:3, 3]) @ frames.shift(z=-3 * radius)
+                T = frames.translation(*joint.T_parent_joint[:3, 3]) @ frames.translation(z=-3 * radius)
                 return _body(BASE_LINK, "link", T, "box", (side, side, radius), colour)
         end = max(
             (joint.T_parent_joint[:3, 3] for joint in self.children[BASE_LINK] if joint.kind == "revolute"),
@@ -186,7 +188,7 @@ class _Drawing:
         length = float(np.linalg.norm(end))
         if length > 0.5 * radius:
             return _body(BASE_LINK, "link", _along(end, end / 2), "cylinder", (radius, length), colour)
-        foot = frames.shift(z=-0.4 * radius)
+        foot = frames.translation(z=-0.4 * radius)
         return _body(BASE_LINK, "link", foot, "cylinder", (1.5 * radius, 0.8 * radius), colour)
 
     def joint_body(self, joint: Joint, n: int) -> Body:
@@ -220,7 +222,7 @@ class _Drawing:
         chain, bodies = self.chain, []
         flange, tool, workpiece = (chain.frame(name) for name in ("flange", "tool", "workpiece"))
         radius = self.radius(flange.link)
-        disc = flange.T_link_frame @ frames.shift(z=-0.15 * radius)
+        disc = flange.T_link_frame @ frames.translation(z=-0.15 * radius)
         bodies.append(_body(flange.link, "flange", disc, "cylinder", (0.9 * radius, 0.3 * radius), JOINT_COLOUR))
         if tool.link == flange.link:
             start, end = flange.T_link_frame[:3, 3], tool.T_link_frame[:3, 3]
@@ -230,13 +232,13 @@ class _Drawing:
                 bodies.append(_body(tool.link, "tool", T, "cylinder", (0.35 * radius, length), TOOL_COLOUR))
         if workpiece.link != BASE_LINK:
             radius = self.radius(workpiece.link)
-            T = workpiece.T_link_frame @ frames.shift(z=-0.2 * radius)
+            T = workpiece.T_link_frame @ frames.translation(z=-0.2 * radius)
             dimensions = (3 * radius, 0.4 * radius)
             bodies.append(_body(workpiece.link, "table", T, "cylinder", dimensions, self.colour(workpiece.link)))
         return bodies
 
 
-def _body(link: str, part: Part, T: Matrix, kind: Kind, size: tuple[float, ...], colour: Colour) -> Body:
+def _body(link: str, part: Part, T: Matrix, kind: BodyKind, size: tuple[float, ...], colour: Colour) -> Body:
     # Micrometres are enough for a drawing, and keep written files free of the last bit of a square root.
     return Body(link, part, T, kind, tuple(round(s, 6) for s in size), colour)
 

@@ -107,7 +107,7 @@ class ArmLength:
     span: Span | None = None
 
 
-def doubt_lengths(lengths: Sequence[ArmLength], collector: Collector) -> None:
+def check_length_magnitudes(lengths: Sequence[ArmLength], collector: Collector) -> None:
     """Warn of main lengths of an arm that are 0, or far apart from each other."""
     for one in lengths:
         if one.length_mm == 0.0:
@@ -121,7 +121,7 @@ def doubt_lengths(lengths: Sequence[ArmLength], collector: Collector) -> None:
         collector.add("CB513", text, span=short.span, parameter=short.parameter, hint=hint)
 
 
-def doubt_reach(reach_mm: float, span: Span | None, hint: str, collector: Collector) -> None:
+def check_reach_magnitude(reach_mm: float, span: Span | None, hint: str, collector: Collector) -> None:
     """Warn of an arm whose lengths together are too short or too long for a machine; nothing is said of none at all.
 
     Args:

@@ -24,7 +24,7 @@ from chainbuild.chain.poses import path_to
 from chainbuild.frames import inverse
 
 
-def constraints(chain: Chain, before: int, after: int) -> Iterable[AxisConstraint]:
+def padded_constraints(chain: Chain, before: int, after: int) -> Iterable[AxisConstraint]:
     """Yield the limits on sums of axes of a chain, with other axes before and after its own."""
     for constraint in chain.constraints:
         yield replace(constraint, sum=padded(constraint.sum, before, after))
@@ -226,7 +226,7 @@ def _graft(host: Chain, link: str, T: Matrix, guest: Chain, prefix: str, *, root
         dialect=host.dialect if guest.dialect in host.dialect else f"{host.dialect} + {guest.dialect}",
         kinematic=f"{host.kinematic} + {guest.kinematic}",
         task="auto",
-        constraints=(*constraints(host, 0, len(guest.axes)), *constraints(guest, len(host.axes), 0)),
+        constraints=(*padded_constraints(host, 0, len(guest.axes)), *padded_constraints(guest, len(host.axes), 0)),
         follows_c=False,
         controller_solver=None,
         geometry=joined_geometry(host.geometry, guest.geometry, names, [*tree.placements]),

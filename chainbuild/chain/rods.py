@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
@@ -37,8 +38,10 @@ ROD_END, ROD_PIN = "rod_end", "rod_pin"
 ROD_JOINTS = (CRANK, ROD, LEVEL_PLATE, LEVEL_CRANK)
 LEVEL_LINKS = (f"{LEVEL_PLATE}_link", f"{LEVEL_CRANK}_link")
 
-_CRANK_SHARE, _RADIUS_SHARE = 0.25, 0.2
-_PARALLEL = 1e-9
+# Where nobody gave them: crank over upper arm, and radius of rods over the crank, as drawings have them.
+_CRANK_SHARE: Final = 0.25
+_RADIUS_SHARE: Final = 0.2
+_PARALLEL: Final = 1e-9  # sines, metres and factors below this are rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -33,7 +33,7 @@ def values_of(robot: Robot, text: str) -> NDArray[np.float64]:
     return robot.axis_values(numbers)
 
 
-def rows_of(robot: Robot, at: tuple[str, ...], axes: Path | None) -> NDArray[np.float64]:
+def given_rows(robot: Robot, at: tuple[str, ...], axes: Path | None) -> NDArray[np.float64]:
     """Return the rows (N, n_axes) that options give: positions first, then those of a table."""
     import numpy as np
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from cyclopts import Parameter
 
-from chainbuild.cli.axisvalues import At, rows_of
-from chainbuild.cli.show import console, note, print_json, table
+from chainbuild.cli.axisvalues import At, given_rows
+from chainbuild.cli.show import console, empty_table, note, print_json
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
 from chainbuild.units import m_from_mm, mm_from_m
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from chainbuild.analysis.collision.paths import Contact
     from chainbuild.collision.model import CollisionModel, Distance
 
-_COLLIDES = 3
+_COLLIDES: Final = 3  # exit code of a verdict against the user
 
 
 @Parameter(name="*", group="Pairs")
@@ -69,7 +69,7 @@ def collide(
     from chainbuild.collision.model import CollisionModel
 
     robot = options.robot(file)
-    rows = rows_of(robot, at, axes)
+    rows = given_rows(robot, at, axes)
     asked = sampling.pairs or sampling.srdf is not None
     if not (len(rows) or asked):
         raise UsageError("--at, --axes, --pairs or --srdf is due")
@@ -127,7 +127,7 @@ class _Found:
         }
 
     def print(self) -> None:
-        shown = table("Closest bodies", "Row", "Bodies", "Distance [mm]")
+        shown = empty_table("Closest bodies", "Row", "Bodies", "Distance [mm]")
         for row, one in enumerate(self.closest, start=1):
             if one is not None and (len(self.closest) <= 20 or one.distance <= 0.0):
                 shown.add_row(str(row), " – ".join(one.pair), f"{mm_from_m(one.distance):.3f}")
@@ -159,7 +159,7 @@ def _sample(model: CollisionModel, sampling: PairOptions, as_json: bool) -> dict
     if sampling.srdf is not None:
         note(f"wrote {write_srdf(model.robot, found, sampling.srdf)}")
     if not as_json:
-        shown = table(f"Pairs of links at {found.samples} positions", "Links", "Collide", "Positions")
+        shown = empty_table(f"Pairs of links at {found.samples} positions", "Links", "Collide", "Positions")
         for pair in found.pairs:
             shown.add_row(" – ".join(pair.links), pair.verdict, str(pair.hits))
         console().print(shown)

@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from cyclopts import Parameter
 
-from chainbuild.cli.show import console, number, print_json, table
+from chainbuild.cli.show import console, empty_table, print_json, shown_number
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
 
 if TYPE_CHECKING:
     from chainbuild.coupling.distribution import Distribution
     from chainbuild.robot import Robot
 
-Words = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
+OptionWords = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
 _LETTERS = "XYZABC"
-_DIGITS = 9  # of mm and degrees: the last ones are noise
+_DIGITS: Final = 9  # of mm and degrees: the last ones are noise
 
 
 def couple(
     file: str,
     /,
     *,
-    tcp: Words = (),
-    program: Words = (),
-    lock: Words = (),
-    current: Words = (),
+    tcp: OptionWords = (),
+    program: OptionWords = (),
+    lock: OptionWords = (),
+    current: OptionWords = (),
     axes: Annotated[bool, Parameter(negative="")] = False,
     json: Json = False,
     options: MachineOptions = DEFAULT_OPTIONS,
@@ -87,16 +87,16 @@ def _by_partial(pairs: Iterable[tuple[str, float]]) -> dict[str, dict[str, float
 
 
 def _print(robot: Robot, found: Distribution, values: list[float] | None) -> None:
-    shown = table("Distribution (mm, degrees)", "Partial", *_LETTERS)
+    shown = empty_table("Distribution (mm, degrees)", "Partial", *_LETTERS)
     for part in found.partials:
-        cells = (number(_rounded(v)) if free else "" for v, free in zip(part.values, part.free, strict=True))
+        cells = (shown_number(_rounded(v)) if free else "" for v, free in zip(part.values, part.free, strict=True))
         shown.add_row(part.name, *cells)
-    shown.add_row("TCP", *(number(_rounded(value)) for value in found.tcp))
+    shown.add_row("TCP", *(shown_number(_rounded(value)) for value in found.tcp))
     out = console()
     out.print(shown)
     if values is not None:
-        listed = table("Axes", *(axis.name for axis in robot.axes))
-        listed.add_row(*(number(_rounded(value)) for value in values))
+        listed = empty_table("Axes", *(axis.name for axis in robot.axes))
+        listed.add_row(*(shown_number(_rounded(value)) for value in values))
         out.print(listed)
 
 

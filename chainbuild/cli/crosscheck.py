@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Final, Literal, get_args
 
 from cyclopts import Parameter
 
@@ -15,10 +15,10 @@ from chainbuild.units import m_from_mm, rad_from_deg
 if TYPE_CHECKING:
     from chainbuild.comparison.crosscheck import CheckOptions, CrossCheck
 
-Kind = Literal["auto", "fk", "ik"]
+CallableOption = Literal["auto", "fk", "ik"]
 SampleName = Literal["random", "grid", "singular"]
 
-_DIFFERS = 3
+_DIFFERS: Final = 3  # exit code of a verdict against the user
 
 
 @Parameter(name="*", group="Poses")
@@ -40,7 +40,7 @@ class PoseOptions:
     position_tolerance: float | None = None
     rotation_tolerance: float | None = None
 
-    def check_options(self, kind: Kind) -> CheckOptions:
+    def check_options(self, kind: CallableOption) -> CheckOptions:
         """Return the options of the comparison."""
         from chainbuild.comparison.crosscheck import CheckOptions
 
@@ -64,7 +64,7 @@ def crosscheck(
     *,
     solver: str | None = None,
     recording: Path | None = None,
-    kind: Kind = "auto",
+    kind: CallableOption = "auto",
     html: Path | None = None,
     json: Json = False,
     poses: PoseOptions = DEFAULT_POSES,

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Final
 
-from chainbuild.cli.show import console, counted_findings, table
+from chainbuild.cli.show import console, counted_findings, empty_table
 from chainbuild.cli.urdf import Folder
 from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, all_findings
 
@@ -35,7 +35,7 @@ def demo(
     from chainbuild.robot import Robot
     from chainbuild.writers.urdf import write_urdf
 
-    shown = table("Written", "Name", "Kinematic", "Machine")
+    shown = empty_table("Written", "Name", "Kinematic", "Machine")
     shown.columns[0].no_wrap = shown.columns[1].no_wrap = True
     names = shipped() if file is None else (file,)
     warnings: dict[str, int] = {}

@@ -12,6 +12,7 @@ import shlex
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
+from typing import Final
 
 from cyclopts import App, CycloptsError, UnusedCliTokensError
 
@@ -35,7 +36,12 @@ from chainbuild.cli.usage import UsageError
 from chainbuild.cli.workspace import workspace
 from chainbuild.errors import ChainbuildError
 
-DONE, REFUSED, WRONG_USAGE, ROWS_FAILED, INTERRUPTED, READER_GONE = 0, 1, 2, 3, 130, 141
+# Exit codes; those of signals are 128 and the number of the signal, as a shell reports them.
+DONE: Final = 0
+REFUSED: Final = 1
+WRONG_USAGE: Final = 2
+INTERRUPTED: Final = 130
+READER_GONE: Final = 141
 
 _COMMANDS = (
     info,

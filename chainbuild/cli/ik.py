@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import chain, groupby, islice
 from pathlib import Path
 from threading import Timer
-from typing import TYPE_CHECKING, Annotated, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Final
 
 from cyclopts import Parameter
 
@@ -17,6 +17,7 @@ from chainbuild import tolerances
 from chainbuild.cli.show import note, output, with_progress
 from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, held_axes
 from chainbuild.errors import ChainbuildError, Span, TableError
+from chainbuild.ik.rules import Solver
 from chainbuild.units import deg_from_rad, mm_from_m
 
 if TYPE_CHECKING:
@@ -30,15 +31,14 @@ if TYPE_CHECKING:
     Vector = NDArray[np.float64]
     Matrix = NDArray[np.float64]
 
-Solver = Literal["auto", "damped", "analytic", "controller"]
-Row = tuple["PoseRow", "IkResult"]
+PoseAndResult = tuple["PoseRow", "IkResult"]
 
-_PATIENCE_S = 2.0
+_PATIENCE_S: Final = 2.0  # seconds: compiled code that is kept loads in less
 
 
 def solutions(
     robot: Robot, table: PoseTable, starts: AxisTable | None, solver: Solver, *, follow: bool
-) -> Iterator[Row]:
+) -> Iterator[PoseAndResult]:
     """Solve the rows of a table; without start values each begins where the last solution ended.
 
     Args:
@@ -52,7 +52,7 @@ def solutions(
         TableError: a row holds no pose, or the starts are not as many as they should be.
     """
     given = _Starts(starts, table.file, only_one=follow) if starts else None
-    with _telling_of_compilation():
+    with _compilation_notice():
         begin = given.next() if follow and given else None
         rows = _followed(robot, table, begin, solver) if follow else _one_by_one(robot, table, given, solver)
         first = next(rows, None)
@@ -61,7 +61,7 @@ def solutions(
     yield from rows
 
 
-def _one_by_one(robot: Robot, table: PoseTable, given: _Starts | None, solver: Solver) -> Iterator[Row]:
+def _one_by_one(robot: Robot, table: PoseTable, given: _Starts | None, solver: Solver) -> Iterator[PoseAndResult]:
     last: Vector | None = None
     for row in table.rows():
         result = _solved(robot, table, row, given.next() if given else last, solver)
@@ -72,7 +72,7 @@ def _one_by_one(robot: Robot, table: PoseTable, given: _Starts | None, solver: S
         given.finish()
 
 
-def _followed(robot: Robot, table: PoseTable, last: Vector | None, solver: Solver) -> Iterator[Row]:
+def _followed(robot: Robot, table: PoseTable, last: Vector | None, solver: Solver) -> Iterator[PoseAndResult]:
     """Solve a path: as a whole where nothing but the pose changes, else row by row from the solution before."""
     for _, group in groupby(table.rows(), key=_beside):
         part = list(group)
@@ -102,7 +102,7 @@ def _solved(robot: Robot, table: PoseTable, row: PoseRow, begin: Vector | None, 
 
 
 @contextmanager
-def _telling_of_compilation() -> Iterator[None]:
+def _compilation_notice() -> Iterator[None]:
     """Say what takes so long: with numba the solver is compiled at its first use and cached from then on."""
     from chainbuild.ik.search.compiled import packing as compiled
 
@@ -174,8 +174,8 @@ class _Starts:
         )
 
 
-_ROWS_FAILED = 3
-_REASONS_SHOWN = 10
+_ROWS_FAILED: Final = 3  # exit code of a verdict against the user
+_REASONS_SHOWN: Final = 10  # fit on a screen; the others are counted
 # An arm whose poses are all nearer than this to its base got them in metres; a mill may well cut a part this small.
 _SMALL_MM: Final = 10.0
 

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from chainbuild.cli.open_points import print_convention
-from chainbuild.cli.show import number, table
+from chainbuild.cli.show import empty_table, shown_number
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Axis, Chain
@@ -24,7 +24,7 @@ _WIDE: Final = 120  # columns of a screen on which long texts stand side by side
 
 def kinematics_table(entries: Sequence[KinematicEntry]) -> Table:
     """Return the kinematics that a file configures, with the option that chooses each."""
-    shown = table("Kinematics", "Id", "Name", "Type", "Title", "Chosen by")
+    shown = empty_table("Kinematics", "Id", "Name", "Type", "Title", "Chosen by")
     default = next((entry for entry in entries if entry.default), None)
     taken: set[tuple[int, int]] = set()
     for entry in entries:
@@ -49,10 +49,10 @@ def axes_table(machine: Machine, chain: Chain) -> Table:
         "Meaning": meanings,
     }
     columns = {name: cells for name, cells in optional.items() if cells}
-    shown = table("Axes", "Axis", "Unit", "Lower", "Upper", "Limits from", "Speed", *columns)
+    shown = empty_table("Axes", "Axis", "Unit", "Lower", "Upper", "Limits from", "Speed", *columns)
     for n, axis in enumerate(chain.axes):
-        speed = f"{number(axis.max_speed)} {axis.unit}/s" if axis.max_speed is not None else "–"
-        limits = (number(axis.lower), number(axis.upper), limits_source(machine, axis))
+        speed = f"{shown_number(axis.max_speed)} {axis.unit}/s" if axis.max_speed is not None else "–"
+        limits = (shown_number(axis.lower), shown_number(axis.upper), limits_source(machine, axis))
         shown.add_row(axis.name, axis.unit, *limits, speed, *(cells[n] for cells in columns.values()))
     return shown
 
@@ -85,7 +85,7 @@ def parameters_table(rows: Sequence[ParameterRow], width: int) -> Table:
     """Return parameters with meaning and line, arrays in one row each; their source only on a wide screen."""
     wide = width >= _WIDE
     columns = ("Symbol", "Name", "Value", "Unit", "Meaning", "Source", "Line")
-    shown = table("Parameters", *(columns if wide else ("Symbol, name", "Value", "Meaning", "Line")))
+    shown = empty_table("Parameters", *(columns if wide else ("Symbol, name", "Value", "Meaning", "Line")))
     if not wide:
         shown.columns[0].min_width, shown.columns[1].max_width = 24, 16
     shown.columns[-1].no_wrap = True
@@ -93,7 +93,7 @@ def parameters_table(rows: Sequence[ParameterRow], width: int) -> Table:
         group = list(run)
         first, last = group[0], group[-1]
         name = first.name if first is last else f"{first.name.removesuffix(']')}…{last.name.rpartition('[')[2]}"
-        values = ", ".join(number(row.value) for row in group)
+        values = ", ".join(shown_number(row.value) for row in group)
         meaning = f"{first.meaning}{_in_si(group)}"
         if wide:
             shown.add_row(first.symbol, name, values, first.unit, meaning, first.source, _lines(group))
@@ -137,7 +137,7 @@ def conventions_shown(out: Console, used: Sequence[UsedConvention]) -> None:
             print_convention(out, one.convention, one.choice, "chosen" if one.by_user else "default")
         out.print()
         return
-    shown = table(title, "Name", "Choice", "Mark", "Meaning", "Alternatives", "How to verify")
+    shown = empty_table(title, "Name", "Choice", "Mark", "Meaning", "Alternatives", "How to verify")
     for one in used:
         convention = one.convention
         others = [f"{name}: {meaning}" for name, meaning in convention.choices.items() if name != one.choice]

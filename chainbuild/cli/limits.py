@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from chainbuild.cli.axisvalues import At, values_of
 from chainbuild.cli.progress import counted
-from chainbuild.cli.show import console, note, print_json, table
+from chainbuild.cli.show import console, empty_table, note, print_json
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ def _draw(
 
 
 def _print(intervals: Sequence[FreeInterval], title: str, labels: tuple[str, str]) -> None:
-    shown = table(title, labels[0], "From", "To", "Below", "Above")
+    shown = empty_table(title, labels[0], "From", "To", "Below", "Above")
     for one in intervals:
         if one.lower is None or one.upper is None:
             shown.add_row(f"{one.over:.6g}", "–", "–", "nothing is free", "")

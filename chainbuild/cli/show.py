@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 Item = TypeVar("Item")
 
-_WIDTH_WITHOUT_TERMINAL: Final = 200
-_ROWS_BETWEEN_UPDATES: Final = 256
+_WIDTH_WITHOUT_TERMINAL: Final = 200  # characters: rows of a log file are not folded
+_ROWS_BETWEEN_UPDATES: Final = 256  # a bar redrawn at every row would cost more than the row
 # Findings that a channel, tool or kinematic was taken, or none, where the file has several: they change every result.
 CHOICES: Final = frozenset({"CB246", "CB337", "CB340", "CB406", "CB411"})
 _COLOURS: Final = {"error": "bold red", "warning": "yellow", "info": "dim"}
@@ -38,7 +38,7 @@ def console(stream: TextIO | None = None) -> Console:
     return Console(file=target, width=wide, markup=False, highlight=False, emoji=False)
 
 
-def table(title: str, *columns: str) -> RichTable:
+def empty_table(title: str, *columns: str) -> RichTable:
     """Return an empty table whose long cells fold."""
     result = RichTable(
         title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0)
@@ -48,7 +48,7 @@ def table(title: str, *columns: str) -> RichTable:
     return result
 
 
-def number(value: float | str | None) -> str:
+def shown_number(value: float | str | None) -> str:
     """Return a value of machine data as people write it."""
     if value is None:
         return "–"

@@ -5,24 +5,24 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from cyclopts import Parameter
 
-from chainbuild.cli.axisvalues import At, rows_of
-from chainbuild.cli.show import console, note, number, print_json, table
+from chainbuild.cli.axisvalues import At, given_rows
+from chainbuild.cli.show import console, empty_table, note, print_json, shown_number
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
 from chainbuild.units import mm_from_m
 
 if TYPE_CHECKING:
-    from chainbuild.analysis.singularity.names import Report
+    from chainbuild.analysis.singularity.names import SingularityReport
     from chainbuild.analysis.singularity.nearest import Nearest
     from chainbuild.analysis.singularity.singularity import Singularity
-    from chainbuild.analysis.singularity.thresholds import Judgement, Stretch, Thresholds
+    from chainbuild.analysis.singularity.thresholds import Assessment, PathSection, Thresholds
     from chainbuild.robot import Robot
 
 _LEVELS = {"singular": "singular", "watched": "watched", "clear": "above its thresholds"}
-_DIGITS = 6  # of mm/s and deg/s: the last ones are noise
+_DIGITS: Final = 6  # of mm/s and deg/s: the last ones are noise
 
 
 @Parameter(name="*", group="Singularity")
@@ -70,7 +70,7 @@ def singularity(
     from chainbuild.analysis.singularity.thresholds import thresholds_of
 
     robot = options.robot(file)
-    rows = rows_of(robot, at, axes)
+    rows = given_rows(robot, at, axes)
     if not len(rows):
         raise UsageError("--at or --axes is due")
     limits = thresholds_of(robot.chain)
@@ -93,24 +93,24 @@ class _Shown:
         from chainbuild.analysis.singularity.measures import measure_batch
         from chainbuild.analysis.singularity.names import examine, examine_path
         from chainbuild.analysis.singularity.nearest import nearest_singularity
-        from chainbuild.analysis.singularity.thresholds import judge, judge_path
+        from chainbuild.analysis.singularity.thresholds import assess, assess_path
         from chainbuild.units import m_from_mm
 
         length = None if measures.length is None else m_from_mm(measures.length)
         self.robot, self.rows, self.limits = robot, rows, limits
         self.table = measure_batch(robot, rows, length)
-        self.reports: list[tuple[int, Report]]
+        self.reports: list[tuple[int, SingularityReport]]
         if len(rows) == 1:
             self.reports = [(0, examine(robot, rows[0], measures.speed, length))]
         else:
             self.reports = list(examine_path(robot, rows, measures.speed))
         chosen = [row for row, _ in self.reports] if measures.nearest else []
         self.nearest: dict[int, Nearest] = {row: nearest_singularity(robot, rows[row], length) for row in chosen}
-        self.judgements: dict[int, Judgement] = {}
-        self.stretches: tuple[Stretch, ...] = ()
+        self.assessments: dict[int, Assessment] = {}
+        self.stretches: tuple[PathSection, ...] = ()
         if limits is not None:
-            self.judgements = {row: judge(robot, rows[row], limits) for row, _ in self.reports}
-            self.stretches = tuple(judge_path(robot, rows, limits)) if len(rows) > 1 else ()
+            self.assessments = {row: assess(robot, rows[row], limits) for row, _ in self.reports}
+            self.stretches = tuple(assess_path(robot, rows, limits)) if len(rows) > 1 else ()
 
     def draw(self, path: Path) -> Path:
         from chainbuild.analysis.singularity.names import NEAR
@@ -130,7 +130,7 @@ class _Shown:
             "stretches": [asdict(stretch) for stretch in self.stretches],
         }
 
-    def _row(self, row: int, report: Report) -> dict[str, Any]:
+    def _row(self, row: int, report: SingularityReport) -> dict[str, Any]:
         speed, nearest = report.speed, self.nearest.get(row)
         names = [axis.name for axis in self.robot.axes]
         return {
@@ -144,7 +144,7 @@ class _Shown:
             "speeds": {one.axis.name: _finite(one.needed) for one in speed.axes},
             "possible_speed": speed.possible,
             "alarm": speed.alarm,
-            "judgement": asdict(self.judgements[row]) if row in self.judgements else None,
+            "judgement": asdict(self.assessments[row]) if row in self.assessments else None,
             "nearest": None if nearest is None else _nearest_data(nearest, names),
         }
 
@@ -152,15 +152,15 @@ class _Shown:
         out, report = console(), self.reports[0][1]
         measures = report.measures
         values = ", ".join(f"{value:.4g}" for value in measures.singular_values)
-        shown = table("Measures", "Measure", "Value")
+        shown = empty_table("Measures", "Measure", "Value")
         shown.add_row("singular values, scaled", values)
         shown.add_row("smallest", f"{measures.smallest:.6g}")
         shown.add_row("manipulability", f"{measures.manipulability:.4g}")
         shown.add_row("condition", f"{measures.condition:.4g}")
         shown.add_row("characteristic length", f"{mm_from_m(measures.length):.6g} mm")
-        judgement = self.judgements.get(0)
-        if judgement is not None and self.limits is not None:
-            level = _LEVELS[judgement.level] + (", A5 within ITERLIMIT" if judgement.hand_limit else "")
+        assessment = self.assessments.get(0)
+        if assessment is not None and self.limits is not None:
+            level = _LEVELS[assessment.level] + (", A5 within ITERLIMIT" if assessment.hand_limit else "")
             shown.add_row("for the control", f"{level} ({_thresholds(self.limits)})")
         out.print(shown)
         self._print_speeds(report)
@@ -171,20 +171,20 @@ class _Shown:
         if 0 in self.nearest:
             _print_nearest(self.nearest[0], self.robot)
 
-    def _print_speeds(self, report: Report) -> None:
-        shown = table(
+    def _print_speeds(self, report: SingularityReport) -> None:
+        shown = empty_table(
             f"Axis speeds at {report.speed.tool_speed:g} mm/s of the tool, worst direction", "Axis", "Needs", "Can"
         )
         for row in report.speed.axes:
             unit = "deg/s" if row.axis.unit == "deg" else "mm/s"
             needed = "∞" if math.isinf(row.needed) else f"{round(row.needed, _DIGITS):.4g} {unit}"
-            shown.add_row(row.axis.name, needed, f"{number(row.limit)} {unit}" if row.limit is not None else "–")
+            shown.add_row(row.axis.name, needed, f"{shown_number(row.limit)} {unit}" if row.limit is not None else "–")
         console().print(shown)
         if report.speed.alarm:
             print(f"an axis would be too quick: alarm {report.speed.alarm} in JOG")
 
     def print_path(self) -> None:
-        shown = table("Close to singularities", "Row", "Smallest", "Kind", "What")
+        shown = empty_table("Close to singularities", "Row", "Smallest", "Kind", "What")
         for row, report in self.reports:
             for found in (*report.names, *report.notices):
                 shown.add_row(str(row + 1), f"{self.table.smallest[row]:.3g}", _kind(found), found.sentence)

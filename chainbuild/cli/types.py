@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from rich.padding import Padding
 
 from chainbuild.cli.open_points import print_convention
-from chainbuild.cli.show import console, number, print_json, table
+from chainbuild.cli.show import console, empty_table, print_json, shown_number
 from chainbuild.cli.usage import Json
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def types(kin_typ: int | None = None, /, *, json: Json = False) -> int:
     if json:
         print_json(entries)
         return 0
-    shown = table("KIN_TYP", "Type", "Title", "Family", "Axes", "Programmed", "Manual")
+    shown = empty_table("KIN_TYP", "Type", "Title", "Family", "Axes", "Programmed", "Manual")
     for entry in entries:
         axes = " ".join(axis["name"] for axis in entry["axes"]) or "as listed"
         programmed = "pose" if entry["orientation"] == "complete" else "position and axes"
@@ -64,16 +64,16 @@ def _one(kin_typ: int, json: bool) -> int:
     out.print(f"KIN_TYP {kin_typ}: {entry['title']} ({entry['manual']})", style="bold")
     out.print(Padding(entry["summary"], (0, 0, 1, 0)))
     if entry["axes"]:
-        axes = table("Axes in channel order", "Axis", "Kind", "Carries", "Meaning")
+        axes = empty_table("Axes in channel order", "Axis", "Kind", "Carries", "Meaning")
         for axis in entry["axes"]:
             axes.add_row(axis["name"], axis["kind"], axis["carries"], axis["meaning"])
         out.print(axes)
     if entry["parameters"]:
-        shown = table("Parameters: HD n is param[n - 1]", "HD", "Name", "Default", "Unit", "Acts on", "Meaning")
+        shown = empty_table("Parameters: HD n is param[n - 1]", "HD", "Name", "Default", "Unit", "Acts on", "Meaning")
         for row in entry["parameters"]:
             unit = row["unit"] or row["kind"]
             meaning = row["meaning"] + _permitted(row["permitted"])
-            shown.add_row(str(row["n"]), row["name"], number(row["default_scaled"]), unit, row["effect"], meaning)
+            shown.add_row(str(row["n"]), row["name"], shown_number(row["default_scaled"]), unit, row["effect"], meaning)
         out.print(shown)
     for convention in applying_to(["KIN", f"KIN {kin_typ}"]):
         print_convention(out, convention, convention.default, "default")
@@ -81,7 +81,7 @@ def _one(kin_typ: int, json: bool) -> int:
 
 
 def _permitted(values: tuple[float, ...]) -> str:
-    return f" Permitted: {', '.join(number(float(value)) for value in values)}." if values else ""
+    return f" Permitted: {', '.join(shown_number(float(value)) for value in values)}." if values else ""
 
 
 def _data(entry: KinType) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from chainbuild.cli.axisvalues import At, values_of
 from chainbuild.cli.progress import counted
-from chainbuild.cli.show import console, note, print_json, table
+from chainbuild.cli.show import console, empty_table, note, print_json
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, Output, UsageError
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from chainbuild.analysis.workspace.mapspec import MapSpec
     from chainbuild.robot import Robot
 
-Section = Literal["rz", "xz", "xy", "yz", "volume"]
+MapPlane = Literal["rz", "xz", "xy", "yz", "volume"]
 
 
 @Parameter(name="*", group="Map")
@@ -37,7 +37,7 @@ class MapOptions:
         workers: Processes. Without it: one for each core.
     """
 
-    section: Section = "rz"
+    section: MapPlane = "rz"
     over: Annotated[tuple[str, ...], Parameter(negative="", show_default=False)] = ()
     at: At = ()
     cells: int = 200
@@ -125,7 +125,7 @@ def _print(found: Map, as_json: bool) -> None:
     if as_json:
         print_json(data)
         return
-    shown = table(f"Map ({found.spec.kind})", "What", "Value")
+    shown = empty_table(f"Map ({found.spec.kind})", "What", "Value")
     for entry in data["directions"]:
         shown.add_row(entry["name"], f"{entry['from']:.4g} … {entry['to']:.4g}")
     shown.add_row("cells reached", f"{data['reached']} of {data['cells']}")

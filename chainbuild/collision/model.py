@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from threading import local
 from typing import Any, Final, TypeAlias
 
-import coal
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
@@ -21,15 +20,15 @@ from chainbuild.arrays import Vector
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.chain.elements import BASE_LINK
 from chainbuild.chain.rods import pinned_links
-from chainbuild.collision.solids import Solid, solids_of
+from chainbuild.collision.solids import solids_of
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 
-Pair: TypeAlias = tuple[str, str]
+LinkPair: TypeAlias = tuple[str, str]
 
 _PROBES: Final = 64  # positions at which a pair must touch to count as always touching
-_SEED: Final = 11
-_SLIDES: Final = 3
+_SEED: Final = 11  # any: the same pairs are watched every time
+_SLIDES: Final = 3  # linear axes: as many as a machine tool has
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +41,7 @@ class Distance:
         points: (2, 3) the nearest points, first body's first, in the base frame [m].
     """
 
-    pair: Pair
+    pair: LinkPair
     distance: float
     points: NDArray[np.float64]
 
@@ -79,14 +78,13 @@ class CollisionModel:
         ChainbuildError: a watched link does not exist.
     """
 
-    def __init__(self, robot: Mechanism, watched: Iterable[Pair] | None = None) -> None:
+    def __init__(self, robot: Mechanism, watched: Iterable[LinkPair] | None = None) -> None:
         self.robot = robot
         self._given = None if watched is None else tuple(watched)
         self._shape = (len(robot.axes),)
         self.solids = solids_of(robot.chain)
-        self._ids = {solid.name: n for n, solid in enumerate(self.solids)}
         self._joint_of = {BASE_LINK: 0} | {joint.child: n + 1 for n, joint in enumerate(robot.chain.joints)}
-        self.always: tuple[Pair, ...] = ()
+        self.always: tuple[LinkPair, ...] = ()
         if self._given is not None:
             self._watch(self._chosen(self._given))
             return
@@ -98,11 +96,11 @@ class CollisionModel:
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.robot, self._given)
 
-    def links_of(self, pair: tuple[int, int]) -> Pair:
+    def links_of(self, pair: tuple[int, int]) -> LinkPair:
         """Return the links of a pair of bodies."""
         return self.solids[pair[0]].link, self.solids[pair[1]].link
 
-    def pairs_by_link(self) -> tuple[Pair, ...]:
+    def pairs_by_link(self) -> tuple[LinkPair, ...]:
         """Return the pairs of links that are watched, each once."""
         return tuple(dict.fromkeys(self.links_of(pair) for pair in self.pairs))
 
@@ -111,7 +109,7 @@ class CollisionModel:
         scratch = self._scratch
         return bool(pin.computeCollisions(*scratch.parts, self._q(axes), True))
 
-    def colliding_pairs(self, axes: ArrayLike) -> tuple[Pair, ...]:
+    def colliding_pairs(self, axes: ArrayLike) -> tuple[LinkPair, ...]:
         """Return the names of the watched pairs of bodies that touch."""
         scratch = self._scratch
         pin.computeCollisions(*scratch.parts, self._q(axes), False)
@@ -151,7 +149,7 @@ class CollisionModel:
             return self.robot.q(axes)  # which says what is wrong
         return self.robot.chain.axis_map.q(values)
 
-    def _names(self, n: int) -> Pair:
+    def _names(self, n: int) -> LinkPair:
         a, b = self.pairs[n]
         return self.solids[a].name, self.solids[b].name
 
@@ -172,7 +170,7 @@ class CollisionModel:
             model.addCollisionPair(pin.CollisionPair(a, b))
         self._scratch = _Scratch(self.robot.model, model)
 
-    def _chosen(self, watched: tuple[Pair, ...]) -> list[tuple[int, int]]:
+    def _chosen(self, watched: tuple[LinkPair, ...]) -> list[tuple[int, int]]:
         known = {link.name for link in self.robot.chain.links}
         for name in {link for pair in watched for link in pair} - known:
             raise ChainbuildError(f"the kinematic has no link '{name}'", permitted=", ".join(sorted(known)))
@@ -205,7 +203,7 @@ class CollisionModel:
         drawn = carriers.keys() - set(chain.geometry.links)
         return {frozenset((link, carrier)) for link in drawn for carrier in carriers[link] if carrier in drawn - {link}}
 
-    def _touching_everywhere(self) -> tuple[Pair, ...]:
+    def _touching_everywhere(self) -> tuple[LinkPair, ...]:
         lower, upper = shown_limits(self.robot.chain)
         rng = np.random.default_rng(_SEED)
         touching = np.ones(len(self.pairs), dtype=bool)
@@ -215,12 +213,3 @@ class CollisionModel:
             touching &= np.array([result.isCollision() for result in results], dtype=bool)
         links = {self.links_of(self.pairs[n]): None for n in np.flatnonzero(touching)}
         return tuple(links)
-
-
-def capsule_distance(a: Solid, T_a: NDArray[np.float64], b: Solid, T_b: NDArray[np.float64]) -> Distance:
-    """Return coal's distance between two bodies placed at T (4, 4) [m]: the single query."""
-    request, result = coal.DistanceRequest(), coal.DistanceResult()
-    placed = [coal.Transform3s(np.ascontiguousarray(T[:3, :3]), T[:3, 3].copy()) for T in (T_a, T_b)]
-    coal.distance(a.geometry, placed[0], b.geometry, placed[1], request, result)
-    points = np.array([result.getNearestPoint1(), result.getNearestPoint2()])
-    return Distance((a.name, b.name), float(result.min_distance), points)

@@ -86,7 +86,7 @@ def _drawn(body: Body) -> Solid:
 
 def _given(link: str, shape: Shape) -> Solid:
     if shape.kind == "sphere":
-        T = frames.shift(*shape.points)
+        T = frames.translation(*shape.points)
         return _solid(link, "sphere", T, (shape.radius,), coal.Sphere(shape.radius))
     if shape.kind in ("capsule", "cylinder"):
         start, end = np.array(shape.points[:3]), np.array(shape.points[3:])

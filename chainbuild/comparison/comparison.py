@@ -14,34 +14,34 @@ from chainbuild.arrays import Matrices, Vector
 from chainbuild.chain.elements import Task
 from chainbuild.comparison.samples import Samples
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.every import every_branch
 from chainbuild.ik.request import IkRequest
 from chainbuild.kinematics.inputs import as_pose
 
 if TYPE_CHECKING:
-    from chainbuild.comparison.judges import Judge
+    from chainbuild.comparison.other_solvers import OtherSolver
     from chainbuild.kinematics.mechanism import Mechanism
 
 
-POSITION_TOLERANCE_M: Final = 1e-6
-ROTATION_TOLERANCE_RAD: Final = 1e-6
+POSITION_TOLERANCE_M: Final = 1e-6  # far above rounding, far below any dimension of a machine
+ROTATION_TOLERANCE_RAD: Final = 1e-6  # the same at a reach of 1 m
 _SAME_BRANCH: Final = 1e-4  # [m, rad]: near a singularity branches of one pose are only this well defined
 
 
-def pose_errors(ours: Matrices, theirs: Matrices, judged: Task, column: int = 2) -> tuple[Vector, Vector]:
+def pose_errors(ours: Matrices, theirs: Matrices, compared: Task, column: int = 2) -> tuple[Vector, Vector]:
     """Return distances [m] and angles [rad] between poses (n, 4, 4).
 
     Args:
         ours: Poses.
         theirs: Poses.
-        judged: "pose": angle of the whole rotation; "direction": of the tool direction; "position": 0.
+        compared: "pose": angle of the whole rotation; "direction": of the tool direction; "position": 0.
         column: Column of the rotation that is the tool direction.
     """
     distance = np.linalg.norm(ours[:, :3, 3] - theirs[:, :3, 3], axis=1)
-    if judged == "position":
+    if compared == "position":
         return distance, np.zeros(len(distance))
-    if judged == "direction":
+    if compared == "direction":
         chord = np.linalg.norm(ours[:, :3, column] - theirs[:, :3, column], axis=1) / 2.0
     else:
         chord = np.linalg.norm(ours[:, :3, :3] - theirs[:, :3, :3], axis=(1, 2)) / math.sqrt(8.0)
@@ -63,7 +63,7 @@ class Forward:
         samples: Axis values.
         ours: (n, 4, 4) chainbuild's poses [m].
         theirs: (n, 4, 4) the other solver's; not a number where it gave none.
-        judged: What was compared.
+        compared: What was compared.
         position_error: (n,) [m]; infinite where the other solver gave none.
         rotation_error: (n,) [rad].
         position_tolerance: [m].
@@ -73,7 +73,7 @@ class Forward:
     samples: Samples
     ours: Matrices
     theirs: Matrices
-    judged: Task
+    compared: Task
     position_error: Vector
     rotation_error: Vector
     position_tolerance: float = POSITION_TOLERANCE_M
@@ -102,7 +102,7 @@ def compare_forward(
     robot: Mechanism,
     samples: Samples,
     theirs: Matrices,
-    judged: Task,
+    compared: Task,
     tolerance: tuple[float, float] = (POSITION_TOLERANCE_M, ROTATION_TOLERANCE_RAD),
 ) -> Forward:
     """Return how far chainbuild's poses are from another solver's.
@@ -111,13 +111,13 @@ def compare_forward(
         robot: The robot.
         samples: Axis values.
         theirs: (n, 4, 4) [m]; not a number where there is no pose.
-        judged: What to compare.
+        compared: What to compare.
         tolerance: Metres and radians within which poses agree.
     """
     ours = forward_poses(robot, samples.axes)
-    distance, angle = pose_errors(ours, theirs, judged, robot.chain.tool_column)
+    distance, angle = pose_errors(ours, theirs, compared, robot.chain.tool_column)
     distance, angle = (np.where(np.isfinite(e), e, np.inf) for e in (distance, angle))
-    return Forward(samples, ours, theirs, judged, distance, angle, *tolerance)
+    return Forward(samples, ours, theirs, compared, distance, angle, *tolerance)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -179,7 +179,7 @@ class _Tally:
 def compare_inverse(
     robot: Mechanism,
     samples: Samples,
-    judge: Judge,
+    reference: OtherSolver,
     tolerance: tuple[float, float] = (POSITION_TOLERANCE_M, ROTATION_TOLERANCE_RAD),
 ) -> Inverse:
     """Return how the branches of another solver compare with chainbuild's.
@@ -187,17 +187,17 @@ def compare_inverse(
     Args:
         robot: The robot.
         samples: Axis values whose poses are asked for.
-        judge: A solver with an inverse.
+        reference: A solver with an inverse.
         tolerance: Metres and radians within which an answer is right.
     """
-    if judge.ik is None:
-        raise ChainbuildError(f"{judge.name} has no inverse")
+    if reference.ik is None:
+        raise ChainbuildError(f"{reference.name} has no inverse")
     tally = _Tally()
     wrong: list[tuple[Vector, Vector]] = []
     right: list[tuple[Vector, Vector]] = []
     for row in samples.axes:
         target = robot.fk(row).homogeneous
-        answers = judge.ik(target)
+        answers = reference.ik(target)
         good = []
         for answer in answers:
             distance, angle = _miss(robot, answer, target)
@@ -210,12 +210,12 @@ def compare_inverse(
         tally.theirs += len(answers)
         tally.wrong += len(answers) - len(good)
         tally.unanswered += not good
-        _count_branches(robot, row, target, good, tally, complete=judge.complete)
+        _count_branches(robot, row, target, good, tally, complete=reference.complete)
     pairs = [*wrong, *right]
     axes = np.array([p[0] for p in pairs]).reshape(-1, len(robot.axes))
     counts = {name: getattr(tally, name) for name in _Tally.__slots__}
     targets = np.array([p[1] for p in pairs]).reshape(-1, 4, 4)
-    return Inverse(samples, pairs=(axes, targets), complete=judge.complete, **counts)
+    return Inverse(samples, pairs=(axes, targets), complete=reference.complete, **counts)
 
 
 def _miss(robot: Mechanism, answer: Vector, target: Vector) -> tuple[float, float]:
@@ -230,7 +230,7 @@ def _count_branches(
     robot: Mechanism, row: Vector, target: Vector, good: Sequence[Vector], tally: _Tally, *, complete: bool
 ) -> None:
     """Add up missing and extra branches of one pose."""
-    query = Query.of(IkRequest(robot, target, row))
+    query = BranchQuery.of(IkRequest(robot, target, row))
     found = every_branch(query)
     if any(found.branches.free_axes):
         tally.singular += 1
@@ -238,15 +238,15 @@ def _count_branches(
     factors = robot.kinematics.si_factors
     ours = [axes * factors for axes in found.branches.axes]
     theirs = [answer * factors for answer in good]
-    inside = [answer for answer in theirs if not robot.limits.violated(query.shown(_into(query, answer)))]
+    inside = [answer for answer in theirs if not robot.limits.violated(query.shown(_inside_limits(query, answer)))]
     tally.ours += len(ours)
     tally.outside += len(theirs) - len(inside)
     if complete:
-        tally.missing += sum(all(_apart(query, mine, other) for other in theirs) for mine in ours)
-    tally.extra += sum(all(_apart(query, answer, mine) for mine in ours) for answer in inside)
+        tally.missing += sum(all(_are_distinct(query, mine, other) for other in theirs) for mine in ours)
+    tally.extra += sum(all(_are_distinct(query, answer, mine) for mine in ours) for answer in inside)
 
 
-def _into(query: Query, x: Vector) -> Vector:
+def _inside_limits(query: BranchQuery, x: Vector) -> Vector:
     """Return x with periodic axes brought inside their limits by whole turns where that is possible."""
     moved = x.copy()
     for n in np.flatnonzero(query.periodic):
@@ -258,7 +258,7 @@ def _into(query: Query, x: Vector) -> Vector:
     return moved
 
 
-def _apart(query: Query, a: Vector, b: Vector) -> bool:
+def _are_distinct(query: BranchQuery, a: Vector, b: Vector) -> bool:
     """Tell whether two solutions differ by more than whole turns."""
     difference = a - b
     turns = query.periodic

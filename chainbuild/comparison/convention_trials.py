@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from chainbuild.formats.machine import Machine
 
 
-_MOST_PAIRS: Final = 400
-_MOST_POSES: Final = 200
+_MAX_PAIRS: Final = 400  # bound on the time: a trial builds a chain
+_MAX_POSES: Final = 200  # more of them tell nothing new about a choice
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ def try_conventions(
     chosen: Mapping[str, str],
     axes: Vector,
     theirs: NDArray[np.float64],
-    judged: Task,
+    compared: Task,
     tolerance: tuple[float, float],
 ) -> tuple[Trial, ...]:
     """Return what each other choice of the machine's conventions leads to, the best first.
@@ -69,20 +69,20 @@ def try_conventions(
         chosen: Choices made by the user.
         axes: (n, n_axes) axis values, mm and degrees.
         theirs: (n, 4, 4) poses [m].
-        judged: What of the poses counts.
+        compared: What of the poses counts.
         tolerance: Metres and radians within which poses agree.
     """
-    some = np.unique(np.linspace(0, len(axes) - 1, min(len(axes), _MOST_POSES)).astype(int))
-    bench = _Bench(machine, selection, chosen, axes[some], theirs[some], judged, tolerance)
+    some = np.unique(np.linspace(0, len(axes) - 1, min(len(axes), _MAX_POSES)).astype(int))
+    bench = _TrialRun(machine, selection, chosen, axes[some], theirs[some], compared, tolerance)
     singles = [bench.trial(dict([choice])) for choice in bench.alternatives()]
     if not any(trial.agrees for trial in singles):
-        singles += [bench.trial(dict(pair)) for pair in itertools.islice(bench.pairs(), _MOST_PAIRS)]
+        singles += [bench.trial(dict(pair)) for pair in itertools.islice(bench.pairs(), _MAX_PAIRS)]
     singles.sort(key=bench.score)
     return tuple(singles)
 
 
 @dataclass(frozen=True, slots=True)
-class _Bench:
+class _TrialRun:
     """What every trial has in common."""
 
     machine: Machine
@@ -90,7 +90,7 @@ class _Bench:
     chosen: Mapping[str, str]
     axes: Vector
     theirs: NDArray[np.float64]
-    judged: Task
+    compared: Task
     tolerance: tuple[float, float]
 
     def score(self, trial: Trial) -> float:
@@ -121,7 +121,7 @@ class _Bench:
         except ChainbuildError:
             return Trial(choices, np.inf, np.inf, False)
         column = robot.chain.tool_column
-        distance, angle = pose_errors(ours, self.theirs, self.judged, column)
+        distance, angle = pose_errors(ours, self.theirs, self.compared, column)
         worst = [float(np.where(np.isfinite(e), e, np.inf).max()) for e in (distance, angle)]
         agrees = worst[0] <= self.tolerance[0] and worst[1] <= self.tolerance[1]
         return Trial(choices, worst[0], worst[1], agrees)

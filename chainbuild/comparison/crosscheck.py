@@ -20,7 +20,12 @@ from chainbuild.comparison.comparison import (
 )
 from chainbuild.comparison.convention_trials import Selection, Trial, try_conventions
 from chainbuild.comparison.diagnosis import Explanation, explain
-from chainbuild.comparison.judges import CallableKind, Judge, judge_by_name, judge_from_function
+from chainbuild.comparison.other_solvers import (
+    CallableKind,
+    OtherSolver,
+    other_solver_by_name,
+    other_solver_from_function,
+)
 from chainbuild.comparison.samples import MADE_KINDS, SampleKind, Samples, make_samples
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.plan import plan_of
@@ -32,8 +37,8 @@ if TYPE_CHECKING:
 
 
 _RECORDED_POSITION_M: Final = 1e-5  # controllers show micrometres or tenths
-_RECORDED_ROTATION_RAD: Final = 1e-4
-_MOST_TRIALS: Final = 8  # of those that do not agree, in the result
+_RECORDED_ROTATION_RAD: Final = 1e-4  # controllers show thousandths of a degree or hundredths
+_MAX_TRIALS: Final = 8  # of those that do not agree, in the result
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +49,7 @@ class CrossCheck:
         title: The machine.
         kinematic: "ROBX NR", "KIN_TYP 45", … .
         axes: Axis names.
-        judge: Name of the other solver or recording.
+        reference: Name of the other solver or recording.
         note: What it was built from.
         forward: Forward kinematics compared, or None.
         inverse: Inverse kinematics compared, or None.
@@ -57,7 +62,7 @@ class CrossCheck:
     title: str
     kinematic: str
     axes: tuple[str, ...]
-    judge: str
+    reference: str
     note: str
     forward: Forward | None = None
     inverse: Inverse | None = None
@@ -143,18 +148,18 @@ def crosscheck(
     if isinstance(solver, Recording):
         tolerance = options.tolerance(recorded=True)
         samples = _recorded_samples(robot, solver)
-        forward = compare_forward(robot, samples, solver.poses, solver.judged, tolerance)
+        forward = compare_forward(robot, samples, solver.poses, solver.compared, tolerance)
         return _result(robot, solver.name, "recorded", forward, None, machine, selection, conventions)
-    judge = (
-        judge_by_name(robot, solver, options.kind)
+    reference = (
+        other_solver_by_name(robot, solver, options.kind)
         if isinstance(solver, str)
-        else judge_from_function(robot, solver, kind=options.kind)
+        else other_solver_from_function(robot, solver, kind=options.kind)
     )
     tolerance = options.tolerance(recorded=False)
     samples = make_samples(robot, options.count, options.samples, options.seed)
-    forward_or_none = _forward(robot, samples, judge, tolerance)
-    inverse = compare_inverse(robot, samples, judge, tolerance) if judge.ik else None
-    return _result(robot, judge.name, judge.note, forward_or_none, inverse, machine, selection, conventions)
+    forward_or_none = _forward(robot, samples, reference, tolerance)
+    inverse = compare_inverse(robot, samples, reference, tolerance) if reference.ik else None
+    return _result(robot, reference.name, reference.note, forward_or_none, inverse, machine, selection, conventions)
 
 
 def _recorded_samples(robot: Mechanism, recording: Recording) -> Samples:
@@ -166,22 +171,24 @@ def _recorded_samples(robot: Mechanism, recording: Recording) -> Samples:
     return Samples(recording.axes, tuple(kinds))
 
 
-def _forward(robot: Mechanism, samples: Samples, judge: Judge, tolerance: tuple[float, float]) -> Forward | None:
-    if judge.fk is None:
+def _forward(
+    robot: Mechanism, samples: Samples, reference: OtherSolver, tolerance: tuple[float, float]
+) -> Forward | None:
+    if reference.fk is None:
         return None
     try:
-        theirs = np.array([judge.fk(row) for row in samples.axes])
+        theirs = np.array([reference.fk(row) for row in samples.axes])
     except ChainbuildError:
         raise
     except Exception as error:
-        text = f"{judge.name} fails: {type(error).__name__}: {error}"
+        text = f"{reference.name} fails: {type(error).__name__}: {error}"
         raise ChainbuildError(text, parameter="solver") from error
     return compare_forward(robot, samples, theirs, "pose", tolerance)
 
 
 def _result(
     robot: Mechanism,
-    judge: str,
+    reference: str,
     note: str,
     forward: Forward | None,
     inverse: Inverse | None,
@@ -194,19 +201,19 @@ def _result(
     explanation: Explanation | None = None
     trials: tuple[Trial, ...] = ()
     if evidence is not None:
-        axes, theirs, judged, tolerance = evidence
-        explanation = explain(robot, axes, theirs, judged, tolerance)
+        axes, theirs, compared, tolerance = evidence
+        explanation = explain(robot, axes, theirs, compared, tolerance)
         if machine is not None:
             tried = try_conventions(
-                machine, selection or Selection(), conventions or {}, axes, theirs, judged, tolerance
+                machine, selection or Selection(), conventions or {}, axes, theirs, compared, tolerance
             )
             agreeing = [trial for trial in tried if trial.agrees]
-            trials = tuple(agreeing or tried[:_MOST_TRIALS])
+            trials = tuple(agreeing or tried[:_MAX_TRIALS])
     return CrossCheck(
         title=robot.chain.title,
         kinematic=robot.chain.kinematic,
         axes=tuple(axis.name for axis in robot.axes),
-        judge=judge,
+        reference=reference,
         note=note,
         forward=forward,
         inverse=inverse,
@@ -225,7 +232,7 @@ def _evidence(
         if forward.agrees.all():
             return None
         tolerance = (forward.position_tolerance, forward.rotation_tolerance)
-        return forward.samples.axes, forward.theirs, forward.judged, tolerance
+        return forward.samples.axes, forward.theirs, forward.compared, tolerance
     if inverse is None or not inverse.wrong:
         return None
     # Wrong answers come first; right ones would only blur what they have in common.

@@ -17,8 +17,9 @@ import numpy as np
 
 from chainbuild.arrays import Matrices, Vector
 from chainbuild.chain.elements import Task
+from chainbuild.closest import and_joined
 from chainbuild.comparison.comparison import forward_poses, pose_errors
-from chainbuild.comparison.offsets import all_rigid, listed, mean_transform, mm_text, modes_apart, transform_text
+from chainbuild.comparison.offsets import all_rigid, distinct_angle_modes, mean_transform, mm_text, transform_text
 from chainbuild.frames import ANGLE_MODES, angles_from_matrix, inverse, matrix_from_angles
 from chainbuild.kinematics.inputs import as_pose
 
@@ -26,13 +27,13 @@ if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
 
-_MOST_POSES: Final = 16
+_MAX_POSES: Final = 16  # enough to tell explanations apart; every one of many is tried on all of them
 _EXPLAINED: Final = 0.02  # share of the error that an explanation may leave
-_MOST_FLIPPED: Final = 3
-_MOST_OTHERS: Final = 4
-_ZERO_STEPS: Final = 8
-_ZERO_STARTS_DEG: Final = (0.0, 90.0, -90.0, 180.0)
-_NOTHING: Final = 1e-9
+_MAX_FLIPPED: Final = 3  # axes at a time: more would be another machine
+_MAX_OTHERS: Final = 4  # explanations named beside the best
+_ZERO_STEPS: Final = 8  # Gauss-Newton in one variable: converges in a few
+_ZERO_STARTS_DEG: Final = (0.0, 90.0, -90.0, 180.0)  # from one of them Gauss-Newton reaches any zero
+_NOTHING: Final = 1e-9  # mm, degrees or slopes: rounding
 # Factor → mistake. A solver gives metres, a recording mm: either may have been taken for the other.
 _LENGTH_UNITS: Final = (
     (1e-3, "millimetres taken for metres"),
@@ -66,7 +67,7 @@ class Explanation:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Reading:
+class _Reinterpretation:
     """Another reading of axes or poses: axis values and their poses, to be compared."""
 
     kind: str
@@ -77,7 +78,7 @@ class _Reading:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Constant:
+class _ConstantOffset:
     """A constant and the poses that it turns chainbuild's into."""
 
     kind: str
@@ -87,7 +88,7 @@ class _Constant:
 
 
 def explain(
-    robot: Mechanism, axes: Vector, theirs: Matrices, judged: Task, tolerance: tuple[float, float]
+    robot: Mechanism, axes: Vector, theirs: Matrices, compared: Task, tolerance: tuple[float, float]
 ) -> Explanation | None:
     """Return the simplest structure that explains the differences, or None.
 
@@ -95,26 +96,26 @@ def explain(
         robot: The robot.
         axes: (n, n_axes) axis values, mm and degrees.
         theirs: (n, 4, 4) poses of the other solver at these values [m].
-        judged: What of the poses counts.
+        compared: What of the poses counts.
         tolerance: Metres and radians within which poses agree.
     """
     finite = np.isfinite(theirs).all(axis=(1, 2))
     rows = np.flatnonzero(finite)
     if len(rows) < 3:
         return None
-    chosen = rows[np.unique(np.linspace(0, len(rows) - 1, _MOST_POSES).astype(int))]
-    return _Diagnosis(robot, judged, tolerance).run(axes[chosen], theirs[chosen])
+    chosen = rows[np.unique(np.linspace(0, len(rows) - 1, _MAX_POSES).astype(int))]
+    return _Diagnosis(robot, compared, tolerance).run(axes[chosen], theirs[chosen])
 
 
 class _Diagnosis:
     """A search through readings and constants."""
 
-    def __init__(self, robot: Mechanism, judged: Task, tolerance: tuple[float, float]) -> None:
-        self.robot, self.judged, self.tolerance = robot, judged, tolerance
+    def __init__(self, robot: Mechanism, compared: Task, tolerance: tuple[float, float]) -> None:
+        self.robot, self.compared, self.tolerance = robot, compared, tolerance
         self.column = robot.chain.tool_column
 
     def run(self, axes: Vector, theirs: Matrices) -> Explanation | None:
-        plain = _Reading("", "", axes, theirs)
+        plain = _Reinterpretation("", "", axes, theirs)
         before = self._score(*self._errors(forward_poses(self.robot, axes), theirs))
         if before <= 1.0:
             return None
@@ -131,11 +132,11 @@ class _Diagnosis:
             if fitting:
                 # A linear axis' zero and an offset along it, say: what leaves as little is as true.
                 close = [one.text for one in fitting[1:] if self._left(one) <= max(1.0, self._left(fitting[0]))]
-                return replace(fitting[0], others=tuple(close[:_MOST_OTHERS]))
+                return replace(fitting[0], others=tuple(close[:_MAX_OTHERS]))
         return None
 
     def _errors(self, ours: Matrices, theirs: Matrices) -> tuple[float, float]:
-        distance, angle = pose_errors(ours, theirs, self.judged, self.column)
+        distance, angle = pose_errors(ours, theirs, self.compared, self.column)
         worst = float(distance.max()), float(angle.max())
         return worst if all(math.isfinite(value) for value in worst) else (math.inf, math.inf)
 
@@ -145,11 +146,11 @@ class _Diagnosis:
     def _left(self, explanation: Explanation) -> float:
         return self._score(explanation.remaining_position_error, explanation.remaining_rotation_error)
 
-    def _as_explanation(self, reading: _Reading) -> Explanation:
+    def _as_explanation(self, reading: _Reinterpretation) -> Explanation:
         errors = self._errors(forward_poses(self.robot, reading.axes), reading.theirs)
         return Explanation(reading.kind, reading.text, reading.names, *errors)
 
-    def _with_constant(self, reading: _Reading, constant: _Constant) -> Explanation:
+    def _with_constant(self, reading: _Reinterpretation, constant: _ConstantOffset) -> Explanation:
         errors = self._errors(constant.ours, reading.theirs)
         kind = " + ".join(part for part in (reading.kind, constant.kind) if part)
         text = ", and ".join(part for part in (reading.text, constant.text) if part)
@@ -159,62 +160,62 @@ class _Diagnosis:
         for first in self._axis_readings(axes, theirs):
             for second in self._pose_readings(first.axes, theirs):
                 kind, text = f"{first.kind} + {second.kind}", f"{first.text}, and {second.text}"
-                yield self._as_explanation(_Reading(kind, text, second.axes, second.theirs, first.names))
+                yield self._as_explanation(_Reinterpretation(kind, text, second.axes, second.theirs, first.names))
 
-    def _axis_readings(self, axes: Vector, theirs: Matrices) -> Iterator[_Reading]:
+    def _axis_readings(self, axes: Vector, theirs: Matrices) -> Iterator[_Reinterpretation]:
         names, kinds = [a.name for a in self.robot.axes], [a.kind for a in self.robot.axes]
-        for count in range(1, _MOST_FLIPPED + 1):
+        for count in range(1, _MAX_FLIPPED + 1):
             for flipped in itertools.combinations(range(len(names)), count):
                 signs = np.ones(len(names))
                 signs[list(flipped)] = -1.0
                 which = tuple(names[n] for n in flipped)
-                text = f"{listed(which)} counted in the opposite direction"
-                yield _Reading("flipped axis", text, axes * signs, theirs, which)
+                text = f"{and_joined(which)} counted in the opposite direction"
+                yield _Reinterpretation("flipped axis", text, axes * signs, theirs, which)
         rotary = np.array([kind == "rotary" for kind in kinds])
         for factor, text in (
             (180.0 / math.pi, "radians taken for degrees"),
             (math.pi / 180.0, "degrees taken for radians"),
         ):
             scaled = np.where(rotary, axes * factor, axes)
-            yield _Reading("unit of angle", f"rotary axes: {text}", scaled, theirs)
+            yield _Reinterpretation("unit of angle", f"rotary axes: {text}", scaled, theirs)
         for one, other in itertools.combinations(range(len(names)), 2):
             if kinds[one] == kinds[other]:
                 swapped = axes.copy()
                 swapped[:, [one, other]] = axes[:, [other, one]]
                 which = (names[one], names[other])
-                yield _Reading("swapped axes", f"{listed(which)} swapped", swapped, theirs, which)
+                yield _Reinterpretation("swapped axes", f"{and_joined(which)} swapped", swapped, theirs, which)
 
-    def _pose_readings(self, axes: Vector, theirs: Matrices) -> Iterator[_Reading]:
+    def _pose_readings(self, axes: Vector, theirs: Matrices) -> Iterator[_Reinterpretation]:
         for factor, text in _LENGTH_UNITS:
             scaled = theirs.copy()
             scaled[:, :3, 3] *= factor
-            yield _Reading("unit of length", f"positions: {text}", axes, scaled)
-        if self.judged != "pose":
+            yield _Reinterpretation("unit of length", f"positions: {text}", axes, scaled)
+        if self.compared != "pose":
             return
         turned = theirs.copy()
         turned[:, :3, :3] = np.transpose(theirs[:, :3, :3], (0, 2, 1))
-        yield _Reading("transposed rotation", "the rotation transposed (rows for columns)", axes, turned)
+        yield _Reinterpretation("transposed rotation", "the rotation transposed (rows for columns)", axes, turned)
         backwards = np.array([inverse(T) for T in theirs])
-        yield _Reading("inverse pose", "the workpiece seen from the tool", axes, backwards)
+        yield _Reinterpretation("inverse pose", "the workpiece seen from the tool", axes, backwards)
         used = self.robot.chain.angle_mode
         angles = [angles_from_matrix(used, T[:3, :3]) for T in theirs]
         # Angles given in radians are small enough that the matrix has kept them all.
         larger = theirs.copy()
         larger[:, :3, :3] = [matrix_from_angles(used, [math.degrees(angle) for angle in triple]) for triple in angles]
-        yield _Reading("unit of angle", "pose angles: radians taken for degrees", axes, larger)
-        for same in modes_apart():
+        yield _Reinterpretation("unit of angle", "pose angles: radians taken for degrees", axes, larger)
+        for same in distinct_angle_modes():
             if used in same:
                 continue
             other = theirs.copy()
             other[:, :3, :3] = [matrix_from_angles(same[0], triple) for triple in angles]
             text = f"the angles A, B, C mean {' or '.join(same)}, R = {ANGLE_MODES[same[0]].meaning}, not {used}"
-            yield _Reading("angle convention", text, axes, other)
+            yield _Reinterpretation("angle convention", text, axes, other)
 
-    def _constants(self, reading: _Reading) -> Iterator[_Constant]:
+    def _constants(self, reading: _Reinterpretation) -> Iterator[_ConstantOffset]:
         ours = forward_poses(self.robot, reading.axes)
         if not np.isfinite(ours).all():
             return
-        if self.judged == "pose":
+        if self.compared == "pose":
             yield self._tool_offset(ours, reading.theirs)
             yield self._base_offset(ours, reading.theirs)
         else:
@@ -224,34 +225,34 @@ class _Diagnosis:
             if zero is not None:
                 yield zero
 
-    def _tool_offset(self, ours: Matrices, theirs: Matrices) -> _Constant:
+    def _tool_offset(self, ours: Matrices, theirs: Matrices) -> _ConstantOffset:
         offset = mean_transform(np.array([inverse(F) @ T for F, T in zip(ours, theirs, strict=True)]))
         text = f"a constant offset on the tool side: {transform_text(offset)} in the tool frame"
-        return _Constant("tool offset", text, ours @ offset)
+        return _ConstantOffset("tool offset", text, ours @ offset)
 
-    def _base_offset(self, ours: Matrices, theirs: Matrices) -> _Constant:
+    def _base_offset(self, ours: Matrices, theirs: Matrices) -> _ConstantOffset:
         offset = mean_transform(np.array([T @ inverse(F) for F, T in zip(ours, theirs, strict=True)]))
         text = f"a constant offset on the workpiece side: {transform_text(offset)} in the workpiece frame"
-        return _Constant("base offset", text, offset @ ours)
+        return _ConstantOffset("base offset", text, offset @ ours)
 
-    def _shifts(self, ours: Matrices, theirs: Matrices) -> Iterator[_Constant]:
+    def _shifts(self, ours: Matrices, theirs: Matrices) -> Iterator[_ConstantOffset]:
         """Yield constant shifts where rotations are not known as a whole."""
         difference = theirs[:, :3, 3] - ours[:, :3, 3]
         moved = ours.copy()
         moved[:, :3, 3] += difference.mean(axis=0)
         text = f"a constant shift of {mm_text(difference.mean(axis=0))} mm in the workpiece frame"
-        yield _Constant("base offset", text, moved)
+        yield _ConstantOffset("base offset", text, moved)
         local = np.einsum("nji,nj->ni", ours[:, :3, :3], difference).mean(axis=0)
         moved = ours.copy()
         moved[:, :3, 3] += ours[:, :3, :3] @ local
-        yield _Constant("tool offset", f"a constant shift of {mm_text(local)} mm in the tool frame", moved)
+        yield _ConstantOffset("tool offset", f"a constant shift of {mm_text(local)} mm in the tool frame", moved)
 
-    def _axis_zero(self, n: int, reading: _Reading) -> _Constant | None:
+    def _axis_zero(self, n: int, reading: _Reinterpretation) -> _ConstantOffset | None:
         """Return the shift of an axis' zero that fits best."""
         axis, kinematics = self.robot.axes[n], self.robot.kinematics
         factor = kinematics.si_factors[n]
         targets = [as_pose(T) for T in reading.theirs] if all_rigid(reading.theirs) else []
-        residuals = [kinematics.residual(target, self.judged) for target in targets]
+        residuals = [kinematics.residual(target, self.compared) for target in targets]
         starts = [0.0] if axis.kind == "linear" else [math.radians(start) for start in _ZERO_STARTS_DEG]
         best: tuple[float, float, Matrices] | None = None
         for shift in starts if residuals else []:
@@ -266,7 +267,7 @@ class _Diagnosis:
             return None
         value = math.remainder(best[1], 360.0) if axis.kind == "rotary" else best[1]
         text = f"the zero of {axis.name} is off by {value:+.6g} {axis.unit}"
-        return _Constant("axis zero", text, best[2], (axis.name,))
+        return _ConstantOffset("axis zero", text, best[2], (axis.name,))
 
     @staticmethod
     def _fit_zero(n: int, x: Vector, residuals: list[Callable[[Vector], tuple[Vector, Vector]]], shift: float) -> float:

@@ -21,7 +21,7 @@ def mean_transform(transforms: Matrices) -> NDArray[np.float64]:
     return T
 
 
-def modes_apart() -> list[list[str]]:
+def distinct_angle_modes() -> list[list[str]]:
     """Return the names of the angle modes, those that mean the same in one list."""
     groups: dict[object, list[str]] = {}
     for name, mode in ANGLE_MODES.items():
@@ -33,11 +33,6 @@ def all_rigid(transforms: Matrices) -> bool:
     """Tell whether transforms (n, 4, 4) are rigid and right-handed."""
     R = transforms[:, :3, :3]
     return bool(np.abs(R @ np.transpose(R, (0, 2, 1)) - np.eye(3)).max() < 1e-6 and (np.linalg.det(R) > 0).all())
-
-
-def listed(names: tuple[str, ...]) -> str:
-    """Return names as people list them."""
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def mm_text(vector: Vector) -> str:

@@ -19,8 +19,8 @@ SampleKind = Literal["random", "grid", "singular", "recorded"]
 MADE_KINDS: Final = tuple(kind for kind in get_args(SampleKind) if kind != "recorded")
 
 _WIDEST_LINEAR_MM: Final = 500.0  # of axes whose limits nobody gave
-_WIDEST_ROTARY_DEG: Final = 180.0
-_SPECIAL_DEG: Final = (0.0, 90.0, -90.0, 180.0, -180.0)
+_WIDEST_ROTARY_DEG: Final = 180.0  # one turn shows all poses
+_SPECIAL_DEG: Final = (0.0, 90.0, -90.0, 180.0, -180.0)  # where solvers divide by zero or take the other branch
 
 
 @dataclass(frozen=True, slots=True, eq=False)

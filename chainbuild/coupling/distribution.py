@@ -25,11 +25,11 @@ from chainbuild.ik.solve import solve
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.units import mm_from_m
 
-_PASSES: Final = 50
+_PASSES: Final = 50  # rounds over the partials; one is enough unless one moves what another has placed
 _DONE: Final = 1e-12  # m and rad
-_LEFT_OVER: Final = 1e-9
+_NEGLIGIBLE: Final = 1e-9  # m and rad: rounding of the product over all partials
 
-Values = Mapping[str, float] | Sequence[float]
+PoseValues = Mapping[str, float] | Sequence[float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,11 +86,11 @@ class Distribution:
 
 def distribute(
     robot: Mechanism,
-    tcp: Values | None = None,
+    tcp: PoseValues | None = None,
     *,
     axes: Mapping[str, float | Mapping[str, float]] | None = None,
     locked: Iterable[str] = (),
-    current: Mapping[str, Values] | None = None,
+    current: Mapping[str, PoseValues] | None = None,
 ) -> Distribution:
     """Hand a tool position out to the partials of a robot.
 
@@ -168,13 +168,13 @@ class _Split:
         # A partial that turns may move what an earlier one has placed; then another round follows.
         for _ in range(_PASSES):
             for n in order:
-                self._hand_over(states, n, T, target)
-            if self._left_over(T) < _DONE:
+                self._assign(states, n, T, target)
+            if self._remaining(T) < _DONE:
                 return
-        if self._left_over(T) > _LEFT_OVER:
+        if self._remaining(T) > _NEGLIGIBLE:
             raise self._refusal(T)
 
-    def _hand_over(self, states: Sequence[State], n: int, T: Matrix, target: Vector) -> None:
+    def _assign(self, states: Sequence[State], n: int, T: Matrix, target: Vector) -> None:
         state, mode = states[n], states[n].partial.chain.angle_mode
         before = _product(states[:n]) @ state.partial.T_carrier_mcs
         after = _product(states[n + 1 :])
@@ -187,7 +187,7 @@ class _Split:
         position = before[:3, :3].T @ (T[:3, 3] - before[:3, 3]) - T_own[:3, :3] @ after[:3, 3]
         state.shift(np.array([mm_from_m(float(value)) for value in position]))
 
-    def _left_over(self, T: Matrix) -> float:
+    def _remaining(self, T: Matrix) -> float:
         left = frames.inverse(_product(self.tool_side)) @ T
         return max(float(np.linalg.norm(left[:3, 3])), float(np.linalg.norm(rotation_vector(left[:3, :3]))))
 
@@ -231,7 +231,7 @@ def _values(mode: str, T: Matrix) -> Vector:
     return np.array([*(mm_from_m(float(v)) for v in T[:3, 3]), *frames.angles_from_matrix(mode, T[:3, :3])])
 
 
-def _six(values: Values) -> dict[str, float]:
+def _six(values: PoseValues) -> dict[str, float]:
     """Return values by letter, checked."""
     pairs = dict(values) if isinstance(values, Mapping) else dict(zip(LETTERS, values, strict=False))
     if not isinstance(values, Mapping) and len(values) != len(LETTERS):

@@ -18,11 +18,11 @@ from chainbuild.units import m_from_mm, mm_from_m
 LETTERS: Final = "XYZABC"
 TURNS: Final = slice(3, 6)
 _SHIFTS: Final = slice(0, 3)
-_STEPS: Final = 30
-_SAME_DEG: Final = 1e-9
+_STEPS: Final = 30  # Newton steps on up to three angles: converges in a few
+_SAME_DEG: Final = 1e-9  # angles closer than this are the same, but for rounding
 # Freedoms are looked for off the middle of the limits: an arm stretched out, or a head on end, has lost some.
 _GENERIC: Final = (0.537, 0.461, 0.523, 0.444, 0.571, 0.489)
-_RANK: Final = 1e-7
+_RANK: Final = 1e-7  # share of the largest singular value: below is rounding, freedoms are far above
 
 
 @dataclass(frozen=True, slots=True, eq=False)

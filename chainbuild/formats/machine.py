@@ -16,11 +16,11 @@ from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.selection import (
     KinematicEntry,
     Selected,
-    blame_channel,
     checked_channel,
     checked_kinematic,
     choose_kinematic,
     finite_length_mm,
+    name_right_channel,
 )
 
 
@@ -212,8 +212,8 @@ class Machine(ABC):
         try:
             entry = self._named(wanted, [entry for entry in self.kinematics() if entry.channel == number])
         except MachineDataError as error:
-            blame_channel(error, self.kinematics(), wanted, number)
-            raise error if kinematic is not None else self.overlay.blamed(error, "kinematic") from None
+            name_right_channel(error, self.kinematics(), wanted, number)
+            raise error if kinematic is not None else self.overlay.at_key(error, "kinematic") from None
         return Selected(entry, self._second(entry, wanted, collector))
 
     def _translated(

@@ -104,7 +104,7 @@ class Overlay:
         """Return where a key stands in the file, such as ("limits", "A1"); None where there is no file."""
         return None if self.path is None else _span(self.path, *keys)
 
-    def blamed(self, error: MachineDataError, key: str) -> MachineDataError:
+    def at_key(self, error: MachineDataError, key: str) -> MachineDataError:
         """Return an error that points at the overlay's key, where it gives one, in place of the machine file."""
         if getattr(self, key) is not None:
             error.span = self.span(key) or error.span

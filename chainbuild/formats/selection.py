@@ -13,7 +13,7 @@ from chainbuild import tolerances
 from chainbuild.closest import listed
 from chainbuild.errors import MachineDataError, Span
 
-_ID_DIGITS: Final = 9
+_ID_DIGITS: Final = 9  # more than any id has
 _HUGE_NUMBER: Final = 10**_ID_DIGITS  # beyond any id or channel
 
 
@@ -117,7 +117,7 @@ def _as_int(value: object) -> int | None:
         return None
 
 
-def blame_channel(
+def name_right_channel(
     error: MachineDataError, entries: Sequence[KinematicEntry], wanted: int | str | None, channel: int
 ) -> None:
     """Let an error on a kinematic that a channel lacks say which other channel has it."""

@@ -10,8 +10,14 @@ import numpy as np
 
 from chainbuild.chain.elements import Task
 from chainbuild.ik.branches.arms.arms import ARMS, ArmName, arm_solver
-from chainbuild.ik.branches.arms.spin import despun, first_joints, one_axis, with_idle, with_spin
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.arms.virtual_joints import (
+    common_rotary_axis,
+    first_joints,
+    orientation_from_chain,
+    with_spin_joint,
+    with_virtual_joints,
+)
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import ArmSolver, Serial
 from chainbuild.ik.branches.direct import query_is_direct
 from chainbuild.ik.branches.elimination.eaik_arm import eaik_solver
@@ -22,8 +28,8 @@ from chainbuild.kinematics.mechanism import Mechanism
 PlanName = ArmName | Literal["direct", "EAIK", "elimination", "search"]
 
 TASK_ROWS: Final[Mapping[Task, int]] = {"pose": 6, "direction": 5, "position": 3}  # freedoms that a task determines
-_MOST_IDLE: Final = 2
-_KEPT: Final = 64  # a held axis makes a chain of its own for every value
+_MAX_VIRTUAL_JOINTS: Final = 2  # chains of fewer than four joints are left to EAIK or to the search
+_MAX_PREPARED: Final = 64  # a held axis makes a chain of its own for every value
 _REASONS: Final[Mapping[str, str]] = {
     **ARMS,
     "direct": "three independent linear axes: the rotary ones give the orientation, the linear ones the position",
@@ -52,17 +58,17 @@ class SolverPlan:
 def plan_of(mechanism: Mechanism, held: Mapping[str, float] | Iterable[str] = ()) -> SolverPlan:
     """Return the plan of a mechanism; see `Robot.plan`."""
     values = held if isinstance(held, Mapping) else dict.fromkeys(held, 0.0)
-    return plan_for(Query.of(IkRequest(mechanism, np.eye(4), held=values)))
+    return plan_for(BranchQuery.of(IkRequest(mechanism, np.eye(4), held=values)))
 
 
-def plan_for(query: Query) -> SolverPlan:
+def plan_for(query: BranchQuery) -> SolverPlan:
     """Return the plan of a query, chosen at the first one of its kind."""
     if query.mechanism.chain.loops:
         return _searched("the chain has closed loops")
     if query_is_direct(query):
         return _complete("direct")
     serial = query.serial()
-    return query.mechanism.prepared("plan", lambda: _chosen(query, serial), serial, _KEPT)
+    return query.mechanism.prepared("plan", lambda: _chosen(query, serial), serial, _MAX_PREPARED)
 
 
 def _complete(name: PlanName, solver: ArmSolver | None = None) -> SolverPlan:
@@ -73,7 +79,7 @@ def _searched(reason: str) -> SolverPlan:
     return SolverPlan("search", f"{reason}: branches are searched for", False)
 
 
-def _chosen(query: Query, serial: Serial) -> SolverPlan:
+def _chosen(query: BranchQuery, serial: Serial) -> SolverPlan:
     task, count = query.mechanism.task, len(serial.screws)
     if task == "pose":
         found = _for_pose(serial)
@@ -90,13 +96,13 @@ def _chosen(query: Query, serial: Serial) -> SolverPlan:
     return _searched(f"no closed form is known for {count} joints in this arrangement")
 
 
-def _for_direction(query: Query, serial: Serial) -> SolverPlan | None:
+def _for_direction(query: BranchQuery, serial: Serial) -> SolverPlan | None:
     """Return a plan for position and tool direction: the turn about the tool vector is taken for one more joint."""
-    column, axis = query.mechanism.chain.tool_column, one_axis(serial)
+    column, axis = query.mechanism.chain.tool_column, common_rotary_axis(serial)
     known = None if axis is None else arm_solver(serial, "direction")
     if axis is not None and known is not None:
-        return _complete(known[0], despun(known[1], serial, column, axis))
-    found = _for_pose(with_spin(serial, column))
+        return _complete(known[0], orientation_from_chain(known[1], serial, column, axis))
+    found = _for_pose(with_spin_joint(serial, column))
     if found is None or found.solver is None:
         return None
     return _complete(found.name, first_joints(found.solver, len(serial.screws), len(serial.screws) + 1))
@@ -107,7 +113,11 @@ def _for_pose(serial: Serial) -> SolverPlan | None:
     if known is not None:
         return _complete(*known)
     count = len(serial.screws)
-    solver = elimination(with_idle(serial, JOINTS - count)) if JOINTS - _MOST_IDLE <= count <= JOINTS else None
+    solver = (
+        elimination(with_virtual_joints(serial, JOINTS - count))
+        if JOINTS - _MAX_VIRTUAL_JOINTS <= count <= JOINTS
+        else None
+    )
     eliminating = None if solver is None else first_joints(solver.solve, count, JOINTS)
     through_eaik = eaik_solver(serial, eliminating)
     if through_eaik is not None:

@@ -1,14 +1,18 @@
-"""The numbers of the damped search, the same for the plain and the compiled path.
+"""The names of the solvers, and the numbers of the damped search, the same for the plain and the compiled path.
 
-Each was measured on six- and seven-axis arms with targets drawn over the whole range of the axes.
+Each number was measured on six- and seven-axis arms with targets drawn over the whole range of the axes.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, Literal, get_args
 
 from chainbuild import tolerances
+
+# What a caller may ask for by name.
+Solver = Literal["auto", "damped", "analytic", "controller"]
+SOLVERS: Final[tuple[str, ...]] = get_args(Solver)
 
 # Outcomes.
 OK: Final = 0
@@ -36,7 +40,7 @@ NEAREST_FIRST: Final = 4
 # So many turned starts that limits forbid are passed over at a time; then the plain table helps out.
 TURN_TRIES: Final = 8
 # A pose that so many descents, free ones among them, did not reach is given up as unreachable.
-HOPELESS: Final = 30
+MAX_FAILED_DESCENTS: Final = 30
 # The nearest pose, once none meets the target: a descent whose damping follows success (Marquardt), for the error does
 # not vanish there and full steps overshoot. Steps at most, first damping, its factors, and the gain that ends it.
 NEAREST_STEPS: Final = 40
@@ -45,7 +49,7 @@ NEAREST_GROWTH: Final = 6.0
 NEAREST_SHRINK: Final = 0.2
 NEAREST_GAIN: Final = 1e-9
 # A remaining error below this is called "stalled", not "unreachable".
-CLOSE: Final = 1e-3
+STALLED_BELOW: Final = 1e-3
 # A descent's end this far beyond its region [m and rad together] counts as inside, by the slack that
 # `kinematics.limits` grants, and is put on the limit before it is verified.
 INSIDE_SLACK: Final = math.radians(tolerances.LIMIT_SLACK)

@@ -11,11 +11,12 @@ request → search → (its first success is the answer, where nothing more is a
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final, Literal, get_args
+from typing import TYPE_CHECKING
 
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.request import Held, IkRequest
 from chainbuild.ik.result import IkResult
+from chainbuild.ik.rules import SOLVERS
 from chainbuild.ik.search.solver import certainly_unreachable, search
 from chainbuild.ik.verify import on_limits
 
@@ -26,9 +27,6 @@ if TYPE_CHECKING:
     from chainbuild.ik.policies.redundancy import Preference
     from chainbuild.kinematics.inputs import Pose
     from chainbuild.kinematics.mechanism import Mechanism
-
-Solver = Literal["auto", "damped", "analytic", "controller"]
-SOLVERS: Final[tuple[str, ...]] = get_args(Solver)
 
 
 def solve(

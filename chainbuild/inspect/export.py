@@ -9,7 +9,7 @@ import string
 from html import escape
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -17,15 +17,15 @@ from chainbuild.files import write_text
 from chainbuild.frames import ANGLE_MODES
 from chainbuild.inspect.panel import panel_html
 from chainbuild.inspect.scene import Scene
-from chainbuild.inspect.sweep import FRAMES_PER_SECOND, Sweep, sweep
+from chainbuild.inspect.sweep import FRAMES_PER_SECOND, AxisSweep, axis_sweep
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
 # From where the machine is looked at: in front of its right side, a little from above (machine coordinates).
-_VIEW = (1.0, -1.35, 0.75)
+_VIEW: Final = (1.0, -1.35, 0.75)
 # How far the picture reaches from the machine at rest (0) to everything it sweeps over (1).
-_SWEPT_SHARE = 0.6
+_SWEPT_SHARE: Final = 0.6
 
 
 def export_page(robot: Mechanism, path: str | os.PathLike[str]) -> Path:
@@ -52,7 +52,7 @@ def page_html(robot: Mechanism) -> str:
     """Return the text of the page; the same robot gives the same text."""
     from meshcat import Visualizer
 
-    motion = sweep(robot)
+    motion = axis_sweep(robot)
     recorder = _Recorder()
     scene = Scene(Visualizer(window=recorder), robot)
     scene.draw(motion.axes[0])
@@ -69,7 +69,7 @@ def page_html(robot: Mechanism) -> str:
     )
 
 
-def _data(robot: Mechanism, scene: Scene, motion: Sweep, recorder: _Recorder) -> str:
+def _data(robot: Mechanism, scene: Scene, motion: AxisSweep, recorder: _Recorder) -> str:
     bounds = np.array(scene.bounds(motion.q))
     bounds = (1 - _SWEPT_SHARE) * np.array(scene.bounds(motion.q[:1])) + _SWEPT_SHARE * bounds
     data = {

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 
 Side = Literal["left", "right", "below"]
 
-_CANVAS_PIXELS = 256  # meshcat writes a text onto a square of this side
-_FONT_PIXELS = 60
-_LETTER_WIDTH = 0.60  # mean width of a sans-serif letter over the font size, rather too wide
-_LINE_HEIGHT = 1.35
-_BASELINE = 0.27  # meshcat centres the base line, not the letters
-_LETTER_SHARE = 0.0150  # font size over the distance to the viewer
-_GAP = 0.35  # between a frame's origin and its label, over the font size
-_PAPER = 0xFFFFFF
+_CANVAS_PIXELS: Final = 256  # meshcat writes a text onto a square of this side
+_FONT_PIXELS: Final = 60  # a letter fills a quarter of the canvas: sharp, and short names fit
+_LETTER_WIDTH: Final = 0.60  # mean width of a sans-serif letter over the font size, rather too wide
+_LINE_HEIGHT: Final = 1.35  # over the font size: room for letters below the base line
+_BASELINE: Final = 0.27  # meshcat centres the base line, not the letters
+_LETTER_SHARE: Final = 0.0150  # font size over the distance to the viewer
+_GAP: Final = 0.35  # between a frame's origin and its label, over the font size
+_PAPER: Final = 0xFFFFFF  # white
 
 
 def draw_label(node: Any, text: str, side: Side) -> None:

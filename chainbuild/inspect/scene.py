@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,17 +13,20 @@ from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies import Body, Colour, detail_bodies, link_bodies, machine_size
 from chainbuild.chain.elements import BASE_LINK, FRAME_NAMES, Chain, Frame
+from chainbuild.chain.poses import link_placements
 from chainbuild.inspect.labels import Side, draw_label
-from chainbuild.inspect.sweep import FRAMES_PER_SECOND, joint_transforms, link_placements
+from chainbuild.inspect.sweep import FRAMES_PER_SECOND, joint_transforms
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
-BACKGROUND_TOP: Colour = (0.97, 0.98, 0.99)
-BACKGROUND_BOTTOM: Colour = (0.80, 0.84, 0.88)
-GRID_COLOUR: Colour = (0.62, 0.67, 0.72)
-_TRIAD_COLOURS: tuple[Colour, Colour, Colour] = ((0.86, 0.16, 0.16), (0.13, 0.62, 0.20), (0.13, 0.33, 0.87))
-_TRIAD_SHARE = 0.13  # length of a triad's arms over the machine's size
+# Red, green, blue in 0…1. Light and grey: the bodies stand out against it.
+BACKGROUND_TOP: Final[Colour] = (0.97, 0.98, 0.99)
+BACKGROUND_BOTTOM: Final[Colour] = (0.80, 0.84, 0.88)
+GRID_COLOUR: Final[Colour] = (0.62, 0.67, 0.72)
+# Red, green, blue for x, y, z, as everywhere.
+_TRIAD_COLOURS: Final[tuple[Colour, Colour, Colour]] = ((0.86, 0.16, 0.16), (0.13, 0.62, 0.20), (0.13, 0.33, 0.87))
+_TRIAD_SHARE: Final = 0.13  # length of a triad's arms over the machine's size
 
 
 class Scene:

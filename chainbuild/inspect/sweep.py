@@ -5,29 +5,29 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise, product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies import machine_size, shown_limits
-from chainbuild.chain.elements import BASE_LINK, Chain
+from chainbuild.chain.elements import Chain
+from chainbuild.chain.fold import joint_motion
+from chainbuild.chain.poses import link_placements
 from chainbuild.errors import ChainbuildError
-from chainbuild.units import deg_from_rad
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
-FRAMES_PER_SECOND = 10
-_FRAMES_PER_AXIS = 50
+FRAMES_PER_SECOND: Final = 10  # the viewer interpolates between keyframes
+_FRAMES_PER_AXIS: Final = 50  # five seconds
 # Shares of an axis's time: to the lower limit, across to the upper one, back; the rest is a pause.
-_PHASES = (0.24, 0.44, 0.24)
+_PHASES: Final = (0.24, 0.44, 0.24)
 
 # Angles a rotary axis may take in the pose shown, degrees.
-_CANDIDATES = (0.0, 45.0, -45.0, 90.0, -90.0)
+_CANDIDATES: Final = (0.0, 45.0, -45.0, 90.0, -90.0)
 # A pose whose smallest singular value is below this share of the largest looks stretched out or folded up.
-_STRETCHED = 0.05
+_STRETCHED: Final = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ class Segment:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sweep:
+class AxisSweep:
     """A motion in keyframes, `FRAMES_PER_SECOND` apart.
 
     Attributes:
@@ -56,7 +56,7 @@ class Sweep:
     held: tuple[str, ...]
 
 
-def sweep(robot: Mechanism) -> Sweep:
+def axis_sweep(robot: Mechanism) -> AxisSweep:
     """Return the motion that takes every axis over its shown range, one after the other, starting and ending at rest.
 
     Raises:
@@ -77,7 +77,7 @@ def sweep(robot: Mechanism) -> Sweep:
                 q.append(q[-1])
                 axes.append(axes[-1])
                 held.append(axis.name)
-    return Sweep(np.array(axes), np.array(q), tuple(segments), tuple(dict.fromkeys(held)))
+    return AxisSweep(np.array(axes), np.array(q), tuple(segments), tuple(dict.fromkeys(held)))
 
 
 def _course(rest: float, lower: float, upper: float) -> list[float]:
@@ -150,19 +150,4 @@ def _heights(robot: Mechanism, axes: Vector) -> Vector:
 
 def joint_transforms(chain: Chain, q: Vector) -> list[Matrix]:
     """Return the transform (4, 4) [m] from parent link to child link for every joint at joint values (n_q,), SI."""
-    result = []
-    for joint, value in zip(chain.joints, q, strict=True):
-        if joint.kind == "revolute":
-            motion = frames.transform(frames.rot_about(joint.direction, deg_from_rad(float(value))))
-        else:
-            motion = frames.transform(None, joint.direction * value)
-        result.append(joint.T_parent_joint @ motion)
-    return result
-
-
-def link_placements(chain: Chain, q: Vector) -> dict[str, Matrix]:
-    """Return every link in the base (4, 4) [m] at joint values (n_q,), SI."""
-    placed = {BASE_LINK: np.eye(4)}
-    for joint, T in zip(chain.joints, joint_transforms(chain, q), strict=True):
-        placed[joint.child] = placed[joint.parent] @ T
-    return placed
+    return [joint.T_parent_joint @ joint_motion(joint, float(v)) for joint, v in zip(chain.joints, q, strict=True)]

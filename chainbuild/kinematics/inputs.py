@@ -24,7 +24,7 @@ def axis_vector(axes: Sequence[Axis], given: ArrayLike) -> Vector:
     Raises:
         AxisValueError: wrong count, not numbers, NaN, inf or absurdly large.
     """
-    values = numbers(given)
+    values = real_numbers(given)
     if values is None:
         raise AxisValueError("axis values must be real numbers", permitted=_names(axes))
     if values.shape != (len(axes),):
@@ -52,7 +52,7 @@ def axis_rows(axes: Sequence[Axis], given: ArrayLike) -> Matrix:
     Raises:
         AxisValueError: wrong shape, not numbers, NaN, inf or absurdly large.
     """
-    values = numbers(given)
+    values = real_numbers(given)
     if values is None or values.ndim != 2 or values.shape[1] != len(axes):
         what = "anything but numbers" if values is None else f"an array of shape {values.shape}"
         raise AxisValueError(f"rows of axis values are due, not {what}", permitted=f"shape (N, {len(axes)})")
@@ -68,7 +68,7 @@ def as_pose(T: pin.SE3 | ArrayLike) -> pin.SE3:
     Raises:
         ChainbuildError: not a rigid 4×4 transform of finite numbers.
     """
-    matrix = T.homogeneous if isinstance(T, pin.SE3) else numbers(T)
+    matrix = T.homogeneous if isinstance(T, pin.SE3) else real_numbers(T)
     if matrix is None:
         raise ChainbuildError("a pose must be pin.SE3 or a 4×4 array of numbers")
     if matrix.shape != (4, 4) or not is_rigid(matrix):
@@ -79,7 +79,7 @@ def as_pose(T: pin.SE3 | ArrayLike) -> pin.SE3:
     return pin.SE3(np.ascontiguousarray(matrix))
 
 
-def numbers(values: ArrayLike) -> Vector | None:
+def real_numbers(values: ArrayLike) -> Vector | None:
     """Return real numbers as a float array, or None for anything else (masked, complex, dates, text)."""
     if type(values) is np.ndarray and values.dtype.char == "d":  # most of what is asked, in a third of the time
         return values.copy()

@@ -20,11 +20,11 @@ from chainbuild.chain.check import check_chain
 from chainbuild.chain.elements import Axis, Chain, Task
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.kinematics.evaluation import Kinematics
-from chainbuild.kinematics.inputs import axis_rows, axis_vector, numbers
+from chainbuild.kinematics.inputs import axis_rows, axis_vector, real_numbers
 from chainbuild.kinematics.limits import Limits
 from chainbuild.kinematics.product import poses_at
 
-T = TypeVar("T")
+_T = TypeVar("_T")
 
 _SAMPLES: Final = 8  # configurations in which the rank of a Jacobian is looked at
 _NOTHING: Final[Any] = object()
@@ -98,7 +98,7 @@ class Mechanism:
         Raises:
             AxisValueError: wrong count or not finite.
         """
-        values = numbers(q)
+        values = real_numbers(q)
         if values is None or values.shape != (self.model.nq,) or not np.isfinite(values).all():
             got = "no numbers" if values is None else f"an array of shape {values.shape}"
             raise AxisValueError(f"expected {self.model.nq} finite joint values, got {got}")
@@ -194,7 +194,7 @@ class Prepared:
         self._kinds: dict[str, dict[Hashable, Any]] = {}
         self._lock = RLock()  # what is made may itself ask for other things
 
-    def get(self, kind: str, make: Callable[[], T], key: Hashable = None, most: int | None = None) -> T:
+    def get(self, kind: str, make: Callable[[], _T], key: Hashable = None, most: int | None = None) -> _T:
         """Return a thing, made now or before.
 
         Args:
@@ -207,10 +207,10 @@ class Prepared:
         found = _NOTHING if known is None else known.get(key, _NOTHING)
         return self._made(kind, make, key, most) if found is _NOTHING else found
 
-    def _made(self, kind: str, make: Callable[[], T], key: Hashable, most: int | None) -> T:
+    def _made(self, kind: str, make: Callable[[], _T], key: Hashable, most: int | None) -> _T:
         with self._lock:
             known = self._kinds.setdefault(kind, {})
-            found: T = known.get(key, _NOTHING)
+            found: _T = known.get(key, _NOTHING)
             if found is _NOTHING:
                 found = make()
                 if most is not None and len(known) >= most:

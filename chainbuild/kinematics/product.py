@@ -19,7 +19,7 @@ from chainbuild.chain.elements import BASE_LINK, Chain, Joint
 from chainbuild.frames import inverse
 
 # Poses worked on at a time: the arrays of one chunk stay in the processor's cache, and memory does not grow.
-CHUNK: Final = 2048
+_CHUNK: Final = 2048
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,8 +111,8 @@ def poses_at(product: Product, values: Matrix, factors: Vector) -> Matrix:
     A = product.A * factors
     result = np.zeros((len(values), 4, 4))
     result[:, 3, 3] = 1.0
-    for first in range(0, len(values), CHUNK):
-        part = slice(first, first + CHUNK)
+    for first in range(0, len(values), _CHUNK):
+        part = slice(first, first + _CHUNK)
         result[part, :3] = _chunk(product, A @ values[part].T + product.b[:, None]).transpose(2, 1, 0)
     return result
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from threading import local
+from typing import Final
 
 import eigenpy
 import numpy as np
@@ -19,10 +20,10 @@ from chainbuild.kinematics.evaluation import Kinematics, frame_jacobian, tilt
 
 ToolError = Callable[[Vector], tuple[Vector, Matrix]]
 
-_UNDAMPED = 0.01  # share of a step that damping may take away without being asked
+_UNDAMPED: Final = 0.01  # share of a step that damping may take away without being asked
 
 
-class Task:
+class TaskError:
     """What is asked of which axes: the part of the error that is the same for every target.
 
     Args:
@@ -48,7 +49,7 @@ class Task:
         self._memory = _Memory(len(self._rows), len(free))
 
     @property
-    def damping(self) -> Damping:
+    def damping(self) -> DampedSteps:
         """What makes steps; each thread's own."""
         return self._memory.damping
 
@@ -97,7 +98,7 @@ class Task:
         return math.sqrt(shift.dot(shift)), math.sqrt(turn.dot(turn))
 
 
-class Damping:
+class DampedSteps:
     """Damped least-squares steps; keeps the factorisation's memory between calls.
 
     Args:
@@ -136,10 +137,10 @@ class Damping:
 
 
 class _Memory(local):
-    """A `Damping` for each thread: its factorisation works in place."""
+    """A `DampedSteps` for each thread: its factorisation works in place."""
 
     def __init__(self, rows: int, columns: int) -> None:
-        self.damping = Damping(rows, columns)
+        self.damping = DampedSteps(rows, columns)
 
 
 def _placed(kinematics: Kinematics, target: pin.SE3) -> Callable[[Vector], tuple[pin.SE3, Matrix]]:

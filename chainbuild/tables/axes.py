@@ -92,18 +92,18 @@ class IkWriter:
             rotation_error_deg: Angle to it; None where the table gave no orientation.
             violated: Names of the limits that keep the pose out of reach.
         """
-        shown = self._empty if axes is None else numbers(axes.tolist())
-        angle = "" if rotation_error_deg is None else number(rotation_error_deg)
-        last = f",{joined(violated)}" if self._violations else ""
-        self._stream.write(f"{shown},{status},{number(position_error_mm)},{angle}{last}\n")
+        shown = self._empty if axes is None else number_fields(axes.tolist())
+        angle = "" if rotation_error_deg is None else number_field(rotation_error_deg)
+        last = f",{names_field(violated)}" if self._violations else ""
+        self._stream.write(f"{shown},{status},{number_field(position_error_mm)},{angle}{last}\n")
 
 
-def joined(names: Sequence[str]) -> str:
+def names_field(names: Sequence[str]) -> str:
     """Return the field that holds several names."""
     return "; ".join(names)
 
 
-def number(value: float, decimals: int = DECIMALS) -> str:
+def number_field(value: float, decimals: int = DECIMALS) -> str:
     """Return a number without the noise of its last bits and without signed zero.
 
     >>> number(1765.0000000000002), number(-2.3e-14), number(0.1 + 0.2)
@@ -112,9 +112,9 @@ def number(value: float, decimals: int = DECIMALS) -> str:
     return repr(round(float(value), decimals) + 0.0)
 
 
-def numbers(values: Iterable[float]) -> str:
+def number_fields(values: Iterable[float]) -> str:
     """Return the fields of lengths in mm and angles in degrees."""
-    return ",".join(map(number, values))
+    return ",".join(map(number_field, values))
 
 
 __all__ = [
@@ -125,7 +125,7 @@ __all__ = [
     "AxisTable",
     "Chunk",
     "IkWriter",
-    "joined",
-    "number",
-    "numbers",
+    "names_field",
+    "number_field",
+    "number_fields",
 ]

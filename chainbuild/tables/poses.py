@@ -13,7 +13,7 @@ import numpy as np
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Task
-from chainbuild.tables.axes import DECIMALS, UNIT_DECIMALS, VIOLATIONS_COLUMN, joined, number
+from chainbuild.tables.axes import DECIMALS, UNIT_DECIMALS, VIOLATIONS_COLUMN, names_field, number_field
 from chainbuild.tables.reader import Choice, Table
 from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m, rad_from_deg
 
@@ -238,11 +238,11 @@ class PoseWriter:
         # Rounding may lead to -180, which (-180, 180] does not hold.
         shown = angles or [180.0 if round(value, DECIMALS) == -180.0 else value for value in values[-3:]]
         fields = [
-            *(number(value) for value in values[: _UNIT_VECTORS.start]),
-            *(number(value, UNIT_DECIMALS) for value in values[_UNIT_VECTORS]),
-            *(number(value) for value in (*shown, *held)),
+            *(number_field(value) for value in values[: _UNIT_VECTORS.start]),
+            *(number_field(value, UNIT_DECIMALS) for value in values[_UNIT_VECTORS]),
+            *(number_field(value) for value in (*shown, *held)),
         ]
-        last = [joined(violated)] if self._violations else []
+        last = [names_field(violated)] if self._violations else []
         self._stream.write(",".join([*fields, *last]) + "\n")
 
 

@@ -19,7 +19,7 @@ from chainbuild import tolerances
 from chainbuild.closest import closest
 from chainbuild.errors import FileAccessError, Span, TableError
 
-_CHUNK_ROWS: Final = 1024
+_CHUNK_ROWS: Final = 1024  # arrays of so many rows cost less than the rows' text
 _SEPARATORS: Final = {";": "semicolons", "\t": "tabs"}
 
 # From the column names of a header: the wanted columns in the order they are due, and all that are permitted.

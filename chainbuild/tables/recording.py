@@ -26,13 +26,13 @@ class Recording:
     Attributes:
         axes: (n, n_axes) mm and degrees.
         poses: (n, 4, 4) tool in the workpiece frame [m].
-        judged: What of the poses was recorded.
+        compared: What of the poses was recorded.
         name: File name.
     """
 
     axes: NDArray[np.float64]
     poses: NDArray[np.float64]
-    judged: Task = "pose"
+    compared: Task = "pose"
     name: str = "recording"
 
 
@@ -68,10 +68,10 @@ def read_recording(path: Path, chain: Chain) -> Recording:
     poses[:, :3, 3] = [[m_from_mm(v) for v in row] for row in rows[:, count : count + 3].tolist()]
     if orientation:
         poses[:, :3, :3] = [_rotation(tuple(orientation), row, chain, path) for row in rows[:, count + 3 :].tolist()]
-    return Recording(rows[:, :count].copy(), poses, _judged(tuple(orientation)), str(path))
+    return Recording(rows[:, :count].copy(), poses, _compared(tuple(orientation)), str(path))
 
 
-def _judged(orientation: tuple[str, ...]) -> Task:
+def _compared(orientation: tuple[str, ...]) -> Task:
     if not orientation:
         return "position"
     return "direction" if orientation == TOOL_COLUMNS else "pose"

@@ -15,9 +15,14 @@ from numpy.typing import NDArray
 
 Pixels = NDArray[np.uint8]
 
-_LEFT, _TOP, _RIGHT, _BOTTOM = 70.0, 40.0, 90.0, 50.0
-_WIDTH, _HEIGHT = 560.0, 400.0
-_TICKS: Final = 6
+# Pixels of SVG: margins with room for labels and a legend, and the largest plot between them.
+_LEFT: Final = 70.0
+_TOP: Final = 40.0
+_RIGHT: Final = 90.0
+_BOTTOM: Final = 50.0
+_WIDTH: Final = 560.0
+_HEIGHT: Final = 400.0
+_TICKS: Final = 6  # about as many as can be read along an axis
 _INK, _GRID = "#24292f", "#d0d7de"
 
 

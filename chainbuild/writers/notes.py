@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from chainbuild.chain.axismap import AffineMap
@@ -10,7 +12,7 @@ from chainbuild.chain.rods import rod_masters
 from chainbuild.files import number_text
 from chainbuild.units import deg_from_rad, mm_from_m
 
-_SLIGHT = 1e-12
+_SLIGHT: Final = 1e-12  # factors below this are rounding of folded directions
 
 
 def urdf_limitations(chain: Chain) -> tuple[str, ...]:

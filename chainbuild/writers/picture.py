@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 # From singular to well: dark to bright, readable without colours.
 _SCALE: Final = np.array([[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]], dtype=float)
-_STEPS: Final = 24
+_STEPS: Final = 24  # colours of the legend: it looks like a ramp
 _BLUE, _ORANGE = "#1f6feb", "#bc4c00"
 
 

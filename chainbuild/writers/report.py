@@ -15,13 +15,13 @@ from chainbuild.comparison.crosscheck import CrossCheck
 from chainbuild.comparison.diagnosis import Explanation
 from chainbuild.units import deg_from_rad, mm_from_m
 
-_SHOWN_ROWS: Final = 12
+_SHOWN_ROWS: Final = 12  # fit on a line
 _LEAST_ROWS: Final = 3  # the diagnosis wants as many
 
 
 def crosscheck_text(check: CrossCheck) -> str:
     """Return a cross-check in words, one finding a line."""
-    lines = [f"Cross-check of {check.title} ({check.kinematic}) with {check.judge}"]
+    lines = [f"Cross-check of {check.title} ({check.kinematic}) with {check.reference}"]
     if check.note and check.note != "recorded":
         lines.append(f"  {check.note}")
     if check.forward is not None:
@@ -36,13 +36,13 @@ def crosscheck_text(check: CrossCheck) -> str:
 def _forward_lines(forward: Forward, axes: Sequence[str]) -> list[str]:
     total, agree = len(forward.samples), int(forward.agrees.sum())
     worst = forward.worst
-    within = f"{distance_text(forward.position_tolerance)}, {angle_text(forward.rotation_tolerance)}"
+    within = f"{distance_text(forward.position_tolerance)}, {degrees_text(forward.rotation_tolerance)}"
     kinds = Counter(forward.samples.kinds)
     lines = [
         f"Forward: {agree} of {total} poses agree within {within}"
-        f" ({', '.join(f'{count} {kind}' for kind, count in kinds.items())}); compared: {forward.judged}",
+        f" ({', '.join(f'{count} {kind}' for kind, count in kinds.items())}); compared: {forward.compared}",
         f"  worst: {distance_text(float(forward.position_error[worst]))},"
-        f" {angle_text(float(forward.rotation_error[worst]))}"
+        f" {degrees_text(float(forward.rotation_error[worst]))}"
         f" at {'row ' + str(worst + 1) + ': ' if _recorded(forward) else ''}"
         f"{axes_text(axes, forward.samples.axes[worst].tolist())}",
     ]
@@ -70,7 +70,7 @@ def _inverse_lines(inverse: Inverse, complete: bool) -> list[str]:
     lines = [
         f"Inverse: {inverse.theirs} answers to {len(inverse.samples)} poses, {inverse.wrong} wrong,"
         f" {inverse.unanswered} poses without a right answer",
-        f"  worst answer: {distance_text(inverse.worst_position_error)}, {angle_text(inverse.worst_rotation_error)}",
+        f"  worst answer: {distance_text(inverse.worst_position_error)}, {degrees_text(inverse.worst_rotation_error)}",
         f"  branches: {inverse.ours} of ours inside the limits; missing in theirs: {missing}; extra in theirs:"
         f" {inverse.extra}",
         f"  limits ignored: {inverse.outside} right answers outside the limits",
@@ -88,7 +88,7 @@ def _structure_lines(check: CrossCheck) -> list[str]:
     lines = []
     if check.explanation is not None:
         left = check.explanation
-        rest = f"{distance_text(left.remaining_position_error)}, {angle_text(left.remaining_rotation_error)}"
+        rest = f"{distance_text(left.remaining_position_error)}, {degrees_text(left.remaining_rotation_error)}"
         lines.append(f"Structure: {left.kind}: {left.text} (leaves {rest})")
         lines += [f"  these poses cannot tell it from: {other}" for other in left.others]
     elif check.forward is not None and len(check.forward.samples) < _LEAST_ROWS:
@@ -108,7 +108,7 @@ def _trial_text(trial: Trial) -> str:
     named = ", ".join(f"{name}={choice}" for name, choice in trial.choices.items())
     if math.isinf(trial.position_error):
         return f"{named}: cannot be built"
-    return f"{named}: {distance_text(trial.position_error)}, {angle_text(trial.rotation_error)}"
+    return f"{named}: {distance_text(trial.position_error)}, {degrees_text(trial.rotation_error)}"
 
 
 def distance_text(metres: float) -> str:
@@ -116,7 +116,7 @@ def distance_text(metres: float) -> str:
     return f"{mm_from_m(metres):.3g} mm" if math.isfinite(metres) else "no pose"
 
 
-def angle_text(radians: float) -> str:
+def degrees_text(radians: float) -> str:
     """Return an angle in degrees with three digits."""
     return f"{deg_from_rad(radians):.3g} deg" if math.isfinite(radians) else "no rotation"
 
@@ -132,7 +132,7 @@ def crosscheck_data(check: CrossCheck) -> dict[str, Any]:
         "machine": check.title,
         "kinematic": check.kinematic,
         "axes": list(check.axes),
-        "judge": check.judge,
+        "judge": check.reference,
         "note": check.note,
         "agrees": check.agrees,
         "conventions": dict(check.conventions),
@@ -148,7 +148,7 @@ def _forward_data(forward: Forward) -> dict[str, Any]:
     return {
         "poses": len(forward.samples),
         "agree": int(forward.agrees.sum()),
-        "compared": forward.judged,
+        "compared": forward.compared,
         "position_tolerance_mm": mm_from_m(forward.position_tolerance),
         "rotation_tolerance_deg": deg_from_rad(forward.rotation_tolerance),
         "worst": {

@@ -17,7 +17,7 @@ from chainbuild.units import deg_from_rad, mm_from_m
 from chainbuild.writers.report import crosscheck_text
 from chainbuild.writers.svg_plots import Points, histogram, scatter
 
-_SHOWN_ROWS: Final = 20
+_SHOWN_ROWS: Final = 20  # fit on a page
 _FLOOR: Final = 1e-13  # [mm, deg] errors below are drawn here: rounding has no shape
 _STYLE: Final = """
 body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 70rem; padding: 0 1rem; color: #1b1f24; }
@@ -46,7 +46,7 @@ def crosscheck_page(check: CrossCheck) -> str:
     ET.SubElement(head, "title").text = f"Cross-check: {check.title}"
     ET.SubElement(head, "style").text = _STYLE
     body = ET.SubElement(html, "body")
-    ET.SubElement(body, "h1").text = f"{check.title}: cross-check with {check.judge}"
+    ET.SubElement(body, "h1").text = f"{check.title}: cross-check with {check.reference}"
     verdict = "agrees" if check.agrees else "differs"
     ET.SubElement(body, "p", {"class": f"verdict {verdict}"}).text = verdict.capitalize()
     ET.SubElement(body, "pre").text = crosscheck_text(check)
@@ -67,7 +67,7 @@ def _errors(check: CrossCheck) -> list[tuple[str, Vector, float]]:
     finite = np.isfinite(forward.position_error)
     mm = np.where(finite, mm_from_m(1.0) * forward.position_error, np.nan)
     found = [("position error [mm]", mm, mm_from_m(forward.position_tolerance))]
-    if forward.judged != "position":
+    if forward.compared != "position":
         deg = np.where(finite, deg_from_rad(1.0) * forward.rotation_error, np.nan)
         found.append(("rotation error [deg]", deg, deg_from_rad(forward.rotation_tolerance)))
     return found

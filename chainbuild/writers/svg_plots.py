@@ -12,15 +12,16 @@ import numpy as np
 
 from chainbuild.arrays import Vector
 
+# Pixels of SVG: two plots side by side on a page, and margins with room for labels.
 _WIDTH: Final = 340
 _HEIGHT: Final = 230
-_LEFT: Final = 46  # margins
+_LEFT: Final = 46
 _RIGHT: Final = 10
 _TOP: Final = 24
 _BOTTOM: Final = 40
 _COLOURS: Final = {"random": "#1f6feb", "grid": "#8250df", "singular": "#bc4c00", "recorded": "#1f6feb"}
-_TICKS: Final = 5
-_BINS: Final = 24
+_TICKS: Final = 5  # about as many as can be read along an axis
+_BINS: Final = 24  # about the square root of the usual count of samples
 _GREY: Final = "#6e7781"
 
 

@@ -26,7 +26,7 @@ from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint
 from chainbuild.chain.rods import rod_masters
 from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.files import angle_text, as_folder, make_folder, number_text, numbers_text, write_text
-from chainbuild.frames import inverse, shift, urdf_rpy
+from chainbuild.frames import inverse, translation, urdf_rpy
 from chainbuild.units import m_from_mm, rad_from_deg, si_factor
 from chainbuild.writers import notes
 from chainbuild.writers.notes import urdf_limitations
@@ -41,7 +41,7 @@ _DEFAULT_SPEED: Final = {"revolute": math.pi, "prismatic": 1.0}  # rad/s, m/s
 _DEFAULT_EFFORT: Final = {"revolute": 1000.0, "prismatic": 10_000.0}  # N·m, N
 # Which of the drawn details is the body of which tip, and how large the mark is where a drawing shows nothing.
 _TIPS: Final = {"flange": "flange", "tool": "tool", "table": "workpiece"}
-_MARK_SHARE: Final = 0.01
+_MARK_SHARE: Final = 0.01  # of the machine's size: seen, and in nobody's way
 
 
 def write_urdf(robot: Mechanism, folder: Path | str = "urdf_out") -> Path:
@@ -183,9 +183,9 @@ def _tip_body(chain: Chain, frame: Frame, drawn: Body | None) -> Body:
     size = _MARK_SHARE * machine_size(chain)
     if frame.name == "workpiece":
         plate = (8.0 * size, 8.0 * size, 0.5 * size)
-        return Body(frame.name, "table", shift(z=-0.25 * size), "box", plate, WORKPIECE_SIDE[0])
+        return Body(frame.name, "table", translation(z=-0.25 * size), "box", plate, WORKPIECE_SIDE[0])
     colour = TOOL_COLOUR if frame.name == "tool" else BASE_COLOUR
-    return Body(frame.name, "tool", shift(), "sphere", (size,), colour)
+    return Body(frame.name, "tool", translation(), "sphere", (size,), colour)
 
 
 def _as_written(angle: float) -> float:

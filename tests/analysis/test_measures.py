@@ -9,7 +9,7 @@ import chainbuild
 from chainbuild.analysis.singularity.jacobians import pose_jacobians
 from chainbuild.analysis.singularity.measures import measure, measure_batch, scaling_of, smallest_value
 from chainbuild.analysis.singularity.speeds import speeds
-from chainbuild.analysis.singularity.thresholds import Thresholds, judge, judge_path, thresholds_of
+from chainbuild.analysis.singularity.thresholds import Thresholds, assess, assess_path, thresholds_of
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.errors import ChainbuildError
 
@@ -139,18 +139,18 @@ def test_judgements_of_the_control() -> None:
         return [0.0, -90.0, 90.0, 0.0, a5, 0.0]
 
     limits = Thresholds()
-    found = [judge(robot, at(a5), limits) for a5 in (0.0, 0.1, 2.0, 10.0)]
+    found = [assess(robot, at(a5), limits) for a5 in (0.0, 0.1, 2.0, 10.0)]
     assert [one.level for one in found] == ["singular", "watched", "clear", "clear"]
     assert [one.hand_limit for one in found] == [True, True, True, False]
     assert found[2].hand_deg == pytest.approx(2.0)
     # A path along A1 with A5 = 0 is singular all the way, and longer than 30 mm.
     path = [[a1, -90.0, 90.0, 0.0, a5, 0.0] for a1, a5 in ((0, 20), (1, 0), (4, 0), (8, 0), (9, 30))]
-    (stretch,) = judge_path(robot, path, limits)
+    (stretch,) = assess_path(robot, path, limits)
     assert (stretch.first, stretch.last, stretch.level, stretch.alarm) == (1, 3, "singular", 75327)
     reach = float(np.hypot(*robot.fk(path[1]).translation[:2]))
     chords = 2000.0 * reach * (np.sin(np.radians(1.5)) + np.sin(np.radians(2.0)))
     assert stretch.length_mm == pytest.approx(chords)
-    product = judge(robot, at(2.0), limits, "product")
+    product = assess(robot, at(2.0), limits, "product")
     assert product.value < found[2].value
     with pytest.raises(ChainbuildError, match="quantity"):
-        judge(robot, at(2.0), limits, "sum")  # type: ignore[arg-type]
+        assess(robot, at(2.0), limits, "sum")  # type: ignore[arg-type]

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import Serial
 from chainbuild.ik.branches.elimination.eaik_arm import eaik_robot
 from chainbuild.ik.branches.every import ik_all
@@ -114,7 +114,7 @@ def one_core() -> None:
 
 def arm_of(machine: Machine) -> tuple[Serial, OpwArm] | None:
     """Return a machine as screws and as an ortho-parallel arm, or None."""
-    serial = Query.of(IkRequest(machine.robot, np.eye(4))).serial()
+    serial = BranchQuery.of(IkRequest(machine.robot, np.eye(4))).serial()
     arm = opw_arm(serial)
     return None if arm is None else (serial, arm)
 
@@ -145,7 +145,7 @@ def eaik(machine: Machine) -> BranchSolver | None:
     """EAIK: subproblems, C++."""
     import eaik  # noqa: F401 - names the package where it is missing
 
-    serial = Query.of(IkRequest(machine.robot, np.eye(4))).serial()
+    serial = BranchQuery.of(IkRequest(machine.robot, np.eye(4))).serial()
     model = eaik_robot(serial)
     if model is None:
         return None

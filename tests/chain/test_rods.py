@@ -11,7 +11,7 @@ import pytest
 
 import chainbuild
 from chainbuild.analysis.singularity.names import examine, names_at
-from chainbuild.analysis.singularity.structure import structure_of
+from chainbuild.analysis.singularity.structure import singular_structure
 from chainbuild.chain.geometry import RodData
 from chainbuild.chain.rods import ROD_END, ROD_PIN, has_rods, pinned_links, rod_masters, with_rods
 from chainbuild.errors import ChainError, OverlayError
@@ -117,7 +117,7 @@ def test_structure_and_names_do_not_change_with_rods() -> None:
     for name in ARMS:
         chain = chainbuild.load(name).chain()
         plain, rodded = chainbuild.Robot(chain), chainbuild.Robot(with_rods(chain, RodData()))
-        assert type(structure_of(rodded).form) is type(structure_of(plain).form)
+        assert type(singular_structure(rodded).form) is type(singular_structure(plain).form)
         for axes in samples(plain, 40):
             assert [f.sentence for f in names_at(rodded, axes)] == [f.sentence for f in names_at(plain, axes)]
 

@@ -79,7 +79,7 @@ def test_a_tool_offset_is_named(robot: Robot) -> None:
 
 
 def test_a_base_offset_is_named(robot: Robot) -> None:
-    found = named(robot, recorded(robot, lambda T: frames.shift(0.0, 0.4, 0.0) @ T))
+    found = named(robot, recorded(robot, lambda T: frames.translation(0.0, 0.4, 0.0) @ T))
     assert found.explanation.kind == "base offset"
     assert "(0, 400, 0) mm in the workpiece frame" in found.explanation.text
 
@@ -119,8 +119,8 @@ def test_a_wrong_zero_of_a_linear_axis_is_named() -> None:
     axes = make_samples(table, 30, ("random",)).axes
     moved = axes + [0.0, 7.5, 0.0, 0.0, 0.0]
     poses = np.array([table.fk(row).homogeneous for row in moved])
-    for judged in ("pose", "direction", "position"):
-        found = named(table, Recording(axes, poses, judged))
+    for compared in ("pose", "direction", "position"):
+        found = named(table, Recording(axes, poses, compared))
         assert "7.5" in found.explanation.text
 
 
@@ -166,7 +166,7 @@ def test_radians_are_named(robot: Robot) -> None:
         return frames.transform(frames.matrix_from_angles(robot.chain.angle_mode, np.radians(shown)), T[:3, 3])
 
     in_degrees = recorded(robot)
-    in_radians = Recording(np.radians(in_degrees.axes), in_degrees.poses, in_degrees.judged, "r.csv")
+    in_radians = Recording(np.radians(in_degrees.axes), in_degrees.poses, in_degrees.compared, "r.csv")
     for recording, what in ((recorded(robot, misread), "pose angles"), (in_radians, "rotary axes")):
         found = named(robot, recording).explanation
         assert (found.kind, found.text) == ("unit of angle", f"{what}: radians taken for degrees")
@@ -193,7 +193,7 @@ def test_a_function_with_poses(robot: Robot) -> None:
     found = crosscheck(robot, forward, FEW)
     assert found.agrees
     assert found.inverse is None
-    assert found.judge == "forward"
+    assert found.reference == "forward"
 
 
 def test_a_function_with_branches(robot: Robot) -> None:

@@ -16,7 +16,7 @@ from chainbuild.errors import FileAccessError, Span
 from chainbuild.findings import Finding
 from chainbuild.inspect.export import export_page, page_html
 from chainbuild.inspect.inline import inline_page
-from chainbuild.inspect.sweep import sweep
+from chainbuild.inspect.sweep import axis_sweep
 from chainbuild.robot import Robot
 from tests.kit.browser import chromium, document, screenshot
 from tests.kit.drawn_robots import ROBOTS, arm
@@ -74,7 +74,7 @@ def test_the_sweep_moves_the_robot_and_names_the_axis(tmp_path: Path) -> None:
 def test_the_panel_tells_the_pose_of_the_tool(name: str, tmp_path: Path) -> None:
     """Between two keyframes, too: the pose is read from the scene, not from keyframes far apart."""
     robot = ROBOTS[name]() if name in ROBOTS else chainbuild.Robot.load(name)
-    motion = sweep(robot)
+    motion = axis_sweep(robot)
     for axis in (0, len(robot.axes) - 1):
         frame = 50 * axis + 16
         text = document(export_page(robot, tmp_path / "page.html"), f"#t={(frame + 0.5) / 10}")
@@ -169,7 +169,7 @@ def test_a_failing_export_leaves_the_old_page(tmp_path: Path, monkeypatch: pytes
     def fail(_: Robot) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("chainbuild.inspect.export.sweep", fail)
+    monkeypatch.setattr("chainbuild.inspect.export.axis_sweep", fail)
     with pytest.raises(ZeroDivisionError):
         export_page(arm(), page)
     assert [path.name for path in tmp_path.iterdir()] == ["page.html"]

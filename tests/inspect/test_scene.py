@@ -10,7 +10,7 @@ from meshcat import Visualizer
 
 from chainbuild.frames import matrix_from_quaternion, transform
 from chainbuild.inspect.scene import Scene, labelled_frames
-from chainbuild.inspect.sweep import sweep
+from chainbuild.inspect.sweep import axis_sweep
 from tests.kit.drawn_robots import ROBOTS, arm, gantry
 
 
@@ -60,7 +60,7 @@ def test_draw_and_update_put_links_and_frames_in_place(name: str) -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_keyframe_is_the_pose_that_pinocchio_computes(name: str) -> None:
     robot, window = ROBOTS[name](), Window()
-    scene, motion = Scene(Visualizer(window=window), robot), sweep(robot)
+    scene, motion = Scene(Visualizer(window=window), robot), axis_sweep(robot)
     scene.animate(motion.q)
     clips = {a["path"]: a["clip"] for a in window.commands[-1]["animations"]}
     assert len(clips) == len(robot.chain.joints)
@@ -89,7 +89,7 @@ def test_frames_in_one_place_share_a_label() -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_bounds_hold_every_frame(name: str) -> None:
     robot = ROBOTS[name]()
-    scene, motion = Scene(Visualizer(window=Window()), robot), sweep(robot)
+    scene, motion = Scene(Visualizer(window=Window()), robot), axis_sweep(robot)
     low, high = scene.bounds(motion.q)
     for axes in motion.axes[::5]:
         place = robot.frame_placements(axes)["flange"].translation

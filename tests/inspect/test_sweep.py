@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.bodies import machine_size, shown_limits
 from chainbuild.errors import ChainbuildError
-from chainbuild.inspect.sweep import link_placements, rest_pose, sweep
+from chainbuild.inspect.sweep import axis_sweep, link_placements, rest_pose
 from chainbuild.robot import Robot
 from tests.kit.drawn_robots import ROBOTS, arm, scara
 
@@ -19,7 +19,7 @@ from tests.kit.drawn_robots import ROBOTS, arm, scara
 @pytest.mark.parametrize("name", ROBOTS)
 def test_each_axis_in_turn_visits_both_limits_and_returns(name: str) -> None:
     robot = ROBOTS[name]()
-    motion, (lower, upper) = sweep(robot), shown_limits(robot.chain)
+    motion, (lower, upper) = axis_sweep(robot), shown_limits(robot.chain)
     rest = motion.axes[0]
     assert [segment.axis for segment in motion.segments] == list(range(len(robot.axes)))
     for segment in motion.segments:
@@ -38,7 +38,7 @@ def test_each_axis_in_turn_visits_both_limits_and_returns(name: str) -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_keyframes_are_close_enough_for_the_viewer_to_turn_the_right_way(name: str) -> None:
     # Between keys the viewer takes the shorter way round.
-    steps = np.abs(np.diff(sweep(ROBOTS[name]()).axes, axis=0))
+    steps = np.abs(np.diff(axis_sweep(ROBOTS[name]()).axes, axis=0))
     rotary = [n for n, axis in enumerate(ROBOTS[name]().axes) if axis.kind == "rotary"]
     assert steps[:, rotary].max() < 90.0
 
@@ -84,7 +84,7 @@ def test_an_axis_waits_where_there_is_no_pose() -> None:
     chain = arm().chain
     m = chain.axis_map
     assert isinstance(m, AffineMap)
-    motion = sweep(Robot(replace(chain, axis_map=_Halting(m.A, m.b, m.si_factors, m.back))))
+    motion = axis_sweep(Robot(replace(chain, axis_map=_Halting(m.A, m.b, m.si_factors, m.back))))
     assert motion.held == ("A1",)
     assert 40.0 < motion.axes[:, 0].max() <= 60.0
     assert motion.axes[:, 1].max() == 190.0

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 import chainbuild
-from chainbuild.analysis.collision.paths import _Walk
+from chainbuild.analysis.collision.paths import _ConservativeAdvancement
 from chainbuild.analysis.singularity.measures import characteristic_length
 from chainbuild.chain.assemble import assemble, mark, rotary, shift
 from chainbuild.chain.bodies import detail_bodies, link_bodies, machine_size, shown_limits
@@ -213,7 +213,10 @@ def record(name: str, chain: Chain, bodies: bool) -> dict[str, Any]:
         found["bodies"] = [[b.link, b.part, *b.dimensions, *micro(general_point(places, b))] for b in drawn]
         model = CollisionModel(robot)
         if model.pairs:
-            found["weights"] = [round(float(sum(row)), 6) for row in _Walk(model, np.array(values[:2]), 0.0).weights.T]
+            found["weights"] = [
+                round(float(sum(row)), 6)
+                for row in _ConservativeAdvancement(model, np.array(values[:2]), 0.0).weights.T
+            ]
         found["pairs"] = len(model.pairs)
         found["touching"] = [[*pair] for pair in model.colliding_pairs(values[0])]
         found["colliding"] = [model.collides(axes) for axes in axis_values(name, chain, 30)]

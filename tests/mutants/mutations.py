@@ -16,7 +16,7 @@ _NAMES = {
     "rot_z": "rot_x",
     "inside": "outside",
 }
-_ZEROED_CALLS = {"shift", "offset", "f_frame", "dh_link"}
+_ZEROED_CALLS = {"shift", "translation", "offset", "f_frame", "dh_link"}
 _OPERATORS: dict[type[ast.operator], type[ast.operator]] = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Div: ast.Mult}
 
 

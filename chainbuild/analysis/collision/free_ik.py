@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from chainbuild.ik.result import IkResult
     from chainbuild.kinematics.inputs import Pose
 
-_ATTEMPTS: Final = 40
-_SEED: Final = 5
+_ATTEMPTS: Final = 40  # an arm has up to 8 branches: several starts for each of them
+_SEED: Final = 5  # any: the same question gets the same answer
 
 
 def collision_free_ik(

@@ -20,16 +20,16 @@ from chainbuild.chain.bodies import shown_limits
 from chainbuild.chain.elements import AxisConstraint, Chain
 from chainbuild.chain.geometry import NO_GEOMETRY
 from chainbuild.chain.rods import CRANK, LEVEL_LINKS, ROD, ROD_END, ROD_PIN, has_rods, with_rods
-from chainbuild.collision.model import CollisionModel, Pair
+from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 
-_STEPS: Final = 37
-_HALF_TURN: Final = 180.0
-_REFINEMENTS: Final = 4
+_STEPS: Final = 37  # values of axis 2: every 5 degrees of a range of half a turn
+_HALF_TURN: Final = 180.0  # degrees: a linkage moves half a turn of its crank between dead points
+_REFINEMENTS: Final = 4  # halvings of a step: a sixteenth of it
 # The file's limits are called tight only where they waste more than this.
-_WASTE_DEG: Final = 0.5
-_PRECISION_DEG: Final = 0.01
+_CONSERVATIVE_DEG: Final = 0.5
+_PRECISION_DEG: Final = 0.01  # what limits are proposed in, rounded inwards
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +171,7 @@ class _Search:
         return (angle - self._angle(over, 0.0)) / self.sum.coefficients[self.m]
 
 
-def _arm_pairs(robot: Mechanism, moved: int) -> list[Pair]:
+def _arm_pairs(robot: Mechanism, moved: int) -> list[LinkPair]:
     """Return the pairs of housing, column, arms and rods that an axis moves against one another.
 
     What the forearm carries is not the parallelogram's, and what axis 3 does not move its angle cannot free.
@@ -228,13 +228,13 @@ def _verdicts(
         said.append(_too_wide("upper", given[1], high.upper, high.over, high.upper_pair, over))
     if proposal is not None:
         for name, wasted in (("lower", given[0] - proposal[0]), ("upper", proposal[1] - given[1])):
-            if wasted > _WASTE_DEG:
+            if wasted > _CONSERVATIVE_DEG:
                 said.append(f"the {name} limit is too tight: {wasted:.1f}° of free angle are wasted")
     if not free:
         return ("no position is free: the bodies overlap everywhere, give radii or shapes in the overlay",)
     return tuple(said) or ("the limits fit",)
 
 
-def _too_wide(side: str, given: float, end: float, at: float, pair: Pair | None, over: str) -> str:
+def _too_wide(side: str, given: float, end: float, at: float, pair: LinkPair | None, over: str) -> str:
     touching = f"{pair[0]} and {pair[1]} touch" if pair else "the linkage reaches its dead point"
     return f"the {side} limit {given:g}° is too wide: at {over} = {at:.4g}° {touching} at {end:.2f}°"

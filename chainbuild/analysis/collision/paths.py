@@ -18,14 +18,15 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import BASE_LINK, Chain
 from chainbuild.chain.fold import drawn, drawn_values
-from chainbuild.collision.model import CollisionModel, Pair
+from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
 
 # Bodies closer than this count as touching: without it the steps towards a contact would never end.
 CONTACT: Final = 1e-5
 _SHORTEST_STEP: Final = 1e-7  # share of a segment
+# Positions of a step at which a nonlinear map is asked how far the joints are from its start.
 _NONLINEAR_SAMPLES: Final = 8
-_NONLINEAR_MARGIN: Final = 1.5
+_NONLINEAR_MARGIN: Final = 1.5  # for what joints may move beyond that between two of them
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,7 +44,7 @@ class Contact:
     row: int
     share: float
     axes: Vector
-    pair: Pair
+    pair: LinkPair
     distance: float
 
 
@@ -71,14 +72,14 @@ def contacts(model: CollisionModel, path: ArrayLike, clearance: float = 0.0) -> 
         raise ChainbuildError("the clearance", parameter="clearance", permitted="a finite length from 0")
     if not model.pairs:
         return
-    walk = _Walk(model, rows, clearance)
+    walk = _ConservativeAdvancement(model, rows, clearance)
     for row in range(max(len(rows) - 1, 1)):
         found = walk.segment(row)
         if found is not None:
             yield found
 
 
-class _Walk:
+class _ConservativeAdvancement:
     """Walks along the segments of one path."""
 
     def __init__(self, model: CollisionModel, rows: Matrix, clearance: float) -> None:
@@ -117,7 +118,7 @@ class _Walk:
             step /= 2.0
         return _SHORTEST_STEP
 
-    def _names(self, n: int) -> Pair:
+    def _names(self, n: int) -> LinkPair:
         a, b = self.model.pairs[n]
         return self.model.solids[a].name, self.model.solids[b].name
 
@@ -130,7 +131,7 @@ def pair_weights(model: CollisionModel, largest: Vector) -> Matrix:
         largest: (n_q,) largest absolute values of the joints as drawn on the way: they lengthen linear joints.
     """
     chain = model.robot.chain
-    ways = _ways(chain)
+    ways = _joints_to_links(chain)
     lengths = [float(np.linalg.norm(drawn(joint).T_parent_joint[:3, 3])) for joint in chain.joints]
     weights = np.zeros((len(model.pairs), len(chain.joints)))
     for n, pair in enumerate(model.pairs):
@@ -150,7 +151,7 @@ def pair_weights(model: CollisionModel, largest: Vector) -> Matrix:
     return weights
 
 
-def _ways(chain: Chain) -> dict[str, tuple[int, ...]]:
+def _joints_to_links(chain: Chain) -> dict[str, tuple[int, ...]]:
     """Return for each link the joints from the base to it."""
     ways: dict[str, tuple[int, ...]] = {BASE_LINK: ()}
     for n, joint in enumerate(chain.joints):

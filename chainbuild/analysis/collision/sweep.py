@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike
 from chainbuild.analysis.collision.paths import CONTACT, Contact, first_contact
 from chainbuild.arrays import Vector
 from chainbuild.chain.bodies import shown_limits
-from chainbuild.collision.model import CollisionModel, Pair
+from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
 
 # Ends of intervals are found this well (mm or degrees); a tenth of what is promised.
 END: Final = 1e-3
 _SEEDS: Final = 181  # values tried where the last free one is no longer free
-DEFAULT_STEPS: Final = 41
+DEFAULT_STEPS: Final = 41  # values of the other axis: forty intervals of its range
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,8 +36,8 @@ class FreeInterval:
     over: float
     lower: float | None
     upper: float | None
-    lower_pair: Pair | None = None
-    upper_pair: Pair | None = None
+    lower_pair: LinkPair | None = None
+    upper_pair: LinkPair | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +161,7 @@ def _touches(model: CollisionModel, axes: Vector, m: int, value: float) -> bool:
     return model.collides(axes)
 
 
-def _end(model: CollisionModel, axes: Vector, m: int, begin: float, bound: float) -> tuple[float, Pair | None]:
+def _end(model: CollisionModel, axes: Vector, m: int, begin: float, bound: float) -> tuple[float, LinkPair | None]:
     """Return the last free value on the way from a free one to a bound, and what touches behind it."""
     step = END if bound > begin else -END
     free = begin
@@ -194,6 +194,6 @@ def _clearance(model: CollisionModel, axes: Vector, m: int, value: float) -> flo
     return np.inf if nearest is None else nearest.distance
 
 
-def _touching_pair(model: CollisionModel, axes: Vector, m: int, value: float) -> Pair:
+def _touching_pair(model: CollisionModel, axes: Vector, m: int, value: float) -> LinkPair:
     axes[m] = value
     return model.distance_table(axes)[0].pair

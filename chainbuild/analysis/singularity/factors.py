@@ -21,7 +21,15 @@ from typing import Final
 
 import numpy as np
 
-from chainbuild.analysis.singularity.structure import Arm, Kind, Lines, Mill, Structure, Wrist, meeting_point
+from chainbuild.analysis.singularity.structure import (
+    ArmForm,
+    CartesianForm,
+    Lines,
+    SingularityKind,
+    SingularStructure,
+    WristForm,
+    nearest_point_to_lines,
+)
 from chainbuild.arrays import Vector
 from chainbuild.chain.elements import Task
 
@@ -41,7 +49,7 @@ class Factor:
         folded: Elbow: True where the forearm lies back on the upper arm.
     """
 
-    kind: Kind
+    kind: SingularityKind
     value: float
     joints: tuple[int, ...]
     offset: float = 0.0
@@ -49,7 +57,7 @@ class Factor:
     folded: bool = False
 
 
-def factors(structure: Structure, lines: Lines, task: Task, tool_direction: Vector) -> tuple[Factor, ...]:
+def factors(structure: SingularStructure, lines: Lines, task: Task, tool_direction: Vector) -> tuple[Factor, ...]:
     """Return the factors of a position, the smallest first.
 
     Args:
@@ -59,23 +67,23 @@ def factors(structure: Structure, lines: Lines, task: Task, tool_direction: Vect
         tool_direction: (3,) tool direction in the tool frame.
     """
     form = structure.form
-    if isinstance(form, Arm):
+    if isinstance(form, ArmForm):
         found = list(_arm_factors(form, lines, structure.length))
-    elif isinstance(form, Mill):
-        found = list(_mill_factors(form, lines, task, tool_direction))
-    elif isinstance(form, Wrist):
+    elif isinstance(form, CartesianForm):
+        found = list(_cartesian_factors(form, lines, task, tool_direction))
+    elif isinstance(form, WristForm):
         found = [_wrist_factor(form.joints, lines)]
     else:
         found = []
     return tuple(sorted(found, key=lambda factor: factor.value))
 
 
-def _arm_factors(arm: Arm, lines: Lines, length: float) -> Iterator[Factor]:
+def _arm_factors(arm: ArmForm, lines: Lines, length: float) -> Iterator[Factor]:
     a2 = lines.directions[arm.upper]
     if arm.wrist is not None:
         yield _wrist_factor(arm.wrist, lines)
     upper = lines.points[arm.elbow] - lines.points[arm.upper]
-    fore = meeting_point(lines, arm.tip) - lines.points[arm.elbow]
+    fore = nearest_point_to_lines(lines, arm.tip) - lines.points[arm.elbow]
     upper, fore = upper - a2 * (upper @ a2), fore - a2 * (fore @ a2)
     size = float(np.linalg.norm(upper) * np.linalg.norm(fore))
     if size > _ZERO_ARM**2:
@@ -83,7 +91,7 @@ def _arm_factors(arm: Arm, lines: Lines, length: float) -> Iterator[Factor]:
         yield Factor("elbow", sine, (arm.upper, arm.elbow), folded=bool(upper @ fore < 0.0))
     if arm.turn is not None:
         a1 = lines.directions[arm.turn]
-        arm_to_head = meeting_point(lines, arm.head) - lines.points[arm.turn]
+        arm_to_head = nearest_point_to_lines(lines, arm.head) - lines.points[arm.turn]
         distance = abs(float(a2 @ np.cross(a1, arm_to_head)))
         offset = abs(float(a2 @ arm_to_head))
         yield Factor("shoulder", distance / length, (arm.turn, *arm.head[:1]), offset=offset, distance=distance)
@@ -94,7 +102,7 @@ def _wrist_factor(joints: tuple[int, int, int], lines: Lines) -> Factor:
     return Factor("wrist", float(np.linalg.norm(cross)), joints)
 
 
-def _mill_factors(mill: Mill, lines: Lines, task: Task, d: Vector) -> Iterator[Factor]:
+def _cartesian_factors(mill: CartesianForm, lines: Lines, task: Task, d: Vector) -> Iterator[Factor]:
     directions = [lines.directions[n] for n in mill.rotary]
     if task == "direction" and len(mill.rotary) == 2:
         swings = [np.cross(c, d) for c in directions]

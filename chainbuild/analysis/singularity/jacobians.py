@@ -15,7 +15,7 @@ from chainbuild.arrays import Matrix
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import Product, product_of
 
-CHUNK: Final = 1024  # poses worked on at a time: memory does not grow with the count
+_CHUNK: Final = 1024  # poses worked on at a time: memory does not grow with the count
 
 
 def pose_jacobians(robot: Mechanism, axes: Matrix) -> Iterator[tuple[slice, Matrix, Matrix]]:
@@ -29,8 +29,8 @@ def pose_jacobians(robot: Mechanism, axes: Matrix) -> Iterator[tuple[slice, Matr
     """
     product = product_of(robot.chain)
     x = np.asarray(axes, dtype=float) * robot.kinematics.si_factors
-    for first in range(0, len(x), CHUNK):
-        part = slice(first, min(first + CHUNK, len(x)))
+    for first in range(0, len(x), _CHUNK):
+        part = slice(first, min(first + _CHUNK, len(x)))
         yield (part, *(_chunk(product, x[part]) if product is not None else _singly(robot, x[part])))
 
 

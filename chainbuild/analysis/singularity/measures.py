@@ -21,7 +21,7 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.screws import joints_between_tips
 
-_SMALLEST_LENGTH: Final = 1e-6
+_SMALLEST_LENGTH: Final = 1e-6  # m: shorter than any machine, and rounding of an offset that is 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,8 +15,9 @@ from chainbuild.analysis.singularity.factors import Factor, factors
 from chainbuild.analysis.singularity.measures import Measures, measure, measure_batch, smallest_value
 from chainbuild.analysis.singularity.singularity import Singularity
 from chainbuild.analysis.singularity.speeds import SpeedReport, speeds
-from chainbuild.analysis.singularity.structure import Kind, lines_at, structure_of
+from chainbuild.analysis.singularity.structure import SingularityKind, lines_at, singular_structure
 from chainbuild.arrays import Vector
+from chainbuild.closest import and_joined
 from chainbuild.kinematics.mechanism import Mechanism
 
 # A name is given only where the smallest scaled singular value is below this …
@@ -33,7 +34,7 @@ _ALIASES: Final = {"wrist": "alpha5", "elbow": "alpha2", "shoulder": "alpha1"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Report:
+class SingularityReport:
     """All that is said about one position.
 
     Attributes:
@@ -51,7 +52,9 @@ class Report:
     speed: SpeedReport
 
 
-def examine(robot: Mechanism, axes: ArrayLike, tool_speed_mm: float = 10.0, length: float | None = None) -> Report:
+def examine(
+    robot: Mechanism, axes: ArrayLike, tool_speed_mm: float = 10.0, length: float | None = None
+) -> SingularityReport:
     """Return measures, names and speeds at axis values (n_axes,), mm and degrees.
 
     Args:
@@ -68,7 +71,7 @@ def examine(robot: Mechanism, axes: ArrayLike, tool_speed_mm: float = 10.0, leng
     gate = measures if length is None else measure(robot, values)
     speed = speeds(robot, values, tool_speed_mm)
     names = tuple(_names(robot, values, gate, speed)) if gate.smallest <= NEAR else ()
-    return Report(values, measures, names, tuple(locks.notices(robot, values)), speed)
+    return SingularityReport(values, measures, names, tuple(locks.notices(robot, values)), speed)
 
 
 def names_at(robot: Mechanism, axes: ArrayLike) -> tuple[Singularity, ...]:
@@ -77,7 +80,9 @@ def names_at(robot: Mechanism, axes: ArrayLike) -> tuple[Singularity, ...]:
     return examine(robot, values).names if smallest_value(robot, values) <= NEAR else ()
 
 
-def examine_path(robot: Mechanism, path: ArrayLike, tool_speed_mm: float = 10.0) -> Iterator[tuple[int, Report]]:
+def examine_path(
+    robot: Mechanism, path: ArrayLike, tool_speed_mm: float = 10.0
+) -> Iterator[tuple[int, SingularityReport]]:
     """Yield (row, report) of the rows (N, n_axes) of a path that are singular, nearly so, or deserve a notice.
 
     The measures of all rows are computed at once; only rows below `NEAR` are examined by name.
@@ -90,7 +95,7 @@ def examine_path(robot: Mechanism, path: ArrayLike, tool_speed_mm: float = 10.0)
             yield row, report
 
 
-def kinds(singularities: Iterable[Singularity]) -> tuple[Kind, ...]:
+def kinds(singularities: Iterable[Singularity]) -> tuple[SingularityKind, ...]:
     """Return the kinds of singularities, in their order."""
     return tuple(found.kind for found in singularities)
 
@@ -99,7 +104,7 @@ def _names(robot: Mechanism, axes: Vector, measures: Measures, speed: SpeedRepor
     direction = np.eye(3)[robot.chain.tool_column]
     near = [
         factor
-        for factor in factors(structure_of(robot), lines_at(robot, axes), robot.task, direction)
+        for factor in factors(singular_structure(robot), lines_at(robot, axes), robot.task, direction)
         if factor.value <= NEAR_FACTOR
     ]
     lost = words.lost_motion(robot, measures, turn_first=bool(near) and near[0].kind == "wrist")
@@ -110,7 +115,7 @@ def _names(robot: Mechanism, axes: Vector, measures: Measures, speed: SpeedRepor
     if not near:
         if measures.smallest <= _NEAR_UNNAMED:
             running = words.runaway_axes(robot, measures)
-            condition = f"{words.joined(running)} {'works' if len(running) == 1 else 'work'} against one another"
+            condition = f"{and_joined(running)} {'works' if len(running) == 1 else 'work'} against one another"
             if len(running) == 1:
                 condition = f"{running[0]} hardly moves the tool"
             sentence = f"{condition}: {lost}; {cost}"

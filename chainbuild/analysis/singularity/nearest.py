@@ -16,12 +16,12 @@ from chainbuild.analysis.singularity.measures import Scaling, scaling_of
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.kinematics.mechanism import Mechanism
 
-_STEPS: Final = 40
+_STEPS: Final = 40  # Newton's need about ten, the bound ends those that go round in a circle
 _FOUND: Final = 1e-11  # smallest singular value that counts as singular
 _DIFFERENCE: Final = 1e-5  # of central differences of J: error 1e-10, by truncation and by rounding
 _LONGEST_STEP: Final = 0.3  # rad, or share of the length
-_FLAT: Final = 1e-14
-_HALVINGS: Final = 6
+_FLAT: Final = 1e-14  # squared slope below the error of the differences: there is no way down
+_HALVINGS: Final = 6  # 1/64 of a step that does not get nearer either is given up
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from chainbuild.analysis.singularity.structure import Kind
+from chainbuild.analysis.singularity.structure import SingularityKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +22,7 @@ class Singularity:
         remark: Where a manual describes it otherwise; else an empty string.
     """
 
-    kind: Kind
+    kind: SingularityKind
     alias: str
     value: float
     axes: tuple[str, ...]

@@ -18,10 +18,10 @@ from chainbuild.chain.elements import Chain
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.screws import joint_screws, joints_between_tips
 
-Kind = Literal["wrist", "elbow", "shoulder", "pole", "tilt_end", "other", "gimbal_lock", "dead_point"]
+SingularityKind = Literal["wrist", "elbow", "shoulder", "pole", "tilt_end", "other", "gimbal_lock", "dead_point"]
 
 _SAME: Final = 1e-9  # sines and shares of the length below this are 0: data carry 1e-4 mm at best
-_PROBES: Final = 2
+_PROBES: Final = 2  # two: what lines up in one position by chance does not in the other
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +38,7 @@ class Lines:
 
 
 @dataclass(frozen=True, slots=True)
-class Arm:
+class ArmForm:
     """An arm whose second and third rotary joints are parallel.
 
     Attributes:
@@ -59,7 +59,7 @@ class Arm:
 
 
 @dataclass(frozen=True, slots=True)
-class Mill:
+class CartesianForm:
     """A machine whose linear axes alone reach every point: only the rotary ones can be singular.
 
     Attributes:
@@ -70,7 +70,7 @@ class Mill:
 
 
 @dataclass(frozen=True, slots=True)
-class Wrist:
+class WristForm:
     """Anything with a central wrist whose basic axes have no known singularities.
 
     Attributes:
@@ -80,15 +80,15 @@ class Wrist:
     joints: tuple[int, int, int]
 
 
-Form = Arm | Mill | Wrist | None
+Form = ArmForm | CartesianForm | WristForm | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Structure:
+class SingularStructure:
     """A robot's structure.
 
     Attributes:
-        form: `Arm`, `Mill`, `Wrist`, or None where nothing is found.
+        form: `ArmForm`, `CartesianForm`, `WristForm`, or None where nothing is found.
         length: Characteristic length [m].
     """
 
@@ -96,15 +96,15 @@ class Structure:
     length: float
 
 
-def structure_of(robot: Mechanism) -> Structure:
+def singular_structure(robot: Mechanism) -> SingularStructure:
     """Return a robot's structure, found at first use."""
     return robot.prepared("singular structure", lambda: _found(robot))
 
 
-def _found(robot: Mechanism) -> Structure:
+def _found(robot: Mechanism) -> SingularStructure:
     probes = [lines_at(robot, values) for values in _probe_positions(robot)]
     length = characteristic_length(robot.chain)
-    return Structure(_form(robot.chain, probes, length), length)
+    return SingularStructure(_form(robot.chain, probes, length), length)
 
 
 def lines_at(robot: Mechanism, axes: ArrayLike) -> Lines:
@@ -130,13 +130,13 @@ def _form(chain: Chain, probes: list[Lines], length: float) -> Form:
     linear = [n for n in moving if chain.joints[n].kind == "prismatic"]
     free = [n for n in linear if not _held(chain, n)]
     if free and np.linalg.matrix_rank(probes[0].directions[free], tol=_SAME) == 3:
-        return Mill(tuple(rotary))
+        return CartesianForm(tuple(rotary))
     rotary = _lines_once(probes, [n for n in rotary if not _held(chain, n)], length)
     for i in range(len(rotary) - 2):
         if _parallel(probes, rotary[i], rotary[i + 1]):
             return _arm(probes, rotary, i, length)
     wrist = _meeting(probes, rotary, length) if len(rotary) > 3 or linear else ()
-    return Wrist(wrist) if len(wrist) == 3 else None
+    return WristForm(wrist) if len(wrist) == 3 else None
 
 
 def _lines_once(probes: list[Lines], rotary: list[int], length: float) -> list[int]:
@@ -156,13 +156,13 @@ def _held(chain: Chain, joint: int) -> bool:
     return all(axis.held for axis, factor in zip(chain.axes, row, strict=True) if factor)
 
 
-def _arm(probes: list[Lines], rotary: list[int], i: int, length: float) -> Arm:
+def _arm(probes: list[Lines], rotary: list[int], i: int, length: float) -> ArmForm:
     rest = rotary[i + 2 :]
     head = _meeting(probes, rest, length)
     tip = (rest[0],) if _parallel(probes, rotary[i], rest[0]) else head
-    turn = rotary[i - 1] if i and _across(probes, rotary[i - 1], rotary[i]) else None
+    turn = rotary[i - 1] if i and _perpendicular(probes, rotary[i - 1], rotary[i]) else None
     wrist = (rest[-3], rest[-2], rest[-1]) if len(rest) >= 3 else None
-    return Arm(rotary[i], rotary[i + 1], tip, turn, head, wrist)
+    return ArmForm(rotary[i], rotary[i + 1], tip, turn, head, wrist)
 
 
 def _meeting(probes: list[Lines], joints: list[int], length: float) -> tuple[int, ...]:
@@ -174,7 +174,7 @@ def _meeting(probes: list[Lines], joints: list[int], length: float) -> tuple[int
     return (joints[-1],)
 
 
-def meeting_point(lines: Lines, joints: tuple[int, ...]) -> Vector:
+def nearest_point_to_lines(lines: Lines, joints: tuple[int, ...]) -> Vector:
     """Return the point (3,) nearest to the lines of joints, and of all such points the one nearest to the tool."""
     A, b = np.zeros((3, 3)), np.zeros(3)
     for n in joints:
@@ -190,7 +190,7 @@ def _gap(lines: Lines, joints: tuple[int, ...]) -> float:
     directions = lines.directions[list(joints)]
     if np.linalg.matrix_rank(directions, tol=_SAME) < 2:
         return float("inf")
-    point = meeting_point(lines, joints)
+    point = nearest_point_to_lines(lines, joints)
     offsets = np.cross(directions, point - lines.points[list(joints)])
     return float(np.linalg.norm(offsets, axis=1).max())
 
@@ -199,5 +199,5 @@ def _parallel(probes: list[Lines], a: int, b: int) -> bool:
     return all(np.linalg.norm(np.cross(p.directions[a], p.directions[b])) < _SAME for p in probes)
 
 
-def _across(probes: list[Lines], a: int, b: int) -> bool:
+def _perpendicular(probes: list[Lines], a: int, b: int) -> bool:
     return all(abs(float(p.directions[a] @ p.directions[b])) < _SAME for p in probes)

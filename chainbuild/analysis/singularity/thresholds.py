@@ -50,7 +50,7 @@ class Thresholds:
 
 
 @dataclass(frozen=True, slots=True)
-class Judgement:
+class Assessment:
     """What a control would make of a position.
 
     Attributes:
@@ -67,7 +67,7 @@ class Judgement:
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class PathSection:
     """A run of rows of a path that a control calls singular or watches.
 
     Attributes:
@@ -102,17 +102,17 @@ def thresholds_of(chain: Chain) -> Thresholds | None:
     )
 
 
-def judge(robot: Mechanism, axes: ArrayLike, limits: Thresholds, quantity: Quantity = "smallest") -> Judgement:
+def assess(robot: Mechanism, axes: ArrayLike, limits: Thresholds, quantity: Quantity = "smallest") -> Assessment:
     """Return what a control would make of axis values (n_axes,), mm and degrees."""
     values = robot.axis_values(axes)
     value = float(_values(robot, values[None, :], quantity)[0])
     angle = _hand_angle(robot, values)
-    return Judgement(value, _level(value, limits), angle, angle is not None and angle < limits.iter_limit_deg)
+    return Assessment(value, _level(value, limits), angle, angle is not None and angle < limits.iter_limit_deg)
 
 
-def judge_path(
+def assess_path(
     robot: Mechanism, path: ArrayLike, limits: Thresholds, quantity: Quantity = "smallest"
-) -> Iterator[Stretch]:
+) -> Iterator[PathSection]:
     """Yield the stretches of a path (N, n_axes) that a control calls singular or watches.
 
     Only the rows are looked at: give them as dense as the control's blocks are cut.
@@ -133,7 +133,7 @@ def judge_path(
         length = mm_from_m(float(way))
         singular = all(level == "singular" for level in run)
         alarm = BLOCK_TOO_LONG_ALARM if singular and length >= LONGEST_SINGULAR_MM else None
-        yield Stretch(first, last, "singular" if "singular" in run else "watched", length, alarm)
+        yield PathSection(first, last, "singular" if "singular" in run else "watched", length, alarm)
         first = last + 1
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -14,6 +13,7 @@ from chainbuild.analysis.singularity.speeds import SpeedReport
 from chainbuild.arrays import Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.fold import drawn_values
+from chainbuild.closest import and_joined
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.units import deg_from_rad, mm_from_m
 
@@ -21,7 +21,7 @@ _EXACT: Final = 1e-6  # below this nothing is "nearly"
 _ALONG_AXIS: Final = 0.985  # cosine of 10 degrees: such a direction is called by its axis
 _SHARE: Final = 0.4  # parts of a motion below this share are not mentioned
 _RUNS: Final = 0.2  # axes below this share of the fastest do not run away
-_REMARK_DEG: Final = 0.5
+_REMARK_DEG: Final = 0.5  # a difference that a display of whole degrees would show
 
 
 def condition(robot: Mechanism, axes: Vector, factor: Factor) -> tuple[str, tuple[str, ...]]:
@@ -114,8 +114,8 @@ def cost(report: SpeedReport, measures: Measures) -> str:
     if measures.smallest < _EXACT:
         endless = [row.axis.name for row in report.axes if math.isinf(row.needed)]
         if endless:
-            return f"{speed} in every direction needs infinite speed of {joined(endless)}"
-        return f"{speed} stays possible, {joined([report.axes[n].axis.name for n in _fastest(measures)])} can drift"
+            return f"{speed} in every direction needs infinite speed of {and_joined(endless)}"
+        return f"{speed} stays possible, {and_joined([report.axes[n].axis.name for n in _fastest(measures)])} can drift"
     worst = max(report.axes, key=lambda row: row.needed / (row.limit or (360.0 if row.axis.kind == "rotary" else 1e3)))
     unit = "°/s" if worst.axis.unit == "deg" else " mm/s"
     limit = f", which can {worst.limit:g}{unit}" if worst.limit is not None and worst.excessive else ""
@@ -142,9 +142,3 @@ def elbow_remark(robot: Mechanism, axes: Vector, factor: Factor) -> str:
     if off - deg_from_rad(math.asin(min(factor.value, 1.0))) < _REMARK_DEG:
         return ""
     return f"{source}; here it lies elsewhere"
-
-
-def joined(names: Sequence[str]) -> str:
-    """Return "A4", "A4 and A6", "A2, A3 and A5"."""
-    *first, last = names
-    return f"{', '.join(first)} and {last}" if first else last

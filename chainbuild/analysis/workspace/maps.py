@@ -29,7 +29,7 @@ from chainbuild.errors import ChainbuildError, FileAccessError, Span
 from chainbuild.kinematics.mechanism import Mechanism
 
 PART: Final = 20_000  # positions of a part: a fraction of a second
-_PARTS_BETWEEN_SAVES: Final = 16
+_PARTS_BETWEEN_SAVES: Final = 16  # a few seconds of work, of which little is lost and little spent on writing
 _AHEAD: Final = 2  # parts handed out for each process beyond the one it works on
 
 

@@ -17,9 +17,9 @@ from chainbuild.kinematics.mechanism import Mechanism
 MapKind = Literal["axes", "rz", "xz", "xy", "yz", "volume"]
 
 KINDS: Final[tuple[MapKind, ...]] = get_args(MapKind)
-MAX_CELLS: Final = 50_000_000
-_PROBES: Final = 8192
-_MARGIN: Final = 0.03
+MAX_CELLS: Final = 50_000_000  # cells: 800 MB at 16 bytes each
+_PROBES: Final = 8192  # positions that the box of the map is found by
+_MARGIN: Final = 0.03  # share of the box added on each side: probes do not touch its walls
 _PLANES: Final = {"xz": (0, 2, 1), "xy": (0, 1, 2), "yz": (1, 2, 0)}
 
 

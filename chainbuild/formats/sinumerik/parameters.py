@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from chainbuild.convention import Choices
 from chainbuild.formats.machine import ParameterRow
-from chainbuild.formats.sinumerik.geometry.robot_axes import RECIPES, Arm, basic_moves, internal_axes
+from chainbuild.formats.sinumerik.geometry.robot_axes import RECIPES, ArmData, basic_moves, internal_axes
 from chainbuild.formats.sinumerik.geometry.tool import Tool
 from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum, catalogue
 from chainbuild.formats.sinumerik.reading.data_table import written_name
@@ -23,7 +23,7 @@ _SI: Mapping[str, tuple[str, Callable[[float], float]]] = {
 
 def parameter_rows(robx: Robx, tool: Tool, choose: Choices) -> tuple[ParameterRow, ...]:
     """Return the data of the transformation set, every ROBX datum, then the active tool's lengths and angles."""
-    arm = Arm(internal_axes(robx, choose), *robx.lengths_mm, choose)
+    arm = ArmData(internal_axes(robx, choose), *robx.lengths_mm, choose)
     linear = [move.kind == "prismatic" for move in basic_moves(RECIPES[robx.main_axes](arm))]
     general = [catalogue()[f"{name}_{robx.transformation}"] for name in ("TRAFO_TYPE", "TRAFO_AXES_IN")]
     own = [datum for datum in catalogue().values() if datum.te4_name]

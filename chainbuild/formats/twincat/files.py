@@ -12,14 +12,14 @@ from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.text import SourceText, is_xml, read_source
 from chainbuild.formats.twincat.lists.axislist import AxisList, read_axis_list
 from chainbuild.formats.twincat.lists.channel import read_channel
-from chainbuild.formats.twincat.lists.config import Channel, kept_by
+from chainbuild.formats.twincat.lists.config import Channel, errors_collected_by
 from chainbuild.formats.twincat.lists.container import Section, read_container
 from chainbuild.formats.twincat.lists.reader import Line, read_list
 from chainbuild.formats.twincat.lists.toollist import Tool, read_tools
 from chainbuild.formats.twincat.machine import Content, TwinCatMachine
 from chainbuild.formats.twincat.types.catalogue import why_unsupported
 
-_TOOLS_NAMED: Final = 8
+_TOOLS_NAMED: Final = 8  # fit on a line; the others are counted
 
 
 def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Collector) -> TwinCatMachine:
@@ -37,7 +37,7 @@ def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Co
         MachineDataError: a value or index out of range, a missing or repeated id, no kinematic at all.
     """
     sections: Sequence[Section] = ()
-    with kept_by(collector):
+    with errors_collected_by(collector):
         sections = _sections(source)
     channels, tools = _channels(sections, source.file, collector)
     lists = [
@@ -102,7 +102,7 @@ def _number(section: Section) -> str:
 
 def _axis_lists(path: Path, collector: Collector) -> list[AxisList]:
     """Return the axis lists of a file that the overlay names."""
-    with kept_by(collector):
+    with errors_collected_by(collector):
         source = read_source(path)
         sections = _sections(source)
         if not is_xml(source.text):

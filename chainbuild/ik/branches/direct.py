@@ -24,19 +24,19 @@ from chainbuild.frames import transform
 from chainbuild.ik.branches.arms.orientation import Turns, for_direction, for_rotation
 from chainbuild.ik.branches.core.axis_values import axes_for
 from chainbuild.ik.branches.core.branches import Candidate, Solutions, collect, verified
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
 from chainbuild.kinematics.mechanism import Mechanism
 
 _LINEAR_STEPS: Final = 2  # the second one only cleans the last digits
-_MOST_ROTARY: Final = 3
+_MAX_ROTARY: Final = 3  # more revolute joints leave the direction open
 
 
-def query_is_direct(query: Query) -> bool:
+def query_is_direct(query: BranchQuery) -> bool:
     """Tell whether the direct solver answers a query."""
     structure, chain = query.structure, query.mechanism.chain
-    if chain.loops or len(structure.linear) != 3 or len(structure.revolute) > _MOST_ROTARY:
+    if chain.loops or len(structure.linear) != 3 or len(structure.revolute) > _MAX_ROTARY:
         return False
     if len(structure.rotary) < len(structure.revolute):
         return False
@@ -45,7 +45,7 @@ def query_is_direct(query: Query) -> bool:
     return bool(np.isfinite(block).all()) and abs(float(np.linalg.det(block))) > tolerances.RANK
 
 
-def find_direct(query: Query) -> Solutions:
+def find_direct(query: BranchQuery) -> Solutions:
     """Return the direct solutions of a query for which `query_is_direct` holds."""
     return collect(query, _candidates(query))
 
@@ -64,7 +64,7 @@ def linear_axes_for(mechanism: Mechanism, position: ArrayLike, axes: ArrayLike) 
     values = mechanism.axis_values(axes)
     T = mechanism.fk(values)
     target = transform(T.rotation, np.asarray(position, dtype=float))
-    query = Query.of(IkRequest(mechanism, target, values))
+    query = BranchQuery.of(IkRequest(mechanism, target, values))
     if not query_is_direct(query):
         raise ChainbuildError("this kinematic has no direct solution")
     x = _with_linear_axes(query, query.x0.copy())
@@ -80,18 +80,18 @@ def linear_axes_for(mechanism: Mechanism, position: ArrayLike, axes: ArrayLike) 
     return row.branch("position")
 
 
-def _candidates(query: Query) -> Iterator[Candidate]:
+def _candidates(query: BranchQuery) -> Iterator[Candidate]:
     """Yield SI axis values that may be solutions, with the names of their free axes."""
     structure = query.structure
     columns = structure.rotary[: len(structure.revolute)]  # axes beyond these (a virtual one) stay at the start
     for turns, joints in _rotary_solutions(query):
-        free = query.loose_axes(joints, turns.free, columns)
+        free = query.undetermined_axes(joints, turns.free, columns)
         for x in axes_for(query, joints, np.array(turns.angles), columns):
             for full in _placed(query, x, free):
                 yield full, query.axis_names(free)
 
 
-def _placed(query: Query, x: Vector, free: list[int]) -> Iterator[Vector]:
+def _placed(query: BranchQuery, x: Vector, free: list[int]) -> Iterator[Vector]:
     """Yield x with its linear axes in place; free axes are put back to exactly their start first."""
     if free:
         kept = x.copy()
@@ -105,7 +105,7 @@ def _placed(query: Query, x: Vector, free: list[int]) -> Iterator[Vector]:
         yield placed
 
 
-def _with_linear_axes(query: Query, x: Vector) -> Vector | None:
+def _with_linear_axes(query: BranchQuery, x: Vector) -> Vector | None:
     """Return x with the linear axes that bring the tip to the target's position."""
     linear, target = query.structure.linear, query.target
     for _ in range(_LINEAR_STEPS):
@@ -117,7 +117,7 @@ def _with_linear_axes(query: Query, x: Vector) -> Vector | None:
     return x
 
 
-def _rotary_solutions(query: Query) -> Iterator[tuple[Turns, NDArray[np.intp]]]:
+def _rotary_solutions(query: BranchQuery) -> Iterator[tuple[Turns, NDArray[np.intp]]]:
     """Yield the angles of the rotary joints that give the target's orientation, and those joints' indices."""
     serial = query.serial()
     screws = [screw for screw in serial.screws if screw.kind == "revolute"]

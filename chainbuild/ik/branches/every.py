@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import axes_for
 from chainbuild.ik.branches.core.branches import Branches, Candidate, Solutions, collect, named
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import ArmSolver
 from chainbuild.ik.branches.direct import find_direct
-from chainbuild.ik.branches.gather import gather
+from chainbuild.ik.branches.multistart import multistart_branches
 from chainbuild.ik.branches.status_turn import has_status, status_turn
 from chainbuild.ik.plan import TASK_ROWS, plan_for
 from chainbuild.ik.request import Held, IkRequest
@@ -32,10 +32,10 @@ def ik_all(
     windings: bool = False,
 ) -> Branches:
     """Return every branch of a pose inside all limits, nearest to the start first; see `Robot.ik_all`."""
-    return every_branch(Query.of(IkRequest.of(mechanism, T, start, held), windings)).branches
+    return every_branch(BranchQuery.of(IkRequest.of(mechanism, T, start, held), windings)).branches
 
 
-def every_branch(query: Query) -> Solutions:
+def every_branch(query: BranchQuery) -> Solutions:
     """Return the branches of a query by its plan.
 
     Raises:
@@ -48,7 +48,7 @@ def every_branch(query: Query) -> Solutions:
         found = collect(query, _arm_candidates(query, plan.solver))
     else:
         _refuse_redundant(query)
-        found = collect(query, ((x, ()) for x in gather(query)))
+        found = collect(query, ((x, ()) for x in multistart_branches(query)))
     bits = None
     if has_status(query.mechanism):
         bits = [status_turn(query.mechanism, axes) for axes in found.branches.axes]
@@ -57,7 +57,7 @@ def every_branch(query: Query) -> Solutions:
 
 def nearest_branch(request: IkRequest) -> IkResult | None:
     """Return the branch nearest to the start, or a failure; None where branches would only be searched for."""
-    query = Query.of(request)
+    query = BranchQuery.of(request)
     if not plan_for(query).complete:
         return None
     found = every_branch(query)
@@ -74,7 +74,7 @@ def nearest_branch(request: IkRequest) -> IkResult | None:
 
 def no_closed_form(request: IkRequest) -> ChainbuildError:
     """Return the error for a closed form that was asked for and is not known."""
-    plan = plan_for(Query.of(request))
+    plan = plan_for(BranchQuery.of(request))
     return ChainbuildError(
         f"no closed form is known for this kinematic: {plan.reason}",
         parameter="solver",
@@ -83,16 +83,16 @@ def no_closed_form(request: IkRequest) -> ChainbuildError:
     )
 
 
-def _arm_candidates(query: Query, solver: ArmSolver) -> Iterator[Candidate]:
+def _arm_candidates(query: BranchQuery, solver: ArmSolver) -> Iterator[Candidate]:
     joints = np.array([screw.joint for screw in query.serial().screws], dtype=np.intp)
     keep = query.q0[joints].tolist()
     free_axes = query.structure.free
     for values, free in solver(query.target.homogeneous, keep):
         for x in axes_for(query, joints, values, free_axes):
-            yield x, query.axis_names(query.loose_axes(joints, free, free_axes))
+            yield x, query.axis_names(query.undetermined_axes(joints, free, free_axes))
 
 
-def _refuse_redundant(query: Query) -> None:
+def _refuse_redundant(query: BranchQuery) -> None:
     """Refuse a chain whose branches are no points but curves."""
     free, rows = query.structure.free, TASK_ROWS[query.mechanism.task]
     if len(free) <= rows:

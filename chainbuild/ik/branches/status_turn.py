@@ -13,12 +13,13 @@ from chainbuild.chain.poses import link_placements
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import inverse
 from chainbuild.ik.branches.arms.arms import wrist_centre
-from chainbuild.ik.branches.core.serial import Screw, image
+from chainbuild.ik.branches.core.serial import Screw, transformed_point
 from chainbuild.kinematics.screws import joints_between_tips
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
+# Bits of the pose status, as KIN_TYP 45 numbers them.
 WRIST_BEHIND: Final = 1
 WRIST_IN_FRONT: Final = 2
 HAND_NEGATIVE: Final = 4
@@ -70,7 +71,9 @@ def _wrist_place(mechanism: Mechanism, q: Vector) -> tuple[bool, bool]:
         raise ChainbuildError("the hand axes do not meet in a point, so no status is defined")
     column, shoulder, elbow, _, hand, _ = (links[joint.child] for joint in arm)
     back = inverse(column)
-    (x2, _, z2), (x3, _, z3), (xw, _, zw) = (image(back, T[:3, 3]).tolist() for T in (shoulder, elbow, hand))
+    (x2, _, z2), (x3, _, z3), (xw, _, zw) = (
+        transformed_point(back, T[:3, 3]).tolist() for T in (shoulder, elbow, hand)
+    )
     return xw < 0.0, (z3 - z2) * (xw - x2) - (x3 - x2) * (zw - z2) > 0.0
 
 

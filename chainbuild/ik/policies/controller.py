@@ -23,7 +23,7 @@ from chainbuild.arrays import Vector
 from chainbuild.chain.elements import ControllerSolver
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import turned_axes
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult, Status
 from chainbuild.ik.verify import is_met
@@ -31,9 +31,9 @@ from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.newton import newton
 from chainbuild.units import mm_from_m
 
-_FLOOR: Final = 1e-12
+_FLOOR: Final = 1e-12  # keeps the factorisation alive at singular points
 _SINGULAR_DAMPING: Final = 1e-3  # share of the squared error, as in the damped solver
-_FULL_TURN_DEG: Final = 360.0
+_FULL_TURN_DEG: Final = 360.0  # angles that differ by it are one place
 ALARMS_SINGULAR: Final = (75370, 75371, 75372)  # interpreter, block preparation, interpolation
 
 
@@ -60,7 +60,7 @@ def solve_controller(request: IkRequest) -> IkResult:
         ChainbuildError: the machine data grant no budget.
     """
     mechanism = request.mechanism
-    budget, query = budget_of(mechanism), Query.of(request)
+    budget, query = budget_of(mechanism), BranchQuery.of(request)
     residual = mechanism.kinematics.residual(query.target, mechanism.task)
 
     def damping(x: Vector, error: Vector) -> float:
@@ -79,7 +79,7 @@ def solve_controller(request: IkRequest) -> IkResult:
     if np.isfinite(x).all():
         x = next(turned_axes(query, x, query.structure.free))
     distance, angle = mechanism.kinematics.errors(x, query.target, mechanism.task)
-    status, reason = _judge(query, x, ended.error, (distance, angle), budget)
+    status, reason = _assessed(query, x, ended.error, (distance, angle), budget)
     return IkResult(
         status == "ok", query.shown(x), status, distance, angle, ended.steps, 0, mechanism.task, reason,
         mechanism.limits.violated(query.shown(x)) if status == "limits" else (),
@@ -91,19 +91,19 @@ def _target_function(error: Vector) -> float:
     return max(mm_from_m(float(np.abs(error[:3]).max())), float(np.abs(error[3:]).max(initial=0.0)))
 
 
-def _hand_deg(query: Query, x: Vector, budget: ControllerSolver) -> float | None:
+def _hand_deg(query: BranchQuery, x: Vector, budget: ControllerSolver) -> float | None:
     """Return the mathematical angle of axis 5 in (-180, 180]; None where the robot has none."""
     if budget.hand_angle is None:
         return None
     return math.remainder(budget.hand_angle.value(query.shown(x)), _FULL_TURN_DEG)
 
 
-def _singular(query: Query, x: Vector, budget: ControllerSolver) -> bool:
+def _singular(query: BranchQuery, x: Vector, budget: ControllerSolver) -> bool:
     hand = _hand_deg(query, x, budget)
     return hand is not None and abs(hand) < budget.limit_deg
 
 
-def _retracted(query: Query, x: Vector, budget: ControllerSolver) -> Vector:
+def _retracted(query: BranchQuery, x: Vector, budget: ControllerSolver) -> Vector:
     """Return a start whose axis 5 is not closer to 0 than ITERLIMIT2."""
     hand = _hand_deg(query, x, budget)
     if budget.hand_angle is None or hand is None or abs(hand) >= budget.limit2_deg:
@@ -115,8 +115,8 @@ def _retracted(query: Query, x: Vector, budget: ControllerSolver) -> Vector:
     return x
 
 
-def _judge(
-    query: Query, x: Vector, error: Vector, missed: tuple[float, float], budget: ControllerSolver
+def _assessed(
+    query: BranchQuery, x: Vector, error: Vector, missed: tuple[float, float], budget: ControllerSolver
 ) -> tuple[Status, str]:
     """Return status and reason of where the budget ended.
 

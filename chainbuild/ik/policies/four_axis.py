@@ -24,7 +24,7 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import turned_axes
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
 from chainbuild.kinematics.inputs import Pose
@@ -39,8 +39,8 @@ _STARTS: Final = 24  # places that a descent begins at where the start leads now
 _DAMPING: Final = shrinking(1e-3, 1e-14)
 _MET: Final = below(1e-20)
 _BLIND: Final = 1e-6  # a C that moves less than this with any axis is not what can be programmed
-_SAME: Final = 1e-6
-_FULL_TURN_DEG: Final = 360.0
+_SAME: Final = 1e-6  # solutions closer than this in every axis [m, rad] are one
+_FULL_TURN_DEG: Final = 360.0  # places that differ by it are one orientation
 
 
 class Angle(Protocol):
@@ -119,7 +119,7 @@ def as_programmed(
     if float(np.linalg.norm(request.target[:3, 3])) > request.mechanism.kinematics.reach:
         return request, found  # too far for any orientation
     c_deg = frames.angles_from_matrix(chain.angle_mode, request.target[:3, :3])[2]
-    followed = _following(request, PoseAngle(chain.angle_mode, c_deg), solve, from_start)
+    followed = _with_reachable_orientation(request, PoseAngle(chain.angle_mode, c_deg), solve, from_start)
     return followed or (request, found)
 
 
@@ -137,21 +137,23 @@ def _with_running_c(request: IkRequest, solve: Solve, c_deg: float, from_start: 
 
     def turned(asked: IkRequest) -> IkResult:
         found = solve(asked)
-        return _wound(mechanism, found, total, c_deg) if found.success else found
+        return _with_whole_turns(mechanism, found, total, c_deg) if found.success else found
 
     found = turned(request)
     off = rad_from_deg(c_deg - total.value(found.axes))
     if found.success and abs(off) <= tolerances.IK_ROTATION_RAD:
         return request, found
     angle = RunningAngle(total, mechanism.kinematics.si_factors, c_deg)
-    return _following(request, angle, turned, from_start) or (request, found)
+    return _with_reachable_orientation(request, angle, turned, from_start) or (request, found)
 
 
-def _following(request: IkRequest, angle: Angle, solve: Solve, from_start: bool) -> tuple[IkRequest, IkResult] | None:
+def _with_reachable_orientation(
+    request: IkRequest, angle: Angle, solve: Solve, from_start: bool
+) -> tuple[IkRequest, IkResult] | None:
     """Return the answer for a reachable orientation with the C given, or a failure of one, or None: there is none."""
-    query, failed = Query.of(request), None
+    query, failed = BranchQuery.of(request), None
     kinematics = request.mechanism.kinematics
-    for x in _places(query, angle):
+    for x in _orientations_with_c(query, angle):
         T = kinematics.pose(kinematics.q(x))
         reachable = request.to(
             frames.transform(T.rotation, query.target.translation), request.start if from_start else query.shown(x)
@@ -163,7 +165,7 @@ def _following(request: IkRequest, angle: Angle, solve: Solve, from_start: bool)
     return failed
 
 
-def _places(query: Query, angle: Angle) -> Iterator[Vector]:
+def _orientations_with_c(query: BranchQuery, angle: Angle) -> Iterator[Vector]:
     """Yield SI axis values with the position and the C wanted, with whole turns towards the limits, each once.
 
     First comes where a descent from the start leads, then what other starts find, nearest to the start first.
@@ -189,7 +191,7 @@ def _places(query: Query, angle: Angle) -> Iterator[Vector]:
     yield from sorted(others, key=query.distance)
 
 
-def _descend(query: Query, angle: Angle, x: Vector) -> Vector | None:
+def _descend(query: BranchQuery, angle: Angle, x: Vector) -> Vector | None:
     """Return SI axis values that meet position and C, by damped Newton steps from x, or None."""
     kinematics, free = query.mechanism.kinematics, query.structure.free
 
@@ -204,7 +206,7 @@ def _descend(query: Query, angle: Angle, x: Vector) -> Vector | None:
     return ended.x if ended.met else None
 
 
-def _wound(mechanism: Mechanism, found: IkResult, total: AxisSum, c_deg: float) -> IkResult:
+def _with_whole_turns(mechanism: Mechanism, found: IkResult, total: AxisSum, c_deg: float) -> IkResult:
     """Return a solution whose last rotary axis has made the whole turns that an absolute C asks for."""
     n = _last_axis(mechanism, total)
     axis, factor = mechanism.axes[n], total.coefficients[n]

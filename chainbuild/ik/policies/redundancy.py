@@ -28,16 +28,16 @@ from chainbuild.kinematics.newton import Residual, below, newton, shrinking
 Preference = Literal["near", "middle", "dexterous"]
 Cost = Callable[[Vector], float]
 
-_STEPS: Final = 200
+_STEPS: Final = 200  # at most; the stride ends it before
 _BACK_STEPS: Final = 8  # at most, back onto the pose after a step in the null space
 _MET: Final = below(tolerances.IK_RESIDUAL_SQUARED)
 _DAMPING: Final = shrinking(0.0, 1e-12)
 _FIRST_STRIDE: Final = 0.3  # [m, rad], over the free axes together
-_LAST_STRIDE: Final = 1e-6
-_GROWTH: Final = 2.0
-_DIFFERENCE: Final = 1e-6
-_RANK: Final = 1e-9
-_WORTH: Final = 1e-12  # share of the cost that a step must gain
+_LAST_STRIDE: Final = 1e-6  # rad or m: finer than any axis is moved
+_GROWTH: Final = 2.0  # of the stride after a success; halved after a failure
+_DIFFERENCE: Final = 1e-6  # of central differences of the cost: the best between truncation and rounding
+_RANK: Final = 1e-9  # share of the largest singular value below which a direction is in the null space
+_MIN_GAIN: Final = 1e-12  # share of the cost that a step must gain
 _AT_LIMIT: Final = 1e-9  # an axis this close to its limit [m, rad] is taken to stand at it
 
 
@@ -116,8 +116,8 @@ class _Search:
             direction = self.downhill(x, cost)
             if direction is None:
                 break
-            there = self.back_on_pose(self.clamped(x + stride * direction))
-            if there is not None and cost(there) < best - _WORTH * max(1.0, abs(best)):
+            there = self.projected_on_pose(self.clamped(x + stride * direction))
+            if there is not None and cost(there) < best - _MIN_GAIN * max(1.0, abs(best)):
                 x, best, stride = there, cost(there), stride * _GROWTH
             else:
                 stride /= _GROWTH
@@ -165,7 +165,7 @@ class _Search:
                 return None
         return None
 
-    def back_on_pose(self, x: Vector) -> Vector | None:
+    def projected_on_pose(self, x: Vector) -> Vector | None:
         """Return a point near x where the tool is on the target and all limits are kept, or None."""
         ended = newton(self.residual, x, self.free, _MET, _DAMPING, _BACK_STEPS)
         if not ended.met or self.mechanism.limits.violated(ended.x / self.mechanism.kinematics.si_factors):

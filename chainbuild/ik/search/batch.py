@@ -20,7 +20,7 @@ from chainbuild.ik.result import STATUSES
 from chainbuild.ik.search.compiled import packing as compiled
 from chainbuild.ik.search.problem import Problem, problem_of
 from chainbuild.ik.search.solver import find, refusal, search
-from chainbuild.ik.search.table import IkTable, Words
+from chainbuild.ik.search.table import FailureWords, IkTable
 from chainbuild.ik.search.words import Failures, Said
 from chainbuild.kinematics.mechanism import Mechanism
 
@@ -64,7 +64,7 @@ class Columns:
         return IkTable(axes, self.counts, self.misses, problem.task, explain)
 
 
-def solve_many(
+def solve_batch(
     mechanism: Mechanism,
     poses: Sequence[Pose] | ArrayLike,
     starts: ArrayLike | None = None,
@@ -140,14 +140,14 @@ def _row_by_row(
     """Solve where input axes stand elsewhere in each row: each row is a problem of its own."""
     axes, errors = np.empty(begin.shape), np.empty((len(targets), 2))
     counts = np.empty((len(targets), 3), np.int64)
-    words: dict[int, Words] = {}
+    words: dict[int, FailureWords] = {}
     for row, (target, start) in enumerate(zip(targets, begin, strict=True)):
         found = search(IkRequest(mechanism, target, start, held, options))
         axes[row] = found.axes
         counts[row] = STATUSES.index(found.status), found.iterations, found.restarts
         errors[row] = found.position_error, found.rotation_error
         if not found.success:
-            words[row] = Words(found.reason, found.violated)
+            words[row] = FailureWords(found.reason, found.violated)
         advance(1)
     return IkTable(axes, counts, errors, mechanism.task, Said(words).explain)
 

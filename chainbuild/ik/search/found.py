@@ -7,7 +7,7 @@ from typing import NamedTuple
 from chainbuild.arrays import Vector
 
 
-class Found(NamedTuple):
+class SearchEnd(NamedTuple):
     """Where a search ended.
 
     Attributes:

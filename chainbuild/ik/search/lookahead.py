@@ -25,7 +25,7 @@ _NEIGHBOURS: Final = 16  # starts around the last solution, at growing distance
 _REACH: Final = 3.0  # of the farthest (rad or m)
 _TABLE_STARTS: Final = 24  # starts from the table of the problem
 _SAME: Final = 1e-6  # solutions closer than this (rad or m) are one
-_MOST_BRANCHES: Final = 48  # kept a pose
+_MAX_BRANCHES: Final = 48  # kept a pose
 _SUM_SHARE: Final = 1e-3  # of two sequences with the same largest motion the shorter one
 
 
@@ -101,7 +101,7 @@ def _followed(problem: Problem, target: Matrix, before: list[Vector], options: I
 def _distinct(found: list[Vector]) -> list[Vector]:
     kept: list[Vector] = []
     for y in found:
-        if len(kept) < _MOST_BRANCHES and all(np.abs(y - other).max() > _SAME for other in kept):
+        if len(kept) < _MAX_BRANCHES and all(np.abs(y - other).max() > _SAME for other in kept):
             kept.append(y)
     return kept
 
@@ -114,5 +114,5 @@ def _turned(problem: Problem, found: list[Vector]) -> list[Vector]:
         for n in range(len(y)):
             turns = (-math.tau, 0.0, math.tau) if box.periodic[n] else (0.0,)
             choices.append([y[n] + turn for turn in turns if box.lower[n] <= y[n] + turn <= box.upper[n]])
-        result += [np.array(values) for values in itertools.islice(itertools.product(*choices), _MOST_BRANCHES)]
+        result += [np.array(values) for values in itertools.islice(itertools.product(*choices), _MAX_BRANCHES)]
     return [y for y in result if box.inside(y)]

@@ -20,7 +20,7 @@ from chainbuild.ik.options import DEFAULT, IkOptions
 from chainbuild.ik.request import Held
 from chainbuild.ik.search.batch import Columns, bar, pose_array, start_array
 from chainbuild.ik.search.compiled import packing as compiled
-from chainbuild.ik.search.found import Found
+from chainbuild.ik.search.found import SearchEnd
 from chainbuild.ik.search.lookahead import best_sequence, branches
 from chainbuild.ik.search.problem import Problem, problem_of
 from chainbuild.ik.search.solver import find
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
     from chainbuild.kinematics.inputs import Pose
 
 
-_MOST: Final = 0.2  # an axis motion (rad or m) beyond which other branches are looked at
+_MAX_STEP: Final = 0.2  # an axis motion (rad or m) beyond which other branches are looked at
 _JUMP: Final = 0.5  # one beyond which the path around it is looked at as a whole
 _BACK: Final = 60  # so many poses before it
 _AHEAD: Final = 60  # and after it
-_CHUNK: Final = 4096
+_CHUNK: Final = 4096  # poses between two looks at the progress bar and the keyboard
 
 
-def follow(
+def solve_path(
     mechanism: Mechanism,
     poses: Sequence[Pose] | ArrayLike,
     start: ArrayLike | None = None,
@@ -59,19 +59,19 @@ def follow(
             done = (
                 0
                 if last is None or problem.held_beyond
-                else _easy_stretch(problem, targets[row:], last, columns, row, options)
+                else _track_rows(problem, targets[row:], last, columns, row, options)
             )
             if done == 0:
-                done = _tight_spot(problem, targets, row, begin_part, columns, last, options)
+                done = _resolve_jump(problem, targets, row, begin_part, columns, last, options)
             row += done
             good = np.flatnonzero(columns.counts[:row, 0] == rules.OK)
             # A pose that cannot be met does not move the machine: the next one starts where the last good one was.
             last = columns.y[good[-1]] if len(good) else last
             advance(done)
-    return columns.table(problem, targets, _begun_at(columns, begin_part), options)
+    return columns.table(problem, targets, _start_rows(columns, begin_part), options)
 
 
-def _begun_at(columns: Columns, start: Vector | None) -> Matrix | None:
+def _start_rows(columns: Columns, start: Vector | None) -> Matrix | None:
     """Return where the axes stood before each pose: at the last one met, else at the start, else NaN."""
     met = columns.counts[:, 0] == rules.OK
     if met.all():
@@ -81,7 +81,7 @@ def _begun_at(columns: Columns, start: Vector | None) -> Matrix | None:
     return np.where(before[:, None] < 0, first, columns.y[before])
 
 
-def _tight_spot(
+def _resolve_jump(
     problem: Problem,
     targets: Matrix,
     row: int,
@@ -115,29 +115,27 @@ def _tight_spot(
     return end - row
 
 
-def _easy_stretch(
-    problem: Problem, targets: Matrix, last: Vector, columns: Columns, row: int, options: IkOptions
-) -> int:
+def _track_rows(problem: Problem, targets: Matrix, last: Vector, columns: Columns, row: int, options: IkOptions) -> int:
     """Fill rows as long as each pose is one short descent from the one before; return how many."""
     targets = targets[:_CHUNK]
     packed = compiled.packed(problem) if options.compiled and compiled.available() else None
     part = slice(row, row + len(targets))
     if packed is not None:
         rows = (columns.y[part], columns.counts[part], columns.misses[part])
-        done: int = compiled.entries().track_many(*packed.arrays, targets, last, options.accuracy, _MOST, *rows)
+        done: int = compiled.entries().track_many(*packed.arrays, targets, last, options.accuracy, _MAX_STEP, *rows)
         return done
     one_descent = replace(options, max_restarts=0)
     for n, target in enumerate(targets):
         guess = last if n < 2 else 2.0 * columns.y[row + n - 1] - columns.y[row + n - 2]
         found = find(problem, target, problem.box.clamp(guess), one_descent)
-        if found.outcome != rules.OK or _largest(found.y - last) > _MOST:
+        if found.outcome != rules.OK or _largest(found.y - last) > _MAX_STEP:
             return n
         _write(columns, row + n, found)
         last = found.y
     return len(targets)
 
 
-def _nearest_branch(problem: Problem, target: Matrix, last: Vector | None, options: IkOptions) -> Found:
+def _nearest_branch(problem: Problem, target: Matrix, last: Vector | None, options: IkOptions) -> SearchEnd:
     """Return the solution nearest to where the axes are, over the branches that many starts lead to."""
     best = find(problem, target, last, options)
     if last is None or best.outcome not in {rules.OK, rules.LIMITS}:
@@ -148,7 +146,7 @@ def _nearest_branch(problem: Problem, target: Matrix, last: Vector | None, optio
     return best
 
 
-def _write(columns: Columns, row: int, found: Found) -> None:
+def _write(columns: Columns, row: int, found: SearchEnd) -> None:
     columns.y[row] = found.y
     columns.counts[row] = found.outcome, found.iterations, found.restarts
     columns.misses[row] = found.distance, found.angle

@@ -17,16 +17,18 @@ from numpy.typing import NDArray
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik import rules
-from chainbuild.ik.search.found import Found
-from chainbuild.kinematics.task_error import Task
+from chainbuild.ik.search.found import SearchEnd
+from chainbuild.kinematics.task_error import TaskError
 
 if TYPE_CHECKING:
     from chainbuild.ik.options import IkOptions
     from chainbuild.ik.search.problem import Problem
-    from chainbuild.ik.search.starts.turned import Query
+    from chainbuild.ik.search.starts.turned import TableKey
 
 
-def search(problem: Problem, target: Matrix, start: Vector | None, wanted: Vector, options: IkOptions) -> Found:
+def plain_search(
+    problem: Problem, target: Matrix, start: Vector | None, wanted: Vector, options: IkOptions
+) -> SearchEnd:
     """Search from the start, then from the table of starts.
 
     Args:
@@ -52,7 +54,7 @@ class _Search:
         self.iterations = 0
         self.last: Vector | None = None
 
-    def run(self, start: Vector | None, restarts: int) -> Found:
+    def run(self, start: Vector | None, restarts: int) -> SearchEnd:
         """Search until a descent ends inside the limits, the starts are used up or hope is lost."""
         nearest, least = math.inf, math.inf
         best = outside = self.wanted
@@ -74,13 +76,14 @@ class _Search:
                     # The last step was forward kinematics at `found`; what whole turns moved is looked at again.
                     distance, angle = self.task.misses(y, self.target, self.last if y is found else None)
                     if self.verified(distance, angle):
-                        return Found(rules.OK, self.iterations, attempt, distance, angle, y, y)
+                        return SearchEnd(rules.OK, self.iterations, attempt, distance, angle, y, y)
                 if beyond < least:
                     least, outside = beyond, y
             elif inside and squared < nearest:
                 nearest, best = squared, y
             if least == math.inf and (
-                attempt + 1 >= rules.HOPELESS or (attempt == 0 and self.problem.arm_too_short(self.target) is not None)
+                attempt + 1 >= rules.MAX_FAILED_DESCENTS
+                or (attempt == 0 and self.problem.arm_too_short(self.target) is not None)
             ):
                 break
         if start is not None and least < math.inf:
@@ -88,10 +91,10 @@ class _Search:
             met, y, _ = self.descend(start, False, rules.MAX_STEPS, rules.STALL_SHARE)
             outside = self.box.into(y) if met else outside
         best, nearest = self.approach(best)
-        outcome = rules.STALLED if nearest < rules.CLOSE**2 else rules.UNREACHABLE
+        outcome = rules.STALLED if nearest < rules.STALLED_BELOW**2 else rules.UNREACHABLE
         if least < math.inf:
             outcome = rules.LIMITS
-        return Found(outcome, self.iterations, attempt, *self.task.misses(best, self.target, None), best, outside)
+        return SearchEnd(outcome, self.iterations, attempt, *self.task.misses(best, self.target, None), best, outside)
 
     def descend(self, y: Vector, inside: bool, steps: int, stall_share: float) -> tuple[bool, Vector, float]:
         """Iterate from one start; return whether the pose is met, where, and the squared error."""
@@ -165,10 +168,12 @@ class _Search:
         return distance <= self.position_tolerance and (angle <= self.rotation_tolerance or not self.problem.turns)
 
 
-def task_of(problem: Problem) -> Task:
+def task_of(problem: Problem) -> TaskError:
     """Return a problem's task, prepared at first use."""
     weights = (problem.weights, problem.axis, problem.shown_axis)
-    return problem.prepared("plain task", lambda: Task(problem.mechanism.kinematics, problem.free, problem.x, *weights))
+    return problem.prepared(
+        "plain task", lambda: TaskError(problem.mechanism.kinematics, problem.free, problem.x, *weights)
+    )
 
 
 def _is_sharp(step: Vector, share: float) -> bool:
@@ -181,7 +186,7 @@ class _Starts:
 
     def __init__(self, problem: Problem, target: Matrix, wanted: Vector) -> None:
         self.problem, self.wanted, self.turned = problem, wanted, problem.turned_starts()
-        self.query: Query | None = None
+        self.query: TableKey | None = None
         self.edges: NDArray[np.floating] | None = None
         self.left: NDArray[np.floating]
         if self.turned is None:

@@ -23,9 +23,9 @@ from chainbuild.ik.search.starts.turned import TurnedStarts, turned_starts
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import Product
 
-T = TypeVar("T")
+_T = TypeVar("_T")
 
-KEPT: Final = 16  # problems kept a mechanism: additional axes may take another value with every pose
+MAX_PREPARED: Final = 16  # problems kept a mechanism: additional axes may take another value with every pose
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,9 +77,9 @@ class Problem:
     held_beyond: tuple[str, ...]
     seed: int = 0
 
-    def prepared(self, kind: str, make: Callable[[], T]) -> T:
+    def prepared(self, kind: str, make: Callable[[], _T]) -> _T:
         """Return what was made once for this problem; see `Mechanism.prepared`."""
-        return self.mechanism.prepared(kind, make, self, 2 * KEPT)
+        return self.mechanism.prepared(kind, make, self, 2 * MAX_PREPARED)
 
     def turned_starts(self) -> TurnedStarts | None:
         """Return the table of turned starts where all six parts of the pose are asked for and the arm has one."""
@@ -143,11 +143,11 @@ def problem_of(mechanism: Mechanism, start: ArrayLike | None, held: Held | None,
     """
     if held is None and not mechanism.kinematics.has_input_axes:
         return mechanism.prepared(
-            "problem", lambda: _prepare(mechanism, None, options), (options.weights, options.seed), KEPT
+            "problem", lambda: _prepare(mechanism, None, options), (options.weights, options.seed), MAX_PREPARED
         )
     x, fixed = start_point(mechanism, start, held)
     key = (options.weights, options.seed, fixed.tobytes(), x[fixed].tobytes())
-    return mechanism.prepared("problem", lambda: _prepare(mechanism, (x, fixed), options), key, KEPT)
+    return mechanism.prepared("problem", lambda: _prepare(mechanism, (x, fixed), options), key, MAX_PREPARED)
 
 
 def asked(request: IkRequest) -> Problem:

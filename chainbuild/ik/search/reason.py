@@ -5,19 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Final
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik import rules
 from chainbuild.ik.options import IkOptions
-from chainbuild.ik.search.found import Found
+from chainbuild.ik.search.found import SearchEnd
 from chainbuild.ik.search.problem import Problem
 
-Search = Callable[[Problem, Matrix, Vector | None, IkOptions], Found]
+Search = Callable[[Problem, Matrix, Vector | None, IkOptions], SearchEnd]
 
-_RESTARTS = 8  # enough to find out about the position alone
+_RESTARTS: Final = 8  # enough to find out about the position alone
 
 
-def reason_of(problem: Problem, target: Matrix, found: Found, options: IkOptions, search: Search) -> str:
+def reason_of(problem: Problem, target: Matrix, found: SearchEnd, options: IkOptions, search: Search) -> str:
     """Return what kept a search from the target.
 
     Args:
@@ -36,7 +37,7 @@ def reason_of(problem: Problem, target: Matrix, found: Found, options: IkOptions
     return _unreachable(problem, target, found, options, search)
 
 
-def _unreachable(problem: Problem, target: Matrix, found: Found, options: IkOptions, search: Search) -> str:
+def _unreachable(problem: Problem, target: Matrix, found: SearchEnd, options: IkOptions, search: Search) -> str:
     """Tell a pose that is too far or too near from one whose orientation is the trouble."""
     if problem.beyond_bound(target):
         distance = math.dist(target[:3, 3], (0.0, 0.0, 0.0))
@@ -74,11 +75,11 @@ def _violations(problem: Problem, y: Vector) -> list[str]:
     return words + [limit.label for limit in limits.broken_sums(values)]
 
 
-def _gap(found: Found) -> str:
+def _gap(found: SearchEnd) -> str:
     return f"{found.distance * 1000:.3f} mm and {math.degrees(found.angle):.3f}°"
 
 
-def _far_or_near(problem: Problem, target: Matrix, place: Found) -> str:
+def _far_or_near(problem: Problem, target: Matrix, place: SearchEnd) -> str:
     """Tell which side of the reachable positions a target lies on, seen from their middle."""
     kinematics, centre = problem.mechanism.kinematics, problem.starts.centre
     nearest = kinematics.pose(kinematics.q(problem.full(place.y))).translation

@@ -17,7 +17,7 @@ from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import STATUSES, IkResult
 from chainbuild.ik.search import plain
 from chainbuild.ik.search.compiled import packing as compiled
-from chainbuild.ik.search.found import Found
+from chainbuild.ik.search.found import SearchEnd
 from chainbuild.ik.search.problem import Problem, asked, problem_of
 from chainbuild.ik.search.reason import reason_of
 from chainbuild.kinematics.inputs import as_pose
@@ -47,7 +47,7 @@ def refusal(target: Matrix) -> ChainbuildError:
     return ChainbuildError("a pose must be a rigid 4×4 transform")
 
 
-def find(problem: Problem, target: Matrix, start: Vector | None, options: IkOptions) -> Found:
+def find(problem: Problem, target: Matrix, start: Vector | None, options: IkOptions) -> SearchEnd:
     """Search by the path that is installed; a target beyond reach gets one descent, for the nearest pose.
 
     Args:
@@ -66,13 +66,13 @@ def find(problem: Problem, target: Matrix, start: Vector | None, options: IkOpti
     if options.compiled and compiled.available():
         packed = compiled.packed(problem)
         if packed is not None:
-            found = compiled.search(packed, target, start, wanted, options)
+            found = compiled.compiled_search(packed, target, start, wanted, options)
             if found.outcome == rules.NOT_RIGID:
                 raise refusal(target)
             return _held_inside(problem, found)
     if not is_rigid(target):
         raise refusal(target)
-    return _held_inside(problem, plain.search(problem, target, start, wanted, options))
+    return _held_inside(problem, plain.plain_search(problem, target, start, wanted, options))
 
 
 def certainly_unreachable(request: IkRequest) -> bool:
@@ -81,14 +81,14 @@ def certainly_unreachable(request: IkRequest) -> bool:
     return problem.beyond_bound(request.target) or problem.arm_too_short(request.target) is not None
 
 
-def _held_inside(problem: Problem, found: Found) -> Found:
+def _held_inside(problem: Problem, found: SearchEnd) -> SearchEnd:
     """Return what was found; no success while a held axis stands outside its limits."""
     if problem.held_beyond and found.outcome == rules.OK:
         return found._replace(outcome=rules.LIMITS)
     return found
 
 
-def result_of(problem: Problem, target: Matrix, found: Found, options: IkOptions) -> IkResult:
+def result_of(problem: Problem, target: Matrix, found: SearchEnd, options: IkOptions) -> IkResult:
     """Return a search's end as a result, with words where it failed."""
     outcome, iterations, restarts, distance, angle, y, _ = found
     ok = outcome == rules.OK

@@ -14,14 +14,14 @@ from chainbuild.chain.elements import Task
 from chainbuild.ik.result import STATUSES, IkResult, Status
 
 
-class Words(NamedTuple):
+class FailureWords(NamedTuple):
     """What `IkResult` says about a failure: its `reason` and the names of the limits in the way."""
 
     reason: str = ""
     violated: tuple[str, ...] = ()
 
 
-Explain = Callable[[int, IkResult], Words]
+Explain = Callable[[int, IkResult], FailureWords]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -101,13 +101,13 @@ class FailedRow(IkResult):
         result = cls(*values)
         for name, value in (("_row", row), ("_explain", explain)):
             object.__setattr__(result, name, value)
-        for name in Words._fields:
+        for name in FailureWords._fields:
             object.__delattr__(result, name)
         return result
 
     def __getattr__(self, name: str) -> Any:
         # Only called where a slot is empty.
-        if name not in Words._fields:
+        if name not in FailureWords._fields:
             raise AttributeError(f"{type(self).__name__} has no attribute '{name}'")
         words = self._explain(self._row, self)
         for field, value in words._asdict().items():

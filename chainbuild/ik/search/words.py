@@ -13,10 +13,10 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik import rules
 from chainbuild.ik.options import IkOptions
 from chainbuild.ik.result import STATUSES, IkResult
-from chainbuild.ik.search.found import Found
+from chainbuild.ik.search.found import SearchEnd
 from chainbuild.ik.search.problem import Problem
 from chainbuild.ik.search.solver import find, result_of
-from chainbuild.ik.search.table import Words
+from chainbuild.ik.search.table import FailureWords
 
 _NUMBER: Final = re.compile(r"(?<![\w.])[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
@@ -39,9 +39,9 @@ class Failures:
     starts: Matrix | None
     problem: Problem
     options: IkOptions
-    known: dict[int, Words] = field(default_factory=dict)
+    known: dict[int, FailureWords] = field(default_factory=dict)
 
-    def explain(self, row: int, result: IkResult) -> Words:
+    def explain(self, row: int, result: IkResult) -> FailureWords:
         """Return why a row failed.
 
         Args:
@@ -53,19 +53,19 @@ class Failures:
             words = self.known[row] = self._words(int(np.searchsorted(self.rows, row)), result)
         return words
 
-    def _words(self, n: int, result: IkResult) -> Words:
+    def _words(self, n: int, result: IkResult) -> FailureWords:
         problem, target = self.problem, self.targets[n]
         outcome, y = STATUSES.index(result.status), problem.free_part(result.axes)
         left = (result.position_error, result.rotation_error)
-        found = Found(outcome, result.iterations, result.restarts, *left, y, y)
+        found = SearchEnd(outcome, result.iterations, result.restarts, *left, y, y)
         if outcome == rules.LIMITS and not problem.held_beyond:
             # The point outside the limits is not kept: the same search comes upon it again.
             again = find(problem, target, self._start(n), self.options)
             if again.outcome != rules.LIMITS:
-                return Words("reached only outside the limits")
+                return FailureWords("reached only outside the limits")
             found = found._replace(outside=again.outside)
         said = result_of(problem, target, found, self.options)
-        return Words(said.reason, said.violated)
+        return FailureWords(said.reason, said.violated)
 
     def _start(self, n: int) -> Vector | None:
         if self.starts is None:
@@ -82,9 +82,9 @@ class Said:
         words: Row → words.
     """
 
-    words: dict[int, Words]
+    words: dict[int, FailureWords]
 
-    def explain(self, row: int, result: IkResult) -> Words:
+    def explain(self, row: int, result: IkResult) -> FailureWords:
         """Return why a row failed; see `Failures.explain`."""
         return self.words[row]
 

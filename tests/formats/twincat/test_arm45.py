@@ -11,7 +11,7 @@ import pytest
 import chainbuild
 from chainbuild.chain.elements import Chain
 from chainbuild.errors import ChainbuildError
-from chainbuild.frames import inverse, rot_x, rot_y, rot_z, shift, transform
+from chainbuild.frames import inverse, rot_x, rot_y, rot_z, transform, translation
 from tests.kit.paths import REFERENCE
 from tests.kit.twincat_files import codes, kin_45, machine, pose
 
@@ -81,7 +81,7 @@ def test_tool_offsets_count_in_the_flange_frame() -> None:
 )
 def test_direction_of_the_tool_length(direction: int, moved: tuple[float, float, float]) -> None:
     bare, long = (pose(arm(FULL | {34: direction}, length), AXES) for length in (0.0, 5.0))
-    same(inverse(bare) @ long, shift(*moved))
+    same(inverse(bare) @ long, translation(*moved))
 
 
 def test_a_tool_length_without_direction_is_ignored() -> None:
@@ -91,7 +91,7 @@ def test_a_tool_length_without_direction_is_ignored() -> None:
 
 
 def test_negative_lengths_are_possible() -> None:
-    same(inverse(pose(arm({34: 4}), AXES)) @ pose(arm({34: 4}, -5.0), AXES), shift(z=-5))
+    same(inverse(pose(arm({34: 4}), AXES)) @ pose(arm({34: 4}, -5.0), AXES), translation(z=-5))
 
 
 def test_moving_workpiece() -> None:
@@ -101,7 +101,7 @@ def test_moving_workpiece() -> None:
     chain = arm(FULL | {33: 1})
     same(pose(chain, AXES), inverse(flange) @ tool)
     assert {axis.carries for axis in chain.axes} == {"workpiece"}
-    same(pose(arm(FULL | {33: 1, 34: 4}, 7.0), AXES), inverse(flange) @ tool @ shift(z=7))
+    same(pose(arm(FULL | {33: 1, 34: 4}, 7.0), AXES), inverse(flange) @ tool @ translation(z=7))
 
 
 @pytest.mark.parametrize("joint", range(6))
@@ -160,7 +160,7 @@ def test_flange_variant_2(choice: str, turned: Any) -> None:
     tool = {n: FULL[n] for n in range(1, 7)}
     chain = arm(HAND | tool | {31: 1}, flange_variant_2=choice)
     R = transform(rot_z(40) @ rot_y(-25) @ rot_x(15))
-    same(pose(chain, [0] * 6), shift(90, 0, 400) @ turned(shift(21, -32, 110), R))
+    same(pose(chain, [0] * 6), translation(90, 0, 400) @ turned(translation(21, -32, 110), R))
     assert "flange_variant_2" in [used.convention.name for used in chain.conventions]
 
 
@@ -170,7 +170,7 @@ def test_flange_variant_2(choice: str, turned: Any) -> None:
 )  # fmt: skip
 def test_flange_variant_2_with_moving_workpiece(choice: str, flange: np.ndarray) -> None:
     chain = arm(HAND | {1: FULL[1], 31: 1, 33: 1}, flange_variant_2=choice)
-    expected = inverse(shift(90, 0, 400) @ transform(flange)) @ shift(0, 0, 110)
+    expected = inverse(translation(90, 0, 400) @ transform(flange)) @ translation(0, 0, 110)
     same(pose(chain, [0] * 6), expected)
 
 

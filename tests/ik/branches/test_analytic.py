@@ -18,10 +18,10 @@ from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import rot_y
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.elimination.eaik_arm import eaik_answers, eaik_robot
 from chainbuild.ik.branches.every import ik_all
-from chainbuild.ik.branches.gather import gather
+from chainbuild.ik.branches.multistart import multistart_branches
 from chainbuild.ik.request import IkRequest
 from chainbuild.robot import Robot
 from tests.kit.compare import same_turns
@@ -182,9 +182,9 @@ def test_restarts_find_what_eaik_finds() -> None:
     for axes in poses(robot, 4):
         target = robot.fk(axes)
         complete = ik_all(robot, target)
-        query = Query.of(IkRequest.of(robot, target))
+        query = BranchQuery.of(IkRequest.of(robot, target))
         factors = robot.kinematics.si_factors
-        gathered = [x / factors for x in gather(query)]
+        gathered = [x / factors for x in multistart_branches(query)]
         for branch in complete:
             assert any(same_turns(robot, other, branch.axes) for other in gathered)
 
@@ -205,7 +205,7 @@ def test_eaik_is_helped_out_where_it_finds_nothing() -> None:
     robot = Robot(chain.with_axes(tuple(chainbuild.Axis.unlimited(a.name, a.kind) for a in chain.axes)))
     assert robot.plan().name == "EAIK"
     rng, missed = np.random.default_rng(1), 0
-    known = Query.of(IkRequest.of(robot, robot.fk(np.zeros(6)))).serial()
+    known = BranchQuery.of(IkRequest.of(robot, robot.fk(np.zeros(6)))).serial()
     for _ in range(60):
         axes = np.round(rng.uniform(-2.0, 2.0, 6)) * 90.0
         target = robot.fk(axes)

@@ -14,7 +14,7 @@ from scipy.spatial.transform import RigidTransform
 import chainbuild
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.opw import (
     batch,
 )
@@ -126,7 +126,7 @@ def test_a_slot_is_a_branch(compiled: bool) -> None:
 def test_slots_are_those_of_another_closed_form(name: str, compiled: bool) -> None:
     """py-opw-kinematics numbers its branches alike; it is handed the arm's lengths and answers in the arm's angles."""
     robot = machine(name)
-    serial = Query.of(IkRequest(robot, np.eye(4))).serial()
+    serial = BranchQuery.of(IkRequest(robot, np.eye(4))).serial()
     known = opw_arm(serial)
     assert known is not None
     targets = robot.fk_batch(np.array(poses(robot, 200)))

@@ -11,7 +11,7 @@ from py_opw_kinematics import Robot as OpwRobot
 from scipy.spatial.transform import RigidTransform, Rotation
 
 import chainbuild
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import Screw, Serial
 from chainbuild.ik.branches.elimination.conformal import arrow, coefficients, motion
 from chainbuild.ik.branches.elimination.eaik_arm import eaik_answers, eaik_robot
@@ -124,7 +124,7 @@ def test_sixteen_solutions() -> None:
 
 def test_the_sets_that_eaik_finds() -> None:
     robot = ur5()
-    serial = Query.of(IkRequest.of(robot, robot.fk(np.zeros(6)))).serial()
+    serial = BranchQuery.of(IkRequest.of(robot, robot.fk(np.zeros(6)))).serial()
     theirs = eaik_robot(serial)
     rng = np.random.default_rng(2)
     for _ in range(60):
@@ -137,7 +137,7 @@ def test_the_sets_that_an_ortho_parallel_arm_has() -> None:
     oracle = OpwRobot(KinematicModel(a1=25.0, a2=-35.0, b=0.0, c1=400.0, c2=455.0, c3=420.0, c4=80.0))
     signs, zero = np.array([-1.0, 1.0, 1.0, -1.0, 1.0, -1.0]), np.array([0.0, 90.0, 0.0, 0.0, 0.0, 0.0])
     robot = chainbuild.Robot.load("kr6r900")
-    serial = Query.of(IkRequest.of(robot, robot.fk(np.zeros(6)))).serial()
+    serial = BranchQuery.of(IkRequest.of(robot, robot.fk(np.zeros(6)))).serial()
     rng = np.random.default_rng(3)
     for _ in range(60):
         T = robot.fk(rng.uniform(-170.0, 170.0, 6)).homogeneous

@@ -11,9 +11,9 @@ import pytest
 import chainbuild
 from chainbuild.formats.sinumerik.reading.robx import MAIN_AXES
 from chainbuild.ik.branches.core.branches import collect
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.every import ik_all
-from chainbuild.ik.branches.gather import gather
+from chainbuild.ik.branches.multistart import multistart_branches
 from chainbuild.ik.request import IkRequest
 from chainbuild.machines import shipped
 from chainbuild.robot import Robot
@@ -77,8 +77,8 @@ def check(robot: Robot, count: int) -> None:
             assert branch.position_error < 1e-6
         if n % 3 != 1:
             continue
-        query = Query.of(IkRequest.of(robot, target, axes))
-        for other in collect(query, ((x, ()) for x in gather(query))).branches:
+        query = BranchQuery.of(IkRequest.of(robot, target, axes))
+        for other in collect(query, ((x, ()) for x in multistart_branches(query))).branches:
             if smallest(robot, other.axes) > REGULAR:
                 assert any(same_turns(robot, branch.axes, other.axes) for branch in found), axes.tolist()
 

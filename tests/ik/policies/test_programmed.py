@@ -48,7 +48,9 @@ def robot_c(R: np.ndarray) -> float:
 @pytest.mark.parametrize("name", FOUR_AXES)
 def test_a_pose_within_reach_is_met_as_given(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     robot, rng = build(name), np.random.default_rng(4)
-    monkeypatch.setattr(programmed, "_following", lambda *_: pytest.fail("the orientation was replaced"))
+    monkeypatch.setattr(
+        programmed, "_with_reachable_orientation", lambda *_: pytest.fail("the orientation was replaced")
+    )
     for _ in range(10):
         T = robot.fk(random_axes(robot, rng))
         found = robot.ik(T)

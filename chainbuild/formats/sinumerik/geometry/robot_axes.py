@@ -109,7 +109,7 @@ def _elbow(shoulder: InternalAxis, pitch: InternalAxis, choice: str) -> Internal
 
 
 @dataclass(frozen=True, slots=True)
-class Arm:
+class ArmData:
     """What a recipe is made of.
 
     Attributes:
@@ -129,34 +129,34 @@ class Arm:
         return self.axes.joint(number, motion)
 
 
-Recipe = Callable[[Arm], Sequence[Element]]
+Recipe = Callable[[ArmData], Sequence[Element]]
 
 
-def ss(arm: Arm) -> Sequence[Element]:
+def ss(arm: ArmData) -> Sequence[Element]:
     """Gantry: three linear axes at right angles, no length."""
     first, second, third = {"xyz": ("Tx", "Ty", "Tz"), "zyx": ("Tz", "Ty", "Tx")}[arm.choose["ss"]]
     return arm.joint(1, first), arm.joint(2, second), arm.joint(3, third)
 
 
-def cc(arm: Arm) -> Sequence[Element]:
+def cc(arm: ArmData) -> Sequence[Element]:
     """SCARA: a linear and two rotary axes, all parallel to Y; A: origin → A2, B: A2 → A3."""
     lift = "Ty" if arm.choose["cc_linear_sign"] == "plus" else "-Ty"
     turn = "Ry" if arm.choose["cc_rotary_sign"] == "plus" else "-Ry"
     return arm.joint(1, lift), shift(x=arm.a), arm.joint(2, turn), shift(x=arm.b), arm.joint(3, turn)
 
 
-def nr(arm: Arm) -> Sequence[Element]:
+def nr(arm: ArmData) -> Sequence[Element]:
     """Articulated arm: column, shoulder, elbow; A: A1 → A2, B: A2 → A3."""
     return arm.joint(1, "Rz"), shift(x=arm.a), arm.joint(2, "Ry"), shift(x=arm.b), arm.joint(3, "Ry")
 
 
-def sc(arm: Arm) -> Sequence[Element]:
+def sc(arm: ArmData) -> Sequence[Element]:
     """Two linear axes carry a rotary one; A: origin → A3."""
     first, second = {"zy": ("Tz", "Ty"), "yx": ("Ty", "Tx")}[arm.choose["sc"]]
     return arm.joint(1, first), arm.joint(2, second), shift(x=arm.a), arm.joint(3, "Ry")
 
 
-def rr(arm: Arm) -> Sequence[Element]:
+def rr(arm: ArmData) -> Sequence[Element]:
     """Two perpendicular rotary axes and a linear one; A along the arm."""
     order = arm.choose["rr"]
     if order == "rot_rot_lin":
@@ -166,7 +166,7 @@ def rr(arm: Arm) -> Sequence[Element]:
     return arm.joint(1, "Tz"), arm.joint(2, "Rz"), shift(x=arm.a), arm.joint(3, "Ry")
 
 
-def cs(arm: Arm) -> Sequence[Element]:
+def cs(arm: ArmData) -> Sequence[Element]:
     """A rotary axis carries two linear ones; A along the arm."""
     turn, lift, reach = {
         "zx": ("Rz", "Tz", "Tx"),
@@ -176,7 +176,7 @@ def cs(arm: Arm) -> Sequence[Element]:
     return arm.joint(1, turn), arm.joint(2, lift), shift(x=arm.a), arm.joint(3, reach)
 
 
-def nn(arm: Arm) -> Sequence[Element]:
+def nn(arm: ArmData) -> Sequence[Element]:
     """Three rotary axes; A: A1 → A2, B: A2 → A3."""
     last = {"zyz": "Rz", "zyx": "Rx"}[arm.choose["nn"]]
     return arm.joint(1, "Rz"), shift(x=arm.a), arm.joint(2, "Ry"), shift(x=arm.b), arm.joint(3, last)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -115,8 +116,8 @@ def _smallest_turn(start: Matrix, end: Matrix) -> Matrix:
 
 
 _CHOOSERS = ("number", "edge", "plane")
-_WORKING_PLANES = (17, 18, 19)
-_G17 = 17
+_WORKING_PLANES: Final = (17, 18, 19)  # G codes of the working planes
+_G17: Final = 17  # the plane that the control starts with
 _DATA = (
     "DP1", "DP3", "DP4", "DP5", *(f"DPC{n}" for n in range(1, 11)),
     "DPV", "DPV3", "DPV4", "DPV5", "DPVN3", "DPVN4", "DPVN5",

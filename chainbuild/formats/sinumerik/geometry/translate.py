@@ -17,7 +17,7 @@ from chainbuild import frames
 from chainbuild.arrays import Matrix
 from chainbuild.chain.assemble import Element, Fixed, linear, mark, rotary, shift
 from chainbuild.convention import Choices
-from chainbuild.formats.sinumerik.geometry.robot_axes import RECIPES, Arm, InternalAxes, internal_axes, wrist
+from chainbuild.formats.sinumerik.geometry.robot_axes import RECIPES, ArmData, InternalAxes, internal_axes, wrist
 from chainbuild.formats.sinumerik.geometry.tool import Tool, length_transform, turn_transform
 from chainbuild.formats.sinumerik.reading.robx import ExtraAxis, ExtraGroup, FrameData, Robx
 
@@ -35,7 +35,7 @@ def base_axes(robx: Robx, suffix: str = "") -> list[Element]:
     ]
 
 
-def table(robx: Robx, choose: Choices) -> list[Element]:
+def table_axes(robx: Robx, choose: Choices) -> list[Element]:
     """Return the axes that turn the workpiece, from WO to the workpiece frame; nothing where there are none.
 
     Convention: `table_origin`.
@@ -99,7 +99,7 @@ def translate(robx: Robx, tool: Tool, tool_length_mm: float, gripper: bool, choo
         choose: Conventions.
     """
     internal = internal_axes(robx, choose)
-    basic = tuple(RECIPES[robx.main_axes](Arm(internal, *robx.lengths_mm, choose)))
+    basic = tuple(RECIPES[robx.main_axes](ArmData(internal, *robx.lengths_mm, choose)))
     arm = [
         Fixed(robx.tiroro.T()),
         *basic,
@@ -112,7 +112,7 @@ def translate(robx: Robx, tool: Tool, tool_length_mm: float, gripper: bool, choo
     if gripper:
         return Translation(*_gripper(robx, arm, length, turn, choose), internal, basic)
     tool_branch = [*base_axes(robx), Fixed(robx.trowo.T()), *arm, *_from_flange(robx, length, turn, choose)]
-    return Translation(tuple(tool_branch), tuple(table(robx, choose)), internal, basic)
+    return Translation(tuple(tool_branch), tuple(table_axes(robx, choose)), internal, basic)
 
 
 def flange_frame(robx: Robx, choose: Choices) -> FrameData:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from chainbuild.errors import Span
 from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum
-from chainbuild.formats.sinumerik.reading.values import Index, Value
+from chainbuild.formats.sinumerik.reading.values import ElementIndex, Value
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +24,7 @@ class Assignment:
 
     datum: MachineDatum
     te4: bool
-    index: Index
+    index: ElementIndex
     value: Value
     channel: int
     span: Span

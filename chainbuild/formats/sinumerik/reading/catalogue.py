@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 DatumType = Literal["int", "float", "bool", "hex", "string"]
 Prefix = Literal["MC", "MA", "MN", "ON", "SN", "SC", "TC"]
-Index = Literal["element", "axis", "tool"]
+IndexKind = Literal["element", "axis", "tool"]
 Group = Literal["geometry", "axes", "tool", "additional_axes", "solver", "dynamics", "control", "standard"]
-Limits = tuple[float | None, float | None]
+ValueRange = tuple[float | None, float | None]
 
 _ROBX = "ROBX_"
 _TE4 = "TRAFO6_"
 # The older TE4 package numbers the same data 300 lower: 62620 AXIS_SEQ is 62920 (ROBX manual 5.3.15).
-_TE4_DISTANCE = 300
+_TE4_DISTANCE: Final = 300
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ class MachineDatum:
     type: DatumType
     unit: str
     dimension: int
-    indexed_by: Index
+    indexed_by: IndexKind
     default: tuple[float, ...] | None
     default_known: tuple[float, ...]
     minimum: float | None
@@ -90,7 +90,7 @@ class MachineDatum:
         """Number of the same datum in the older TE4 package, or None for data that are not ROBX's."""
         return self.number - _TE4_DISTANCE if self.number is not None and self.te4_name else None
 
-    def limits(self, index: int = 0) -> Limits:
+    def limits(self, index: int = 0) -> ValueRange:
         """Return minimum and maximum of an element in the datum's unit; None where there is no limit."""
         if self.element_ranges:
             return self.element_ranges[index]

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Final
 
 from chainbuild.errors import Span
 from chainbuild.findings import Collector
 from chainbuild.formats.sinumerik.reading.assignment import Assignment
 from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum, catalogue
 from chainbuild.formats.sinumerik.reading.reader import Reading
-from chainbuild.formats.sinumerik.reading.values import Index, Value
+from chainbuild.formats.sinumerik.reading.values import ElementIndex, Value
 
-_SHARED = 0  # stands for "no channel" in keys: NC, axis and tool data are the same for all channels
-_Key = tuple[int, bool, str, Index]
+_SHARED: Final = 0  # stands for "no channel" in keys: NC, axis and tool data are the same for all channels
+_Key = tuple[int, bool, str, ElementIndex]
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +141,7 @@ def _shown(value: Value) -> str:
     return f'"{value}"' if isinstance(value, str) else f"{value:.10g}"
 
 
-def written_name(datum: MachineDatum, te4: bool, index: Index = None) -> str:
+def written_name(datum: MachineDatum, te4: bool, index: ElementIndex = None) -> str:
     """Return a datum's name as it stands in a file."""
     name = f"${datum.prefix}_{datum.te4_name if te4 else datum.name}"
     if index is None:

@@ -12,16 +12,16 @@ from chainbuild.errors import Span
 from chainbuild.findings import Collector
 from chainbuild.formats.sinumerik.reading.assignment import Assignment
 from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum, catalogue, lookup, lookup_number
-from chainbuild.formats.sinumerik.reading.values import Index, Value
+from chainbuild.formats.sinumerik.reading.values import ElementIndex, Value
 
 _ANY_CASE = re.IGNORECASE | re.ASCII
 OWN_DATUM: Final = re.compile(r"(?:\$MC_)?(?:ROBX|TRAFO6)_[A-Z0-9_]+", _ANY_CASE)
 TE4_DATUM: Final = re.compile(r"(?:\$MC_)?TRAFO6_", _ANY_CASE)
-_SHOWN: Final = 60
+_SHOWN: Final = 60  # characters of a name in a message
 
 
 @dataclass(frozen=True, slots=True)
-class Stranger:
+class UnknownDatum:
     """A line that names a datum of the transformation which does not exist.
 
     Attributes:
@@ -35,13 +35,13 @@ class Stranger:
     span: Span
 
 
-def named_stranger(line: str, channel: int, span: Span, collector: Collector) -> Stranger | None:
+def unknown_datum(line: str, channel: int, span: Span, collector: Collector) -> UnknownDatum | None:
     """Return what a line names that is no datum; warn of one that names a datum but assigns nothing."""
     named = OWN_DATUM.search(line)
     if named is None:
         return None
     if lookup(named[0].upper()) is None:
-        return Stranger(named[0][:_SHOWN], channel, span)
+        return UnknownDatum(named[0][:_SHOWN], channel, span)
     text = f"the line names {named[0]} but assigns nothing; it was ignored"
     collector.add("CB111", text, span=span)
     return None
@@ -52,7 +52,7 @@ def has_own_name(line: str) -> bool:
     return OWN_DATUM.search(line) is not None
 
 
-def warn_of_stranger(stranger: Stranger, assignments: list[Assignment], collector: Collector) -> None:
+def warn_of_unknown(stranger: UnknownDatum, assignments: list[Assignment], collector: Collector) -> None:
     """Warn of a misspelt datum: the nearest name, and the value that counts in its place.
 
     Args:
@@ -78,12 +78,12 @@ def warn_of_stranger(stranger: Stranger, assignments: list[Assignment], collecto
     collector.add("CB108", text, span=stranger.span, parameter=stranger.name, hint=hint)
 
 
-def _shown(datum: MachineDatum, given: Mapping[Index, Value]) -> str:
+def _shown(datum: MachineDatum, given: Mapping[ElementIndex, Value]) -> str:
     """Return the values of a datum that count, as a list: the file's, else the default, else a question mark."""
     return ", ".join(_elements(datum, given))
 
 
-def _elements(datum: MachineDatum, given: Mapping[Index, Value]) -> Iterator[str]:
+def _elements(datum: MachineDatum, given: Mapping[ElementIndex, Value]) -> Iterator[str]:
     default = datum.default or datum.default_known
     for n in range(datum.dimension):
         value = given.get(None if datum.dimension == 1 else n)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Final
 
 from chainbuild.errors import ChainbuildError, MachineDataError, ParseError, Span
 from chainbuild.findings import Collector
@@ -12,14 +13,14 @@ from chainbuild.formats.sinumerik.reading.assignment import Assignment
 from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum, lookup, lookup_number
 from chainbuild.formats.sinumerik.reading.misspelt import (
     TE4_DATUM,
-    Stranger,
+    UnknownDatum,
     has_own_name,
-    named_stranger,
+    unknown_datum,
     warn_nameless,
-    warn_of_stranger,
+    warn_of_unknown,
 )
 from chainbuild.formats.sinumerik.reading.values import (
-    Index,
+    ElementIndex,
     Refusal,
     Value,
     check_value,
@@ -48,7 +49,7 @@ _PROGRAM_END = re.compile(r"\s*(?:N\d+\s*)?(?:M0?2|M17|M30|RET)\s*", _ANY_CASE)
 _ESCAPE = re.compile(r"\\([$_\[\]])")
 _DATUM_MARKS = ("MD", "SD")
 _PARSE_CODES = ("CB101", "CB102", "CB103", "CB104")
-_MAX_CHANNEL = 99
+_MAX_CHANNEL: Final = 99  # two digits in the header of a file
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +82,7 @@ class _State:
     channels: tuple[int, ...] = ()
     ignored: int = 0
     refused: int = 0
-    strangers: list[Stranger] = field(default_factory=list)
+    strangers: list[UnknownDatum] = field(default_factory=list)
 
 
 def read_assignments(source: SourceText, collector: Collector) -> Reading:
@@ -99,7 +100,7 @@ def read_assignments(source: SourceText, collector: Collector) -> Reading:
     for number, raw in enumerate(source.lines(), start=1):
         _read_line(state, number, raw)
     for stranger in state.strangers:
-        warn_of_stranger(stranger, state.assignments, collector)
+        warn_of_unknown(stranger, state.assignments, collector)
     if state.ignored:
         text = f"unrelated lines ignored: {state.ignored}"
         collector.add("CB110", text, span=Span(source.file))
@@ -165,7 +166,7 @@ def _assignment(state: _State, line_span: Span, line: str) -> None:
         _refuse(state, refusal, _designation(datum, te4, match["index"]), span)
 
 
-def _values(datum: MachineDatum, match: re.Match[str]) -> Iterator[tuple[Index, Value]]:
+def _values(datum: MachineDatum, match: re.Match[str]) -> Iterator[tuple[ElementIndex, Value]]:
     """Yield index and value of what a line assigns: one element, or with SET several from its index on."""
     text = without_checksum(match["value"])
     elements = elements_of(text)
@@ -182,7 +183,7 @@ def _values(datum: MachineDatum, match: re.Match[str]) -> Iterator[tuple[Index, 
         yield index, _checked(datum, index, element)
 
 
-def _checked(datum: MachineDatum, index: Index, text: str) -> Value:
+def _checked(datum: MachineDatum, index: ElementIndex, text: str) -> Value:
     value = parse_value(text, string=datum.type == "string")
     check_value(datum, index if isinstance(index, int) else 0, value)
     return value
@@ -199,7 +200,7 @@ def _datum(match: re.Match[str]) -> MachineDatum | None:
     return None
 
 
-def _index(datum: MachineDatum, match: re.Match[str]) -> Index:
+def _index(datum: MachineDatum, match: re.Match[str]) -> ElementIndex:
     if match["index"] is not None and match["close"] is None:
         raise Refusal("CB101", "the bracket of the index is not closed", "NAME[index]=value")
     return parse_index(datum, match["index"])
@@ -247,5 +248,5 @@ def _not_ours(state: _State, span: Span, line: str, match: re.Match[str] | None)
     state.ignored += 1
     if not has_own_name(line):
         warn_nameless(match, span, state.collector)
-    elif stranger := named_stranger(line, state.channel, span, state.collector):
+    elif stranger := unknown_datum(line, state.channel, span, state.collector):
         state.strangers.append(stranger)

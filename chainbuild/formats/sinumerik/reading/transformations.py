@@ -1,12 +1,13 @@
 """Finding the ROBX and TE4 transformations of a channel: TRAFO_TYPE_x, package and refusals (ROBX manual 5.1.3).
 
-A `Report` puts findings on one: the same words for number, name and place of a datum everywhere.
+A `DatumReport` puts findings on one: the same words for number, name and place of a datum everywhere.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 from chainbuild.errors import ChainbuildError, MachineDataError, Span, UnsupportedKinematicError
 from chainbuild.findings import Collector
@@ -15,7 +16,7 @@ from chainbuild.formats.sinumerik.reading.robx import Robx, read_robx
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class DatumReport:
     """A transformation and where findings on it go."""
 
     robx: Robx
@@ -55,8 +56,8 @@ class Report:
         )
 
 
-ROBX_TYPE = 4100
-TE4_TYPE = 4099
+ROBX_TYPE: Final = 4100
+TE4_TYPE: Final = 4099
 _DATA_SETS = range(1, 11)
 
 
@@ -72,7 +73,7 @@ def find_transformations(table: DataTable, collector: Collector) -> tuple[Robx, 
         here = [robx for n in _DATA_SETS if (robx := _transformation(table, channel, n)) is not None]
         found += here
         _warn_of_other_package(table, channel, here, collector)
-        blamed = _blame(table, channel, here, collector) or blamed
+        blamed = _refuse_untransformed(table, channel, here, collector) or blamed
     if not found and not blamed:
         collector.add(
             "CB303",
@@ -96,7 +97,7 @@ def _transformation(table: DataTable, channel: int, n: int) -> Robx | None:
     return None
 
 
-def _blame(table: DataTable, channel: int, found: list[Robx], collector: Collector) -> bool:
+def _refuse_untransformed(table: DataTable, channel: int, found: list[Robx], collector: Collector) -> bool:
     """Refuse a channel with data but no transformation of their type; tell whether anything was refused."""
     if found:
         return False

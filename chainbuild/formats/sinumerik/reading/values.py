@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import re
+from typing import Final
 
 from chainbuild import tolerances
 from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum
 
 Value = float | str
-Index = int | str | tuple[int, int] | None
+ElementIndex = int | str | tuple[int, int] | None
 
 _ANY_CASE = re.IGNORECASE | re.ASCII
 _NUMBER = re.compile(r"([+-]?)\s*((?:\d+(?:\.\d*)?|\.\d+)(?:EX?[+-]?\d+)?)", _ANY_CASE)
@@ -24,7 +25,7 @@ _SET = re.compile(r"SET\s*\((.*)\)", _ANY_CASE)
 _CHECKSUM = re.compile(r"[0-9A-F]{1,4}", _ANY_CASE)
 _WORDS = {"TRUE": 1.0, "FALSE": 0.0}
 _BASES = {"H": 16, "B": 2}
-_MASK_BITS = 32
+_MASK_BITS: Final = 32  # machine data of type DWORD
 
 
 class Refusal(Exception):
@@ -121,7 +122,7 @@ def _mask(text: str, base: str, digits: str) -> float:
     return float(value)
 
 
-def parse_index(datum: MachineDatum, text: str | None) -> Index:
+def parse_index(datum: MachineDatum, text: str | None) -> ElementIndex:
     """Return what stands in brackets behind a datum: element number, axis name, (tool, edge), or None for a scalar.
 
     Raises:

@@ -7,6 +7,7 @@ with a warning.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 
@@ -18,15 +19,22 @@ from chainbuild.formats.sinumerik.geometry.robot_axes import basic_moves
 from chainbuild.formats.sinumerik.geometry.tool import Tool
 from chainbuild.formats.sinumerik.geometry.translate import Translation
 from chainbuild.formats.sinumerik.reading.robx import WRISTS, Robx
-from chainbuild.formats.sinumerik.reading.transformations import Report
+from chainbuild.formats.sinumerik.reading.transformations import DatumReport
 from chainbuild.formats.sinumerik.rules.few_axes import check_five_axes, check_four_axes
 
-_CENTRAL, _INCLINED, _ANGLED = 2, 3, 5
-_RIGHT_ANGLE_DEG = 1e-6
-_LENGTH_MM = 1e-9
-_DEGENERATE_DEG = 10.0
-_PRINTED_ALPHA = (-90.0, 90.0)
-_ENDLESS, _ROTARY, _LINEAR = 4, 3, 1
+# Numbers of wrists, see `robx.WRISTS`.
+_CENTRAL: Final = 2
+_INCLINED: Final = 3
+_ANGLED: Final = 5
+# Numbers of kinds of axes in AXES_TYPE.
+_ENDLESS: Final = 4
+_ROTARY: Final = 3
+_LINEAR: Final = 1
+
+_RIGHT_ANGLE_DEG: Final = 1e-6  # degrees (of sines, too): far below what machine data are written to
+_LENGTH_MM: Final = 1e-9  # shorter than the last digit of any machine datum: rounding
+_DEGENERATE_DEG: Final = 10.0  # a wrist with axes closer to parallel hardly turns its hand
+_PRINTED_ALPHA: Final = (-90.0, 90.0)  # the angles that the manual draws for wrist axes 4-5 and 5-6
 
 
 def check_geometry(robx: Robx, translation: Translation, tool: Tool, choose: Choices, collector: Collector) -> None:
@@ -35,7 +43,7 @@ def check_geometry(robx: Robx, translation: Translation, tool: Tool, choose: Cho
     Raises:
         MachineDataError: geometry that the controller refuses or that is no machine (strict collector).
     """
-    report = Report(robx, collector)
+    report = DatumReport(robx, collector)
     _check_lengths(report)
     _check_wrist(report)
     _check_combination(report)
@@ -47,7 +55,7 @@ def check_geometry(robx: Robx, translation: Translation, tool: Tool, choose: Cho
         check_four_axes(report, translation)
 
 
-def _check_lengths(report: Report) -> None:
+def _check_lengths(report: DatumReport) -> None:
     robx = report.robx
     if robx.arrangement in ("NR", "CC") and abs(robx.lengths_mm[1]) < _LENGTH_MM:
         report.add(
@@ -59,7 +67,7 @@ def _check_lengths(report: Report) -> None:
         )
 
 
-def _check_wrist(report: Report) -> None:
+def _check_wrist(report: DatumReport) -> None:
     """Check the Denavit-Hartenberg data that count against the wrist's type (ROBX manual 5.3.11–5.3.14)."""
     robx = report.robx
     used = robx.dh[: robx.num_axes - 4]
@@ -76,7 +84,7 @@ def _check_wrist(report: Report) -> None:
     _check_slant(report, alpha)
 
 
-def _check_right_angles(report: Report, alpha: Sequence[float]) -> None:
+def _check_right_angles(report: DatumReport, alpha: Sequence[float]) -> None:
     robx = report.robx
     if any(abs(abs(angle) - 90.0) > _RIGHT_ANGLE_DEG for angle in alpha):
         text = f"the axes of a {WRISTS[robx.wrist]} are perpendicular, but DHPAR4_5ALPHA is not ±90"
@@ -92,7 +100,7 @@ def _check_right_angles(report: Report, alpha: Sequence[float]) -> None:
         report.add("CB307", text, ("DHPAR4_5ALPHA",), permitted="(-90, 90)")
 
 
-def _check_slant(report: Report, alpha: Sequence[float]) -> None:
+def _check_slant(report: DatumReport, alpha: Sequence[float]) -> None:
     for n, angle in enumerate(alpha):
         sine = abs(frames.cos_sin_deg(angle)[1])
         if sine < _RIGHT_ANGLE_DEG and report.robx.wrist == _INCLINED:
@@ -103,7 +111,7 @@ def _check_slant(report: Report, alpha: Sequence[float]) -> None:
             report.add("CB308", text, ("DHPAR4_5ALPHA",))
 
 
-def _check_combination(report: Report) -> None:
+def _check_combination(report: DatumReport) -> None:
     """Warn where the manual does not list basic axes and wrist of six axes together (ROBX manual 7)."""
     robx = report.robx
     if robx.num_axes != 6 or robx.wrist not in WRISTS:
@@ -132,7 +140,7 @@ def _listed(robx: Robx) -> str | None:
     return None if fits else "the manual asks for DHPAR4_5A = 0, DHPAR4_5D[0] = 0 and DHPAR4_5ALPHA = (-90, 90)"
 
 
-def _check_axis_types(report: Report, translation: Translation) -> None:
+def _check_axis_types(report: DatumReport, translation: Translation) -> None:
     """Warn where AXES_TYPE fits the arrangement neither before nor after AXIS_SEQ; the arrangement counts."""
     robx = report.robx
     kinds = [move.kind for move in basic_moves(translation.basic)] + ["revolute"] * (robx.num_axes - 3)
@@ -158,7 +166,7 @@ def last_rotary_direction(translation: Translation) -> Matrix | None:
     return np.array(rotary[-1].direction) if rotary else None
 
 
-def _check_fourth_axis(report: Report, translation: Translation) -> None:
+def _check_fourth_axis(report: DatumReport, translation: Translation) -> None:
     """Warn where A4PAR contradicts the geometry; for a gantry it says nothing."""
     robx = report.robx
     direction = last_rotary_direction(translation)

@@ -7,23 +7,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Final
 
 from chainbuild import tolerances
 from chainbuild.errors import UnsupportedKinematicError
 from chainbuild.findings import Collector
 from chainbuild.formats.sinumerik.reading.data_table import DataTable
 from chainbuild.formats.sinumerik.reading.robx import ExtraAxis, ExtraGroup, Robx
-from chainbuild.formats.sinumerik.reading.transformations import Report
+from chainbuild.formats.sinumerik.reading.transformations import DatumReport
 from chainbuild.formats.sinumerik.rules.plausible import check_plausible
 
-_ROBOT_INPUTS = 6
-_USED_INPUTS = 15
-_MOST_CHANNEL_AXES = 20
-_SPINDLE = 2
+_ROBOT_INPUTS: Final = 6  # elements of TRAFO_AXES_IN for the robot's own axes
+_USED_INPUTS: Final = 15  # elements of TRAFO_AXES_IN that ROBX reads
+_MAX_CHANNEL_AXES: Final = 20  # of a channel of the control
+_SPINDLE: Final = 2  # AXES_TYPE of a spindle
 _WRISTS_BY_AXES = {4: (1, 2, 3), 5: (2, 3), 6: (2, 3, 5, 6)}
-_GRIPPER_ON = 2
-_OPTION_BIT = 1 << 16
-_OPTION_ELEMENT = 3
+_GRIPPER_ON: Final = 2  # GRIP_REL_RESET_MODE: gripper-referred motion from reset on
+_OPTION_BIT: Final = 1 << 16  # of the option's element: the transformation is released
+_OPTION_ELEMENT: Final = 3  # of TECHNO_EXTENSION_MASK that holds the option
 
 
 def check_axes(robx: Robx, table: DataTable, collector: Collector) -> None:
@@ -33,7 +34,7 @@ def check_axes(robx: Robx, table: DataTable, collector: Collector) -> None:
         MachineDataError: the data cannot be a machine (strict collector).
         UnsupportedKinematicError: spindle drives.
     """
-    report = Report(robx, collector)
+    report = DatumReport(robx, collector)
     _check_inputs(report)
     _check_spindles(report)
     _check_wrist_type(report)
@@ -49,7 +50,7 @@ def check_axes(robx: Robx, table: DataTable, collector: Collector) -> None:
     check_plausible(robx, collector)
 
 
-def _check_inputs(report: Report) -> None:
+def _check_inputs(report: DatumReport) -> None:
     robx = report.robx
     name = f"TRAFO_AXES_IN_{robx.transformation}"
     robot = robx.axes_in[:_ROBOT_INPUTS]
@@ -77,13 +78,13 @@ def _check_inputs(report: Report) -> None:
         report.add("CB333", f"$MC_{tool} is 0: ROBX needs 1 to handle the tool itself", general=tool)
 
 
-def _check_channel_axes(report: Report, used: Sequence[int]) -> None:
+def _check_channel_axes(report: DatumReport, used: Sequence[int]) -> None:
     """Warn of axes that the channel does not have: beyond the most that one can have, or without a machine axis."""
     name, data = f"TRAFO_AXES_IN_{report.robx.transformation}", report.robx.data
-    beyond = [axis for axis in used if axis > _MOST_CHANNEL_AXES]
+    beyond = [axis for axis in used if axis > _MAX_CHANNEL_AXES]
     if beyond:
-        text = f"$MC_{name} names channel axis {beyond[0]}; a channel has at most {_MOST_CHANNEL_AXES}"
-        report.add("CB344", text, general=name, permitted=f"0 to {_MOST_CHANNEL_AXES}")
+        text = f"$MC_{name} names channel axis {beyond[0]}; a channel has at most {_MAX_CHANNEL_AXES}"
+        report.add("CB344", text, general=name, permitted=f"0 to {_MAX_CHANNEL_AXES}")
     for axis in used:
         row = data.row("AXCONF_MACHAX_USED", axis - 1)
         if row is not None and row.value == 0.0:
@@ -91,7 +92,7 @@ def _check_channel_axes(report: Report, used: Sequence[int]) -> None:
             report.collector.add("CB344", text, span=row.span, parameter=f"$MC_AXCONF_MACHAX_USED[{axis - 1}]")
 
 
-def _check_spindles(report: Report) -> None:
+def _check_spindles(report: DatumReport) -> None:
     robx = report.robx
     spindle = [n for n, kind in enumerate(robx.axes_type[: robx.num_axes]) if kind == _SPINDLE]
     if spindle:
@@ -107,7 +108,7 @@ def _check_spindles(report: Report) -> None:
         report.add("CB304", text, ("SPIN_ON",), permitted="0", error=UnsupportedKinematicError)
 
 
-def _check_wrist_type(report: Report) -> None:
+def _check_wrist_type(report: DatumReport) -> None:
     robx = report.robx
     permitted = _WRISTS_BY_AXES[robx.num_axes]
     lacks = "" if robx.given("WRIST_AXES") else f" (the default: {robx.parameter('WRIST_AXES')} is missing)"
@@ -120,7 +121,7 @@ def _check_wrist_type(report: Report) -> None:
         )
 
 
-def _check_sequence(report: Report) -> None:
+def _check_sequence(report: DatumReport) -> None:
     robx = report.robx
     used, n = robx.axis_seq[: robx.num_axes], robx.num_axes
     if sorted(used) != list(range(1, n + 1)):
@@ -142,7 +143,7 @@ def _exchangeable(robx: Robx) -> set[int]:
     return {"SS": {1, 2, 3}, "CC": {1, 2, 3}, "SC": {1, 2}, "CS": {2, 3}}.get(robx.arrangement, set())
 
 
-def _check_parallelogram(report: Report) -> None:
+def _check_parallelogram(report: DatumReport) -> None:
     robx = report.robx
     lower, upper = robx.parallel_limits_deg
     if robx.special_kin == 2 and robx.arrangement != "NR":
@@ -153,7 +154,7 @@ def _check_parallelogram(report: Report) -> None:
         report.add("CB323", text, ("SW_LIMITS_PARALLEL",), permitted="lower below upper")
 
 
-def _check_direction(report: Report, axis: ExtraAxis) -> None:
+def _check_direction(report: DatumReport, axis: ExtraAxis) -> None:
     length = math.sqrt(math.fsum(c * c for c in axis.direction))
     name = axis.vector_name.removeprefix("ROBX_")
     if length < tolerances.ZERO_VECTOR:
@@ -164,7 +165,7 @@ def _check_direction(report: Report, axis: ExtraAxis) -> None:
         report.add("CB325", text, (name,), permitted="a vector of length 1")
 
 
-def _check_offsets(report: Report, group: ExtraGroup, where: str, base: str, joint: str) -> None:
+def _check_offsets(report: DatumReport, group: ExtraGroup, where: str, base: str, joint: str) -> None:
     """Warn where an offset is given but no axis follows on it."""
     slots = {axis.slot for axis in group.axes}
     unused = []
@@ -178,7 +179,7 @@ def _check_offsets(report: Report, group: ExtraGroup, where: str, base: str, joi
         report.add("CB335", f"{name} is given, but no additional axis of the {where} follows on it: it {what}", (name,))
 
 
-def _check_flange_axes(report: Report) -> None:
+def _check_flange_axes(report: DatumReport) -> None:
     robx = report.robx
     if robx.flange.axes and robx.num_axes < _ROBOT_INPUTS:
         report.add(
@@ -200,7 +201,7 @@ def check_gripper(robx: Robx, collector: Collector, *, asked: bool) -> None:
         collector: Takes the findings.
         asked: True where the user asks for it; False: only where MD62951 switches it on after a reset.
     """
-    report = Report(robx, collector)
+    report = DatumReport(robx, collector)
     if not asked and robx.control.grip_reset_mode != _GRIPPER_ON:
         return
     if robx.num_axes < _ROBOT_INPUTS:
@@ -215,7 +216,7 @@ def check_gripper(robx: Robx, collector: Collector, *, asked: bool) -> None:
         report.add("CB329", text, ("GRIP_REL_RESET_MODE",), hint="choose the kinematic 'gripper' for it")
 
 
-def _check_features(report: Report, table: DataTable) -> None:
+def _check_features(report: DatumReport, table: DataTable) -> None:
     robx = report.robx
     if robx.feature_mask & ~1:
         text = f"SPECIAL_FEATURE_MASK 'H{robx.feature_mask:X}' sets bits that the manual does not name; it names bit 0"

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -24,12 +24,12 @@ from chainbuild.formats.sinumerik.geometry.translate import Translation
 from chainbuild.formats.sinumerik.reading.assignment import Assignment
 from chainbuild.formats.sinumerik.reading.data_table import DataTable, written_name
 from chainbuild.formats.sinumerik.reading.robx import Robx
-from chainbuild.formats.sinumerik.reading.transformations import Report
+from chainbuild.formats.sinumerik.reading.transformations import DatumReport
 from chainbuild.units import AxisKind, deg_from_rad, m_s_from_mm_min, mm_from_m, rad_s_from_rpm
 
 # The control's own default for an axis without software limits is ±1e8.
-_NO_LIMIT = 1e8
-_ENDLESS = 4
+_NO_LIMIT: Final = 1e8
+_ENDLESS: Final = 4  # number of an endless rotary axis in AXES_TYPE
 _LIMIT_DATA = ("POS_LIMIT_MINUS", "POS_LIMIT_PLUS")
 _NAMING_DATA = ("AXCONF_MACHAX_NAME_TAB", "AXCONF_LOGIC_MACHAX_TAB", "AXCONF_CHANAX_NAME_TAB")
 _PLAIN_AXIS = re.compile(r"AX\d+")
@@ -174,11 +174,11 @@ def _number(row: Assignment) -> float:
     return 0.0 if isinstance(row.value, str) else row.value
 
 
-ALARM_PARALLELOGRAM = 75329
-ALARM_EXCESSIVE_SPEED = 75324
+ALARM_PARALLELOGRAM: Final = 75329
+ALARM_EXCESSIVE_SPEED: Final = 75324
 _SCARA = ("CC", "SC", "CS")
-_PARALLEL = 1e-6
-_WITH_HAND = 5
+_PARALLEL: Final = 1e-6  # cosine: far below what machine data are written to
+_WITH_HAND: Final = 5  # axes: from the fifth on there is an angle of the hand
 
 
 def _sum(axes: Sequence[Axis], factors: Mapping[str, float], offset: float) -> AxisSum:
@@ -212,7 +212,7 @@ def _parallelogram_angles(translation: Translation, axes: Sequence[Axis]) -> tup
 
 def check_pose_data(robx: Robx, translation: Translation, axes: Sequence[Axis], collector: Collector) -> None:
     """Note where the printed parallelogram angle is not the elbow's, and a feature bit that has no effect."""
-    report = Report(robx, collector)
+    report = DatumReport(robx, collector)
     if robx.special_kin == 2:
         printed, elbow = _parallelogram_angles(translation, axes)
         if not np.allclose((*printed.coefficients, printed.offset), (*elbow.coefficients, elbow.offset), atol=1e-9):

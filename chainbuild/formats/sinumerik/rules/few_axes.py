@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from chainbuild.arrays import Matrix
@@ -10,15 +12,15 @@ from chainbuild.convention import Choices
 from chainbuild.formats.sinumerik.geometry.robot_axes import basic_moves
 from chainbuild.formats.sinumerik.geometry.tool import Tool, length_transform
 from chainbuild.formats.sinumerik.geometry.translate import Translation, flange_frame
-from chainbuild.formats.sinumerik.reading.transformations import Report
+from chainbuild.formats.sinumerik.reading.transformations import DatumReport
 
-_CENTRAL = 2
-_ANGLE = 1e-9
-_LENGTH_MM = 1e-6
+_CENTRAL: Final = 2  # number of the central wrist, see `robx.WRISTS`
+_ANGLE: Final = 1e-9  # sines and cosines below this are 0, but for rounding
+_LENGTH_MM: Final = 1e-6  # nanometres: rounding of lengths in mm
 _SCARA = ("CC", "SC", "CS")
 
 
-def check_five_axes(report: Report, tool: Tool, choose: Choices) -> None:
+def check_five_axes(report: DatumReport, tool: Tool, choose: Choices) -> None:
     """Check flange, wrist frame and tool of a 5-axis robot."""
     robx = report.robx
     if not robx.given("TFLWP_RPY"):
@@ -31,7 +33,7 @@ def check_five_axes(report: Report, tool: Tool, choose: Choices) -> None:
     _check_tool(report, tool, choose)
 
 
-def _check_flange_x(report: Report, choose: Choices) -> None:
+def _check_flange_x(report: DatumReport, choose: Choices) -> None:
     """X of the flange must meet axis 5 and may not be parallel to it (ROBX manual 5.3.5)."""
     robx = report.robx
     T = flange_frame(robx, choose).T()
@@ -50,7 +52,7 @@ def _check_flange_x(report: Report, choose: Choices) -> None:
         report.add("CB314", text, ("TFLWP_RPY", "TFLWP_POS"))
 
 
-def _check_wrist_frame(report: Report) -> None:
+def _check_wrist_frame(report: DatumReport) -> None:
     """Warn where the manual does not leave TX3P3 free (ROBX manual 5.3.4); it does not print what it then demands."""
     robx = report.robx
     central = robx.wrist == _CENTRAL
@@ -61,7 +63,7 @@ def _check_wrist_frame(report: Report) -> None:
         report.add("CB315", text, ("TX3P3_RPY", "WRIST_AXES"))
 
 
-def _check_tool(report: Report, tool: Tool, choose: Choices) -> None:
+def _check_tool(report: DatumReport, tool: Tool, choose: Choices) -> None:
     """Warn where the tool of an articulated arm leaves the plane that a 5-axis robot can turn it in."""
     robx = report.robx
     if robx.arrangement not in ("NR", "RR"):
@@ -73,7 +75,7 @@ def _check_tool(report: Report, tool: Tool, choose: Choices) -> None:
         report.add("CB316", text, ("NUM_AXES",), permitted=form)
 
 
-def check_four_axes(report: Report, translation: Translation) -> None:
+def check_four_axes(report: DatumReport, translation: Translation) -> None:
     """Check wrist frame and base of a 4-axis robot."""
     robx = report.robx
     last = np.array(basic_moves(translation.basic)[-1].direction)
@@ -89,7 +91,7 @@ def check_four_axes(report: Report, translation: Translation) -> None:
     _check_base(report, translation)
 
 
-def _check_base(report: Report, translation: Translation) -> None:
+def _check_base(report: DatumReport, translation: Translation) -> None:
     """The first rotary axis lies along an axis of WO; some arrangements also need Z of IRO along Z of WO."""
     robx = report.robx
     first = _first_rotary(translation)

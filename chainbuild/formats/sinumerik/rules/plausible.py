@@ -7,26 +7,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import Final
 
 from chainbuild import tolerances
-from chainbuild.chain.check import ArmLength, doubt_lengths, doubt_reach
+from chainbuild.chain.check import ArmLength, check_length_magnitudes, check_reach_magnitude
 from chainbuild.findings import Collector
 from chainbuild.formats.sinumerik.reading.catalogue import catalogue
 from chainbuild.formats.sinumerik.reading.robx import Robx
-from chainbuild.formats.sinumerik.reading.transformations import Report
+from chainbuild.formats.sinumerik.reading.transformations import DatumReport
 
 _LETTERS = "XYZ"
 _USE_LENGTH_B = ("NR", "CC", "NN")
 _BEND = ("NR", "CC", "SC")
 _REACH = ("NR", "CC", "NN")
-_QUARTER = math.pi / 2.0
-_MOST_QUARTERS = 4
-_RADIAN_DIGITS = 5e-4  # 1.571, 1.5708 and 1.570796 are quarter turns, 1.57 may be an angle
+_QUARTER: Final = math.pi / 2.0  # rad
+_MAX_QUARTERS: Final = 4  # a whole turn; larger values are no angles in radians
+_RADIAN_DIGITS: Final = 5e-4  # 1.571, 1.5708 and 1.570796 are quarter turns, 1.57 may be an angle
 
 
 def check_plausible(robx: Robx, collector: Collector) -> None:
     """Note what is sound but hardly meant."""
-    report = Report(robx, collector)
+    report = DatumReport(robx, collector)
     _check_extra_vectors(report)
     for name in _other_vectors(robx):
         _check_parts(report, name)
@@ -36,21 +37,21 @@ def check_plausible(robx: Robx, collector: Collector) -> None:
     _check_radians(report)
 
 
-def _check_radians(report: Report) -> None:
+def _check_radians(report: DatumReport) -> None:
     """Warn of angles that are quarter turns in radians, to the digits given: machine data count in degrees."""
     data = report.robx.data
     for row in data.package_rows(te4=data.te4):
         if row.datum.unit != "deg" or isinstance(row.value, str):
             continue
         quarters = round(row.value / _QUARTER)
-        if quarters and abs(quarters) <= _MOST_QUARTERS and abs(row.value - quarters * _QUARTER) < _RADIAN_DIGITS:
+        if quarters and abs(quarters) <= _MAX_QUARTERS and abs(row.value - quarters * _QUARTER) < _RADIAN_DIGITS:
             name = row.datum.name.removeprefix("ROBX_")
             element = "" if row.index is None else f"[{row.index}]"
             text = f"{name}{element} is {row.value:g}: machine data count angles in degrees, is this {90 * quarters}°?"
             report.collector.add("CB350", text, span=row.span, parameter=report.robx.parameter(name))
 
 
-def _check_extra_vectors(report: Report) -> None:
+def _check_extra_vectors(report: DatumReport) -> None:
     """Warn of a direction of an additional axis given in part, and note one that is all default."""
     robx = report.robx
     for axis in (*robx.base_axes, *robx.table.axes, *robx.flange.axes):
@@ -73,7 +74,7 @@ def _other_vectors(robx: Robx) -> Iterator[str]:
     yield "TFLWP_RPY"
 
 
-def _check_parts(report: Report, name: str) -> None:
+def _check_parts(report: DatumReport, name: str) -> None:
     """Warn of a vector of which the file gives some elements only."""
     datum, data = catalogue()[f"ROBX_{name}"], report.robx.data
     missing = [n for n in range(datum.dimension) if data.row(datum.name, n) is None]
@@ -85,7 +86,7 @@ def _check_parts(report: Report, name: str) -> None:
     report.add("CB346", f"{name} is given in part: for {shown} {count}", (name,))
 
 
-def _check_forearm_frame(report: Report) -> None:
+def _check_forearm_frame(report: DatumReport) -> None:
     """Warn of an arm with a wrist whose TX3P3_RPY is missing: axis 4 then lies across the forearm."""
     robx = report.robx
     if robx.arrangement == "NR" and robx.num_axes > 4 and not robx.given("TX3P3_RPY"):
@@ -93,7 +94,7 @@ def _check_forearm_frame(report: Report) -> None:
         report.add("CB348", text, ("TX3P3_RPY", "TX3P3_POS"), hint="0, 90, 0 is usual: axis 4 along the forearm")
 
 
-def _check_upper_arm(report: Report) -> None:
+def _check_upper_arm(report: DatumReport) -> None:
     """Warn of an arm whose lengths the file leaves to the default: 500 mm are hardly anybody's."""
     robx = report.robx
     if robx.arrangement in _USE_LENGTH_B and not robx.given("MAIN_LENGTH_AB"):
@@ -102,10 +103,10 @@ def _check_upper_arm(report: Report) -> None:
         report.add("CB351", text, ("MAIN_LENGTH_AB",))
 
 
-def _check_lengths(report: Report) -> None:
+def _check_lengths(report: DatumReport) -> None:
     robx = report.robx
     if robx.arrangement in _BEND:
-        doubt_lengths(_arms(robx), report.collector)
+        check_length_magnitudes(_arms(robx), report.collector)
     links = [value for link in robx.dh[: max(robx.num_axes - 4, 0)] for value in (link.a_mm, link.d_mm)]
     main = robx.lengths_mm if robx.arrangement in _USE_LENGTH_B else robx.lengths_mm[:1]
     reach = math.fsum(abs(length) for length in (*main, *links))
@@ -113,7 +114,9 @@ def _check_lengths(report: Report) -> None:
     # Linear axes reach by their travel: what is short here says nothing there.
     if robx.arrangement in _REACH or reach > tolerances.ARM_REACH_MM[1]:
         span = robx.span("MAIN_LENGTH_AB", "TX3P3_POS")
-        doubt_reach(reach, span, "machine data count in mm: are these metres or micrometres?", report.collector)
+        check_reach_magnitude(
+            reach, span, "machine data count in mm: are these metres or micrometres?", report.collector
+        )
 
 
 def _arms(robx: Robx) -> Sequence[ArmLength]:

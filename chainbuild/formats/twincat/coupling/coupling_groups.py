@@ -19,9 +19,18 @@ from chainbuild.formats.twincat.lists.config import Trafo
 from chainbuild.formats.twincat.lists.reader import Assignment
 
 COUPLING: Final = 210
-NOT_UNIQUE, NO_TOOL_MEMBER, MULTISTEP = 21931, 22053, 22093
-_UNSUPPORTED, _GROUP_TWICE, _UNKNOWN_MEMBER, _UNKNOWN_WORKPIECE = 292060, 292063, 292064, 292066
-_INCOMPLETE_PRIORITY, _NO_GROUP, _GAP, _NO_MEMBER = 292067, 292085, 292086, 292087
+# Numbers of the controller's alarms.
+NOT_UNIQUE: Final = 21931
+NO_TOOL_MEMBER: Final = 22053
+MULTISTEP: Final = 22093
+_UNSUPPORTED: Final = 292060
+_GROUP_TWICE: Final = 292063
+_UNKNOWN_MEMBER: Final = 292064
+_UNKNOWN_WORKPIECE: Final = 292066
+_INCOMPLETE_PRIORITY: Final = 292067
+_NO_GROUP: Final = 292085
+_GAP: Final = 292086
+_NO_MEMBER: Final = 292087
 
 _GROUP: Final = re.compile(r"group\[(\d+)\]")
 _KNOWN: Final = re.compile(r"group\[\d+\]\.(name|id|workpiece_cs|(chain|move_prio)\[\d+\])|lock_dof\[\d+\]")

@@ -24,9 +24,9 @@ from chainbuild.formats.twincat.lists.config import Trafo
 from chainbuild.formats.twincat.types.catalogue import catalogue
 from chainbuild.units import AxisKind, mm_from_m, si_factor
 
-_POSITION: Final = 3
-_NEWTON_STEPS: Final = 50
-_CLOSE: Final = 1e-11
+_POSITION: Final = 3  # values ahead of the angles: X, Y, Z
+_NEWTON_STEPS: Final = 50  # at most: from inside the limits a few are enough
+_CLOSE: Final = 1e-11  # m and rad: what rounding may leave
 
 
 def two_steps(first: Chain, first_trafo: Trafo, second: Chain, second_trafo: Trafo, collector: Collector) -> Chain:

@@ -30,7 +30,9 @@ from chainbuild.formats.twincat.recipes.recipe import Drive, Params, Recipe, Rec
 from chainbuild.frames import cos_sin_deg, rot_about, rot_z
 from chainbuild.units import deg_from_rad, rad_from_deg
 
-_UNDERFLOOR, _SAW = 1, 2  # HD20 of 59
+# Values of HD20 of 59.
+_UNDERFLOOR: Final = 1
+_SAW: Final = 2
 
 
 def kin_59(p: Params, choose: Choices) -> Recipe:
@@ -131,7 +133,7 @@ def _recipe(
         f"C and {head.inner} are spatial angles (HD21 = 0): a URDF file holds the machine angles that follow from them"
     )
     p.note("CB421", "machine_angles", text)
-    lean = deg_from_rad(angles.spatial.largest_lean)
+    lean = deg_from_rad(angles.spatial.largest_tilt)
     axes = tuple(replace(axis, lower=-lean, upper=lean) if axis.name == head.inner else axis for axis in p.axes)
     return Recipe(tool=tool, axes=axes, axis_map=angles.spatial)
 
@@ -181,7 +183,7 @@ def _target_angle(p: Params, choose: Choices, angles: _Angles) -> float:
     spatial = angles.spatial
     machine = spatial.machine_angle(rad_from_deg(target))
     if math.isnan(machine):
-        lean = deg_from_rad(spatial.largest_lean)
+        lean = deg_from_rad(spatial.largest_tilt)
         p.refuse(
             "option_angle", f"the head cannot reach the target angle HD19 = {target:g} degrees", f"±{lean:g} degrees"
         )

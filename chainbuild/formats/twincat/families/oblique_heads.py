@@ -25,7 +25,7 @@ from chainbuild.formats.twincat.recipes.recipe import Drive, Params, Recipe, Rec
 from chainbuild.frames import cos_sin_deg
 
 # Direction of the inclined axis of 33 as (x, y) share of the sine of the tilt.
-_LEAN: Final = {"xz_plus": (1.0, 0.0), "xz_minus": (-1.0, 0.0), "yz_plus": (0.0, 1.0), "yz_minus": (0.0, -1.0)}
+_TILT: Final = {"xz_plus": (1.0, 0.0), "xz_minus": (-1.0, 0.0), "yz_plus": (0.0, 1.0), "yz_minus": (0.0, -1.0)}
 
 
 def kin_11(p: Params, choose: Choices) -> Recipe:
@@ -47,7 +47,7 @@ def kin_11(p: Params, choose: Choices) -> Recipe:
 def kin_33(p: Params, choose: Choices) -> Recipe:
     """Build the C head with an inclined A, both through the tool tip."""
     cosine, sine = cos_sin_deg(p.deg("tilt_angle"))
-    x, y = _LEAN[choose["kin33_tilt_axis"]] if sine else (0.0, 0.0)
+    x, y = _TILT[choose["kin33_tilt_axis"]] if sine else (0.0, 0.0)
     length = p.tool_length_mm
     counts = length != 0 and choose["kin33_tool_length"] == "along_tool"
     if length and not counts:

@@ -13,14 +13,14 @@ from typing import Final
 from chainbuild.chain.elements import Axis
 from chainbuild.errors import Span
 from chainbuild.findings import Collector
-from chainbuild.formats.twincat.lists.config import ChannelAxis, kept_by
-from chainbuild.formats.twincat.lists.counts import Unit, doubt_number
+from chainbuild.formats.twincat.lists.config import ChannelAxis, errors_collected_by
+from chainbuild.formats.twincat.lists.counts import Unit, check_number
 from chainbuild.formats.twincat.lists.reader import ParameterList
 from chainbuild.units import deg_from_raw, mm_from_tenth_um
 
 _LIMITS: Final = ("kenngr.swe_neg", "kenngr.swe_pos")
-_MODULO: Final = 0x4
-_UNS32: Final = 2**32 - 1
+_MODULO: Final = 0x4  # bit of the axis mode: a modulo axis
+_UNS32: Final = 2**32 - 1  # largest value of the mode, an unsigned 32-bit number
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,21 +61,21 @@ def read_axis_list(parameters: ParameterList, facts: Mapping[str, str], collecto
     def number(name: str) -> float | None:
         entry = parameters.get(name)
         if entry is not None:
-            with kept_by(collector):
+            with errors_collected_by(collector):
                 value = entry.number()
                 unit: Unit = "mm or deg" if name in _LIMITS else ""
-                doubt_number(value, entry.raw, entry.name, entry.span, unit, collector)
+                check_number(value, entry.raw, entry.name, entry.span, unit, collector)
                 return value
         return None
 
     named = parameters.get("kopf.log_achs_name")
     names = [facts.get(key, "") for key in ("DefaultProgName", "Name", "ItemName")]
-    with kept_by(collector):
+    with errors_collected_by(collector):
         if named is not None:
             names.insert(0, named.text())
     mode = parameters.get("kenngr.achs_mode")
     modulo = False
-    with kept_by(collector):
+    with errors_collected_by(collector):
         modulo = mode is not None and bool(mode.integer(0, _UNS32) & _MODULO)
     axis_number = number("kopf.achs_nr")
     index = facts.get("DefaultIndex", "")

@@ -8,8 +8,8 @@ from typing import Final
 from chainbuild.errors import Span
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.config import (
+    MAX_KINEMATIC_STEPS,
     MAX_PARAM,
-    MAX_STEPS,
     MAX_TRAFOS,
     UNKNOWN_ID_ALARM,
     UNS16,
@@ -20,16 +20,16 @@ from chainbuild.formats.twincat.lists.config import (
     Trafo,
     bad_name,
     checked_index,
-    kept_by,
+    errors_collected_by,
     short_name,
 )
-from chainbuild.formats.twincat.lists.counts import doubt_counts
+from chainbuild.formats.twincat.lists.counts import check_counts
 from chainbuild.formats.twincat.lists.named_parameters import is_general, named_parameter, nearest_name
 from chainbuild.formats.twincat.lists.reader import Assignment, Key, ParameterList, canonical
 
 # P-CHAN-00112; 11 is described as not supported by the controller.
 _ANGLE_MODES: Final = frozenset({*range(-1, 6), *range(10, 22)})
-_JUDGE_THEIR_NAMES: Final = (91, 210)  # universal and coupling kinematic, configured by names
+_CHECK_OWN_NAMES: Final = (91, 210)  # universal and coupling kinematic, configured by names
 
 
 def read_channel(parameters: ParameterList, collector: Collector, index: int = 0, name: str = "") -> Channel:
@@ -44,7 +44,7 @@ def read_channel(parameters: ParameterList, collector: Collector, index: int = 0
     _refuse_repeated(trafos, collector)
     for trafo in trafos:
         _warn_unknown(trafo, collector)
-        doubt_counts(trafo, collector)
+        check_counts(trafo, collector)
     pcs = tuple(t for t in _grouped(parameters, collector, "trafo_pcs") if t)
     if pcs:
         text = f"{len(pcs)} PCS transformation(s) are read; they act on the program's coordinates, not on the machine"
@@ -110,7 +110,7 @@ class _Builder:
 def _grouped(parameters: ParameterList, collector: Collector, root: str) -> list[Trafo | None]:
     builders: dict[tuple[int, int], _Builder] = {}
     for entry in parameters.under(root):
-        with kept_by(collector):
+        with errors_collected_by(collector):
             step, index, rest = _place(entry, root)
             if (step, index) not in builders:
                 prefix = entry.name[: len(entry.name) - len(canonical(rest)) - 1]
@@ -129,7 +129,7 @@ def _place(entry: Assignment, root: str) -> tuple[int, int, tuple[Key, ...]]:
     """Return step, index and the rest of a name."""
     keys = entry.keys
     if root == "kin_step":
-        step = checked_index(entry, keys[0][1], MAX_STEPS - 1)
+        step = checked_index(entry, keys[0][1], MAX_KINEMATIC_STEPS - 1)
         if len(keys) < 3 or keys[1][0] != "trafo":
             raise bad_name(entry, "kin_step[i].trafo[j].NAME")
         return step, checked_index(entry, keys[1][1], MAX_TRAFOS - 1), keys[2:]
@@ -140,7 +140,7 @@ def _place(entry: Assignment, root: str) -> tuple[int, int, tuple[Key, ...]]:
 
 def _warn_unknown(trafo: Trafo, collector: Collector) -> None:
     """Warn of parameters that nothing reads: misspelt, with a wrong index, or of a type configured by names."""
-    if trafo.type in _JUDGE_THEIR_NAMES:
+    if trafo.type in _CHECK_OWN_NAMES:
         return
     for name, entry in trafo.extras.items():
         if is_general(name):
@@ -169,9 +169,9 @@ def _defaults(parameters: ParameterList, collector: Collector) -> dict[int, Defa
     defaults: dict[int, Default] = {}
     for id_name, name_name, step in (
         ("kinematik_id", "kinematik_name", 0),
-        *((f"default_id_of_kin_step[{i}]", f"default_name_of_kin_step[{i}]", i) for i in range(MAX_STEPS)),
+        *((f"default_id_of_kin_step[{i}]", f"default_name_of_kin_step[{i}]", i) for i in range(MAX_KINEMATIC_STEPS)),
     ):
-        with kept_by(collector):
+        with errors_collected_by(collector):
             id_entry, name_entry = parameters.get(id_name), parameters.get(name_name)
             number = id_entry.integer(0, UNS16) if id_entry else 0
             name = name_entry.text() if name_entry else ""
@@ -185,7 +185,7 @@ def _angle_mode(parameters: ParameterList, collector: Collector) -> RawValue | N
     entry = parameters.get("ori_rotation_angle")
     if entry is None:
         return None
-    with kept_by(collector):
+    with errors_collected_by(collector):
         mode = entry.integer(-1, 21)
         if mode in _ANGLE_MODES:
             return RawValue(mode, entry.name, entry.span)
@@ -203,10 +203,10 @@ def _axes(parameters: ParameterList, collector: Collector) -> dict[int, ChannelA
     for entry in parameters.under("gruppe"):
         match entry.keys:
             case (("gruppe", 0), ("achse", int(i)), ("bezeichnung", None)):
-                with kept_by(collector):
+                with errors_collected_by(collector):
                     names[i] = entry.text()
             case (("gruppe", 0), ("achse", int(i)), ("log_achs_nr", None)):
-                with kept_by(collector):
+                with errors_collected_by(collector):
                     numbers[i] = entry.integer(0, UNS16)
             case _:
                 pass

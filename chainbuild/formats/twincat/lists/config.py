@@ -11,10 +11,10 @@ from chainbuild.errors import ChainbuildError, MachineDataError, ParseError, Spa
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.reader import Assignment
 
-MAX_TRAFOS: Final = 10
-MAX_STEPS: Final = 2
+MAX_TRAFOS: Final = 10  # kinematics of a channel and step, trafo[0] to trafo[9]
+MAX_KINEMATIC_STEPS: Final = 2  # of a coupled transformation, kin_step[0] and kin_step[1]
 MAX_PARAM: Final = 74  # P-TOOL-00009 and P-CHAN-00094; HD75 is the last
-MAX_NAME_CHARACTERS: Final = 16
+MAX_NAME_CHARACTERS: Final = 16  # of a kinematic that is called by its name
 UNS16: Final = 65535  # largest id and type
 UNKNOWN_ID_ALARM: Final = 21630
 
@@ -137,7 +137,7 @@ class Channel:
 
 
 @contextmanager
-def kept_by(collector: Collector) -> Iterator[None]:
+def errors_collected_by(collector: Collector) -> Iterator[None]:
     """Keep an error as a finding at the lenient door; let it pass at the strict one."""
     try:
         yield

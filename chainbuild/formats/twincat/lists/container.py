@@ -22,8 +22,8 @@ _CHANNEL: Final = re.compile(r"^[ \t]*(trafo(_pcs)?|kin_step|kinematik)[ \t]*\["
 _AXIS: Final = re.compile(r"^[ \t]*kenngr\.", re.MULTILINE | re.IGNORECASE)
 _TOOL: Final = re.compile(r"^[ \t]*wz[ \t]*\[", re.MULTILINE | re.IGNORECASE)
 _BY_NAME: Final[Mapping[str, SectionKind]] = {"sdamds": "channel", "achsmds": "axis", "werkzd": "tool"}
-_MAX_DEPTH: Final = 200
-_SHORT_TEXT: Final = 200
+_MAX_DEPTH: Final = 200  # far deeper than any project; a bomb of nested elements ends here
+_SHORT_TEXT: Final = 200  # characters of a name or number; longer text is a list
 
 
 @dataclass(frozen=True, slots=True)

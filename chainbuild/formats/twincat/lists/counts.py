@@ -22,7 +22,7 @@ _UNIT_BEHIND: Final = re.compile(
 )
 
 
-def doubt_count(entry: RawValue, unit: Unit, collector: Collector) -> None:
+def check_count(entry: RawValue, unit: Unit, collector: Collector) -> None:
     """Warn of a count that looks like a value in mm or degrees: with a fraction though small, or with a unit.
 
     Args:
@@ -41,9 +41,9 @@ def doubt_count(entry: RawValue, unit: Unit, collector: Collector) -> None:
         collector.add("CB510", text, span=entry.span, parameter=entry.name, hint=_hint(entry.value, unit))
 
 
-def doubt_counts(trafo: Trafo, collector: Collector) -> None:
+def check_counts(trafo: Trafo, collector: Collector) -> None:
     """Warn of every doubtful number of a kinematic."""
-    doubt_params(trafo.params, trafo.type, collector)
+    check_param_counts(trafo.params, trafo.type, collector)
     for name, entry in trafo.extras.items():
         unit = _named_unit(name)
         if not unit:
@@ -52,15 +52,15 @@ def doubt_counts(trafo: Trafo, collector: Collector) -> None:
             number = entry.number()
         except ChainbuildError:
             continue  # whoever reads it says so
-        doubt_number(number, entry.raw, entry.name, entry.span, unit, collector)
+        check_number(number, entry.raw, entry.name, entry.span, unit, collector)
 
 
-def doubt_params(params: Mapping[int, RawValue], kin_typ: int, collector: Collector) -> None:
+def check_param_counts(params: Mapping[int, RawValue], kin_typ: int, collector: Collector) -> None:
     """Warn of doubtful values of param[k], those of a tool among them."""
     data = type_data().get(kin_typ)
     units = {row.n - 1: _unit(row.kind) for row in data.hd} if data else {}
     for k, entry in params.items():
-        doubt_count(entry, _named_unit(slot_name(k)) if kin_typ == _UNIVERSAL else units.get(k, ""), collector)
+        check_count(entry, _named_unit(slot_name(k)) if kin_typ == _UNIVERSAL else units.get(k, ""), collector)
 
 
 def _unit(kind: str) -> Unit:
@@ -81,6 +81,6 @@ def _hint(value: float, unit: Unit) -> str | None:
     return f"{value:g} {unit} would be {raw_from_mm(value):.10g}" if unit else None
 
 
-def doubt_number(value: float, raw: str, name: str, span: Span, unit: Unit, collector: Collector) -> None:
-    """Warn of a doubtful number that is no parameter of a kinematic; see `doubt_count`."""
-    doubt_count(RawValue(value, name, span, raw), unit, collector)
+def check_number(value: float, raw: str, name: str, span: Span, unit: Unit, collector: Collector) -> None:
+    """Warn of a doubtful number that is no parameter of a kinematic; see `check_count`."""
+    check_count(RawValue(value, name, span, raw), unit, collector)

@@ -14,7 +14,7 @@ from typing import Final, Literal
 from chainbuild.units import deg_from_raw, mm_from_tenth_um
 
 _INDEX: Final = re.compile(r"\[(\d+)\]")
-_ANGLES: Final = (3, 4, 5)
+_ANGLES: Final = (3, 4, 5)  # indices of base[] behind those of the position
 # What every kinematic has and how it is written; the last two act in a coupling.
 _GENERAL: Final = {"id": "id", "type": "type", "name": "name", "param": "param[k]", "base": "base[k]",
                    "lock_dof": "lock_dof[k]"}  # fmt: skip

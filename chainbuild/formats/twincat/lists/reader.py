@@ -25,9 +25,9 @@ _INDEX_DIGITS: Final = 9
 _SPACED: Final = re.compile(r"\s*[A-Za-z_]\w*(?:[ \t]*\[[ \t]*\d+[ \t]*\]|[ \t]*\.[ \t]*[A-Za-z_]\w*)+", re.ASCII)
 _BROKEN: Final = re.compile(r"(?<=\S)[ \t]+[\[.\]]|\[[ \t]")
 _MISSPELT_ROOTS: Final = TWINCAT_ROOTS - {"gruppe", "kenngr", "kopf"}
-_ALIKE: Final = 0.75
-_NAMED: Final = 3
-_NAME_SHOWN: Final = 60
+_ALIKE: Final = 0.75  # likeness by difflib: of four letters one may be wrong
+_NAMED: Final = 3  # of the entries that are not read; the others are counted
+_NAME_SHOWN: Final = 60  # characters of a name in a message
 
 Key = tuple[str, int | None]
 
@@ -60,11 +60,11 @@ class Assignment:
 
     def number(self) -> float:
         """Return the value as a finite number; raises ParseError."""
-        return values.number(self.raw, self.name, self._value_span())
+        return values.real_number(self.raw, self.name, self._value_span())
 
     def integer(self, lowest: int, highest: int) -> int:
         """Return the value as a whole number within bounds; raises ParseError or MachineDataError."""
-        return values.integer(self.raw, self.name, self._value_span(), lowest, highest)
+        return values.whole_number(self.raw, self.name, self._value_span(), lowest, highest)
 
     def text(self) -> str:
         """Return the value as a string; raises ParseError."""

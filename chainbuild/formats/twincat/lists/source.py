@@ -13,7 +13,7 @@ from chainbuild.formats.twincat.lists.config import Channel, Trafo
 from chainbuild.formats.twincat.lists.toollist import Tool
 
 DIALECT: Final = "TwinCAT CNC"
-_LABEL_CHARACTERS: Final = 40
+_LABEL_CHARACTERS: Final = 40  # of a kinematic's name in the name of a chain
 
 
 @dataclass(frozen=True, slots=True)

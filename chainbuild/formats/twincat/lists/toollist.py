@@ -9,16 +9,23 @@ from typing import Final
 
 from chainbuild.errors import MachineDataError, Span
 from chainbuild.findings import Collector
-from chainbuild.formats.twincat.lists.config import MAX_PARAM, RawValue, Trafo, checked_index, kept_by, short_name
-from chainbuild.formats.twincat.lists.counts import Unit, doubt_number
+from chainbuild.formats.twincat.lists.config import (
+    MAX_PARAM,
+    RawValue,
+    Trafo,
+    checked_index,
+    errors_collected_by,
+    short_name,
+)
+from chainbuild.formats.twincat.lists.counts import Unit, check_number
 from chainbuild.formats.twincat.lists.reader import Assignment, ParameterList
 from chainbuild.units import mm_from_tenth_um
 
-_MAX_TOOL: Final = 65535
-_MILLIMETRES: Final = 0
+_MAX_TOOL: Final = 65535  # largest tool number: 16 bits
+_MILLIMETRES: Final = 0  # value of mass_einheit; any other is inches
 # What of a tool acts on a kinematic, and how near another name must come to be taken for a slip.
 _NAMES: Final = ("laenge", "radius", "kin_id", "kin_name", "mass_einheit", "kinematic", "kinematik", "wz_kopf_versatz")
-_MISSPELT: Final = 0.8
+_MISSPELT: Final = 0.8  # likeness by difflib
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +62,7 @@ def read_tools(parameters: ParameterList, collector: Collector) -> dict[int, Too
     """
     grouped: dict[int, list[Assignment]] = {}
     for entry in parameters.under("wz"):
-        with kept_by(collector):
+        with errors_collected_by(collector):
             grouped.setdefault(checked_index(entry, entry.keys[0][1], _MAX_TOOL), []).append(entry)
     return {number: _tool(number, entries, collector) for number, entries in grouped.items()}
 
@@ -66,7 +73,7 @@ def _tool(number: int, entries: Iterable[Assignment], collector: Collector) -> T
     kin_name, span = "", None
     for entry in entries:
         span = span or entry.span
-        with kept_by(collector):
+        with errors_collected_by(collector):
             match entry.keys[1:]:
                 # kinematic.wz_kopf_versatz is the spelling of versions up to 2.60.
                 case (("kinematic" | "kinematik", None), ("param" | "wz_kopf_versatz", j)) | (("wz_kopf_versatz", j),):
@@ -78,7 +85,7 @@ def _tool(number: int, entries: Iterable[Assignment], collector: Collector) -> T
                 case ((("laenge" | "radius" | "kin_id" | "mass_einheit") as key, None),):
                     values[key] = entry.number()
                     unit: Unit = "mm" if key in ("laenge", "radius") else ""
-                    doubt_number(values[key], entry.raw, entry.name, entry.span, unit, collector)
+                    check_number(values[key], entry.raw, entry.name, entry.span, unit, collector)
                 case _:
                     _warn_misspelt(entry, collector)
     assert span is not None  # a tool exists by its entries

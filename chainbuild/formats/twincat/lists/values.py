@@ -20,7 +20,7 @@ _STRING_COMMENT: Final = re.compile(r"\(|(?<=\s)#")
 _HUGE_RAW: Final = raw_from_mm(tolerances.HUGE_AXIS_VALUE)
 
 
-def number(raw: str, name: str, span: Span) -> float:
+def real_number(raw: str, name: str, span: Span) -> float:
     """Return a finite number.
 
     Args:
@@ -65,14 +65,14 @@ def _no_number(raw: str, token: str, name: str, span: Span) -> ParseError:
     return ParseError(text, span=span, parameter=name, permitted="a finite number", hint=hint, code="CB202")
 
 
-def integer(raw: str, name: str, span: Span, lowest: int, highest: int) -> int:
+def whole_number(raw: str, name: str, span: Span, lowest: int, highest: int) -> int:
     """Return a whole number within bounds.
 
     Raises:
         ParseError: no number.
         MachineDataError: not whole or out of bounds.
     """
-    value = number(raw, name, span)
+    value = real_number(raw, name, span)
     if value != int(value) or not lowest <= value <= highest:
         raise MachineDataError(
             f"{name} is {value:g}", span=span, parameter=name, permitted=f"a whole number from {lowest} to {highest}",

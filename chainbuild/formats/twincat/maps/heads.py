@@ -22,8 +22,10 @@ from chainbuild.units import AxisKind, deg_from_rad, rad_from_deg
 
 FIVE_AXES: Final[tuple[AxisKind, ...]] = ("linear", "linear", "linear", "rotary", "rotary")
 _SIX_AXES: Final[tuple[AxisKind, ...]] = (*FIVE_AXES, "rotary")
-_LEAN_SLACK: Final = 1e-12  # [rad] the largest lean, computed back by an arc sine, still counts as reached
-_C, _A = 3, 4  # indices in X, Y, Z, C, A (59: C, A; 60: C, B)
+_TILT_SLACK: Final = 1e-12  # [rad] the largest lean, computed back by an arc sine, still counts as reached
+# Indices in X, Y, Z, C, A (59: C, A; 60: C, B).
+_C: Final = 3
+_A: Final = 4
 
 
 def straight_map(
@@ -158,13 +160,13 @@ class SpatialAnglesMap:
         return ("C",)
 
     @property
-    def largest_lean(self) -> float:
+    def largest_tilt(self) -> float:
         """The largest spatial angle [rad]: twice the tilt against ±Z."""
         return 2.0 * math.asin(abs(self.sin_tilt))
 
     def machine_angle(self, spatial: float) -> float:
         """Return the machine angle of the inclined axis of a spatial angle [rad]; not a number beyond the reach."""
-        if abs(spatial) > self.largest_lean + _LEAN_SLACK:
+        if abs(spatial) > self.largest_tilt + _TILT_SLACK:
             return math.nan
         ratio = math.sin(spatial / 2.0) / self.sin_tilt
         return self.side * 2.0 * math.asin(max(-1.0, min(1.0, ratio)))
@@ -173,7 +175,7 @@ class SpatialAnglesMap:
         """Return the error of a lean that the head cannot reach, or None."""
         if math.isfinite(self.machine_angle(float(self.straight.q(axes)[_A]))):
             return None
-        lean = deg_from_rad(self.largest_lean)
+        lean = deg_from_rad(self.largest_tilt)
         return AxisValueError(
             f"the head cannot lean the tool by {self.axis} = {axes[_A]:g} deg: twice the tilt of its axis (HD7) is all",
             parameter=self.axis,
@@ -216,7 +218,7 @@ class SpatialAnglesMap:
     def q_bounds(self, lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
         """Return the joint bounds: both machine angles are monotonous in the spatial angle."""
         low, high = self.straight.q_bounds(lower, upper)
-        lean = self.largest_lean
+        lean = self.largest_tilt
         ends = [self.machine_angle(max(-lean, min(lean, float(bound[_A])))) for bound in (low, high)]
         turns = [-self._turn_of_c(machine) for machine in ends]
         low[_C] += min(turns) - self.zero[0]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Final, Protocol
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.formats.twincat.maps.heads import FIVE_AXES, nonzero, straight_map
 from chainbuild.units import m_from_mm, rad_from_deg
 
-_A = 4  # index in X, Y, Z, C, A
+_A: Final = 4  # index in X, Y, Z, C, A
 
 
 class TiltLaw(Protocol):

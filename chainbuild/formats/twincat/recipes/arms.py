@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
-from chainbuild.chain.check import ArmLength, doubt_lengths, doubt_reach
+from chainbuild.chain.check import ArmLength, check_length_magnitudes, check_reach_magnitude
 from chainbuild.formats.twincat.recipes.recipe import Params
 
 # What each arm is called, and the HDs that make its length between two parallel axes.
@@ -18,7 +18,7 @@ _ARMS: Final[Mapping[int, Mapping[str, tuple[str, ...]]]] = {
 }
 
 
-def doubt_arms(p: Params) -> None:
+def check_arm_magnitudes(p: Params) -> None:
     """Warn of arms without length, of very different length or of a strange reach."""
     arms = []
     for what, names in _ARMS.get(p.data.number, {}).items():
@@ -26,6 +26,6 @@ def doubt_arms(p: Params) -> None:
         length_mm = math.hypot(*(p.mm(name) for name in names))
         arms.append(ArmLength(what, f"HD{row.n} {row.name}", length_mm, p.spans.get(row.n, p.span)))
     if arms:
-        doubt_lengths(arms, p.collector)
+        check_length_magnitudes(arms, p.collector)
         reach_mm = math.fsum(arm.length_mm for arm in arms)
-        doubt_reach(reach_mm, arms[0].span, "lengths count 1e-4 mm: are these in another unit?", p.collector)
+        check_reach_magnitude(reach_mm, arms[0].span, "lengths count 1e-4 mm: are these in another unit?", p.collector)

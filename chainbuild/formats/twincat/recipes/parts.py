@@ -5,13 +5,13 @@ Everything here returns elements of `chain.assemble`; lengths are mm, angles deg
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Final, Literal
 
 from chainbuild.chain.assemble import Element, Fixed, Move, linear, mark, shift
 from chainbuild.convention import Choices
 from chainbuild.formats.twincat.recipes.recipe import Direction, Params, table_flag, table_rotary
 
-_FLAG_VALUES = (-1, 0, 1)
+_FLAG_VALUES: Final = (-1, 0, 1)  # off, and the two directions
 
 
 def tool_slides() -> list[Element]:

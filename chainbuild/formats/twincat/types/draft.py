@@ -10,10 +10,10 @@ from chainbuild.chain.elements import Chain
 from chainbuild.convention import Choices
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.config import RawValue
-from chainbuild.formats.twincat.lists.counts import doubt_params
+from chainbuild.formats.twincat.lists.counts import check_param_counts
 from chainbuild.formats.twincat.lists.source import DIALECT, Source
 from chainbuild.formats.twincat.lists.toollist import acting_params
-from chainbuild.formats.twincat.recipes.arms import doubt_arms
+from chainbuild.formats.twincat.recipes.arms import check_arm_magnitudes
 from chainbuild.formats.twincat.recipes.recipe import Params
 from chainbuild.formats.twincat.types.catalogue import KinType, kin_type
 
@@ -32,7 +32,7 @@ def build_params(source: Source, kind: KinType, collector: Collector) -> Params:
         for k, entry in params.items():
             raw[k + 1] = raw.get(k + 1, 0.0) + entry.value
             entries[k + 1] = entry
-    doubt_params(acting_params(source.tool, source.trafo, Collector(strict=False)), kind.number, collector)
+    check_param_counts(acting_params(source.tool, source.trafo, Collector(strict=False)), kind.number, collector)
     known = {row.n for row in kind.hd}
     for n in sorted(set(raw) - known):
         if raw[n]:
@@ -59,7 +59,7 @@ def serial_draft(source: Source, choose: Choices, collector: Collector) -> Chain
     kind = kin_type(source.trafo.type, source.trafo.span)
     params = build_params(source, kind, collector)
     recipe = kind.recipe(params, choose)
-    doubt_arms(params)
+    check_arm_magnitudes(params)
     axes = recipe.axes or params.axes
     body = assemble(axes, recipe.tool, recipe.workpiece, recipe.axis_map)
     return Chain(

@@ -24,11 +24,11 @@ from chainbuild.formats.machine import Machine
 from chainbuild.frames import urdf_rpy
 from chainbuild.units import AxisKind, deg_from_rad, m_from_mm, mm_from_m, raw_from_mm
 
-_MAX_ROTARY: Final = 3
-_LINEAR: Final = 3
-_NOISE: Final = 1e-15
+_MAX_ROTARY: Final = 3  # what KIN_TYP 91 permits
+_LINEAR: Final = 3  # X, Y and Z come first in KIN_TYP 91
+_NOISE: Final = 1e-15  # factors and matrix entries: the last bit
 _SAME_PLACE: Final = 1e-12  # m
-_TRIAL_LENGTH_MM: Final = 100.0
+_TRIAL_LENGTH_MM: Final = 100.0  # any: the tool's end moves with it or does not
 _COUNT_DIGITS: Final = 7  # of 1e-4 mm
 
 

@@ -20,10 +20,12 @@ from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.config import RawValue, Trafo
 from chainbuild.units import AxisKind, mm_from_tenth_um
 
-_SLOTS_AHEAD: Final = 7
-_SLOTS_AN_AXIS: Final = 7
+_SLOTS_AHEAD: Final = 7  # numbers of PARAM[] before those of the first axis
+_SLOTS_AN_AXIS: Final = 7  # type, orientation (3), point (3)
+# Axes that KIN_TYP 91 permits; of the rotary ones two where it is programmed by position and angles.
 MAX_AXES: Final = 6
-_MAX_LINEAR = _MAX_ROTARY = 3
+_MAX_LINEAR: Final = 3
+_MAX_ROTARY: Final = 3
 _MAX_ROTARY_COMPLETE: Final = 2
 _KINDS: Final[Mapping[float, AxisKind]] = {1.0: "linear", 2.0: "rotary"}
 _UNSUPPORTED_MODE: Final = 11

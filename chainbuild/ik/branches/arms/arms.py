@@ -19,11 +19,11 @@ import numpy as np
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Task
 from chainbuild.frames import inverse
-from chainbuild.ik.branches.arms.orientation import across, for_rotation
+from chainbuild.ik.branches.arms.orientation import for_rotation, perpendicular
 from chainbuild.ik.branches.arms.positioner import MEETING, meeting_point, parallel, positioner, two_parallel_turns
 from chainbuild.ik.branches.arms.two_joints import reach_by_two
-from chainbuild.ik.branches.core.serial import ArmSolver, Screw, Serial, Solution, image
-from chainbuild.ik.branches.core.subproblems import norm, part_across, rotate, subproblem_1, subproblem_4
+from chainbuild.ik.branches.core.serial import ArmSolver, Screw, Serial, Solution, transformed_point
+from chainbuild.ik.branches.core.subproblems import norm, perpendicular_part, rotate, subproblem_1, subproblem_4
 
 if TYPE_CHECKING:
     from chainbuild.ik.branches.arms.positioner import Reach
@@ -53,7 +53,7 @@ def arm_solver(serial: Serial, task: Task) -> tuple[ArmName, ArmSolver] | None:
         found = _forward_solver(candidate, task)
         if found is not None:
             name, solver = found
-            return name, _from_the_tool(solver) if backwards else solver
+            return name, _solved_from_tool(solver) if backwards else solver
     return None
 
 
@@ -82,7 +82,7 @@ def _position_solver(serial: Serial) -> tuple[ArmName, ArmSolver] | None:
     return ("position", _Position(serial, reach).solve) if reach else None
 
 
-def _from_the_tool(solver: ArmSolver) -> ArmSolver:
+def _solved_from_tool(solver: ArmSolver) -> ArmSolver:
     def solve(target: Matrix, keep: Sequence[float]) -> list[Solution]:
         return [(values[::-1], free[::-1]) for values, free in solver(inverse(target), keep[::-1])]
 
@@ -97,7 +97,7 @@ def wrist_centre(screws: Sequence[Screw]) -> Vector | None:
     point = meeting_point(a, b)
     if point is None or parallel(b.direction, c.direction):
         return None
-    return point if norm(part_across(c.direction, point - c.point)) < MEETING else None
+    return point if norm(perpendicular_part(c.direction, point - c.point)) < MEETING else None
 
 
 def _apply(screws: Sequence[Screw], values: Sequence[float]) -> Matrix:
@@ -139,7 +139,7 @@ class _SphericalWrist:
     def solve(self, target: Matrix, keep: Sequence[float]) -> list[Solution]:
         motion = target @ self.back
         found: list[Solution] = []
-        for arm in self.reach(self.centre, image(motion, self.centre), keep[:3]):
+        for arm in self.reach(self.centre, transformed_point(motion, self.centre), keep[:3]):
             R = _apply(self.serial.screws[:3], arm)[:3, :3].T @ motion[:3, :3]
             solutions = for_rotation(self.wrist, R, keep[3:])
             found += [(np.array((*arm, *t.angles)), (False, False, False, *t.free)) for t in solutions]
@@ -152,28 +152,28 @@ class _SingleWrist:
     def __init__(self, serial: Serial, reach: Reach) -> None:
         self.serial, self.reach = serial, reach
         self.back = inverse(serial.M)
-        self.point = _off_the_others(serial.screws)
+        self.point = _point_off_other_axes(serial.screws)
 
     def solve(self, target: Matrix, keep: Sequence[float]) -> list[Solution]:
         motion = target @ self.back
         last = self.serial.screws[3]
-        aside = across(last.direction)
+        aside = perpendicular(last.direction)
         found: list[Solution] = []
-        for arm in self.reach(self.point, image(motion, self.point), keep[:3]):
+        for arm in self.reach(self.point, transformed_point(motion, self.point), keep[:3]):
             R = _apply(self.serial.screws[:3], arm)[:3, :3].T @ motion[:3, :3]
             turn = subproblem_1(last.direction, aside, R @ aside, keep[3])
             found.append((np.array((*arm, turn.angle)), (False,) * 4))
         return found
 
 
-def _off_the_others(screws: Sequence[Screw]) -> Vector:
+def _point_off_other_axes(screws: Sequence[Screw]) -> Vector:
     """Return a point of the last axis that is not on another: there it would not tell how that one is turned."""
     *others, last = screws
     axes = [screw for screw in others if screw.kind == "revolute"]
     points = [last.point + along * last.direction for along in _ALONG]
 
     def room(point: Vector) -> float:
-        return min((norm(part_across(a.direction, point - a.point)) for a in axes), default=math.inf)
+        return min((norm(perpendicular_part(a.direction, point - a.point)) for a in axes), default=math.inf)
 
     return max(points, key=room)
 
@@ -201,13 +201,13 @@ class _ParallelArm:
             seen = column.T(-first) @ motion
             pitch = subproblem_1(shoulder.direction, hand.direction, seen[:3, :3] @ hand.direction).angle
             arm = rotate(shoulder.direction, pitch, hand.point - tilt.point)
-            wrist = image(seen, hand.point) - arm
+            wrist = transformed_point(seen, hand.point) - arm
             for pair in two_parallel_turns(shoulder, elbow, tilt.point, wrist, keep[1:3]):
                 sense_b = float(shoulder.direction @ elbow.direction)
                 sense_c = float(shoulder.direction @ tilt.direction)
                 third = sense_c * (pitch - pair[0] - sense_b * pair[1])
                 R = _apply(self.screws[:4], (first, *pair, third))[:3, :3].T @ motion[:3, :3]
-                aside = across(hand.direction)
+                aside = perpendicular(hand.direction)
                 last = subproblem_1(hand.direction, aside, R @ aside, keep[4]).angle
                 found.append((np.array((first, *pair, third, last)), (False,) * 5))
         return found
@@ -217,7 +217,7 @@ class _ParallelArm:
         column, shoulder, hand = self.screws[0], self.screws[1], self.screws[4]
         across_plane = shoulder.direction
         level = float(across_plane @ (hand.point - column.point))
-        place = image(motion, hand.point) - column.point
+        place = transformed_point(motion, hand.point) - column.point
         turns = subproblem_4(-column.direction, place, across_plane, level, keep)
         if any(turn.free for turn in turns):
             turned = motion[:3, :3] @ hand.direction

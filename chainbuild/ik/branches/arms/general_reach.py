@@ -18,15 +18,15 @@ from numpy.typing import NDArray
 from chainbuild.arrays import Vector
 from chainbuild.ik.branches.core.roots import real_angles, real_lengths
 from chainbuild.ik.branches.core.serial import Screw
-from chainbuild.ik.branches.core.subproblems import ON_AXIS, cross, norm, part_across, subproblem_1, subproblem_4
+from chainbuild.ik.branches.core.subproblems import ON_AXIS, cross, norm, perpendicular_part, subproblem_1, subproblem_4
 
 Vectors = NDArray[np.complex128]  # (n, 3)
-Values = tuple[float, float, float]
+JointTriple = tuple[float, float, float]
 
 _LEVEL: Final = 1e-9  # cosine below which a slide counts as square to an axis
 
 
-def skew_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[Values]:
+def skew_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[JointTriple]:
     """Return the values for turns a, b on skew axes before a joint c of either kind.
 
     With c fixed, height and distance are linear in the part of the point's place that b turns, and so give it; what b
@@ -35,7 +35,7 @@ def skew_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]
     a, b, c = row
     between, goal = b.point - a.point, d - a.point
     k = b.direction
-    rows = np.array([part_across(k, a.direction), part_across(k, between), k])
+    rows = np.array([perpendicular_part(k, a.direction), perpendicular_part(k, between), k])
     inverse = np.linalg.inv(rows)
     slope_a, slope_m = float(k @ a.direction), float(k @ between)
     height = float(a.direction @ (goal - between))
@@ -64,7 +64,7 @@ def skew_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]
     return found
 
 
-def turn_slide_turn(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[Values]:
+def turn_slide_turn(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[JointTriple]:
     """Return the values for a slide b between turns a and c, not parallel to a."""
     a, b, c = row
     goal, axis, slide = d - a.point, a.direction, b.direction
@@ -91,7 +91,7 @@ def turn_slide_turn(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[f
     return found
 
 
-def slide_turn_slide(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[Values]:
+def slide_turn_slide(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[JointTriple]:
     """Return the values for a turn b between slides a and c that do not both lie across it."""
     a, b, c = row
     k = b.direction
@@ -136,7 +136,7 @@ def _last_joint(
         scale = norm(start) or 1.0
         return real_lengths(lambda x: miss(start + np.outer(x, c.direction)), 4, scale)
     arm = p - c.point
-    swing = part_across(c.direction, arm)
+    swing = perpendicular_part(c.direction, arm)
     if norm(swing) <= ON_AXIS * norm(arm):
         return [keep]
     centre, side = c.point + arm - swing - origin, cross(c.direction, swing)

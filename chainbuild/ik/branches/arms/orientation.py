@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.ik.branches.core.subproblems import norm, part_across, rotate, subproblem_1, subproblem_2
+from chainbuild.ik.branches.core.subproblems import norm, perpendicular_part, rotate, subproblem_1, subproblem_2
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +61,7 @@ def for_rotation(axes: Sequence[Vector], R: Matrix, keep: Sequence[float]) -> li
     else:
         pairs = subproblem_2(axes[0], axes[1], last, image, (keep[0], keep[1]))
         heads = [Turns((p.first, p.second), (p.first_free, p.second_free)) for p in pairs]
-    aside = across(last)
+    aside = perpendicular(last)
     found = []
     for head in heads:
         back = R @ aside
@@ -71,8 +71,8 @@ def for_rotation(axes: Sequence[Vector], R: Matrix, keep: Sequence[float]) -> li
     return found
 
 
-def across(axis: Vector) -> Vector:
+def perpendicular(axis: Vector) -> Vector:
     """Return a unit vector at right angles to an axis."""
     helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    part = part_across(axis, helper)
+    part = perpendicular_part(axis, helper)
     return part / norm(part)

@@ -15,12 +15,18 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Vector
-from chainbuild.ik.branches.arms.general_reach import meeting_slide, skew_turns, slide_turn_slide, turn_slide_turn
+from chainbuild.ik.branches.arms.general_reach import (
+    JointTriple,
+    meeting_slide,
+    skew_turns,
+    slide_turn_slide,
+    turn_slide_turn,
+)
 from chainbuild.ik.branches.core.serial import Screw
 from chainbuild.ik.branches.core.subproblems import (
     cross,
     norm,
-    part_across,
+    perpendicular_part,
     rotate,
     subproblem_1,
     subproblem_2,
@@ -28,9 +34,8 @@ from chainbuild.ik.branches.core.subproblems import (
     subproblem_4,
 )
 
-Values = tuple[float, float, float]
-Reach = Callable[[Vector, Vector, Sequence[float]], list[Values]]
-Solver = Callable[[Sequence[Screw], Vector, Vector, Sequence[float]], list[Values]]
+Reach = Callable[[Vector, Vector, Sequence[float]], list[JointTriple]]
+JointSolver = Callable[[Sequence[Screw], Vector, Vector, Sequence[float]], list[JointTriple]]
 
 PARALLEL: Final = 1e-9  # sine of the angle below which two directions count as parallel
 MEETING: Final = 1e-9  # distance [m] below which two axes count as meeting
@@ -45,7 +50,7 @@ def positioner(screws: Sequence[Screw]) -> Reach | None:
     row = _slides_first(screws)
     solver = _known(row)
     if solver is None:
-        back = [screw.turned_round() for screw in reversed(screws)]
+        back = [screw.reversed() for screw in reversed(screws)]
         row = _slides_first(back)
         solver = _known(row)
         if solver is None:
@@ -54,26 +59,26 @@ def positioner(screws: Sequence[Screw]) -> Reach | None:
     return _forwards(solver, row, screws)
 
 
-def _forwards(solver: Solver, row: Sequence[Screw], screws: Sequence[Screw]) -> Reach:
+def _forwards(solver: JointSolver, row: Sequence[Screw], screws: Sequence[Screw]) -> Reach:
     order = [screws.index(screw) for screw in row]
 
-    def reach(point: Vector, place: Vector, keep: Sequence[float]) -> list[Values]:
+    def reach(point: Vector, place: Vector, keep: Sequence[float]) -> list[JointTriple]:
         return [_in_order(v, order) for v in solver(row, point, place, [keep[n] for n in order])]
 
     return reach
 
 
-def _backwards(solver: Solver, row: Sequence[Screw], screws: Sequence[Screw]) -> Reach:
+def _backwards(solver: JointSolver, row: Sequence[Screw], screws: Sequence[Screw]) -> Reach:
     joints = [screw.joint for screw in screws]
     order = [joints.index(screw.joint) for screw in row]
 
-    def reach(point: Vector, place: Vector, keep: Sequence[float]) -> list[Values]:
+    def reach(point: Vector, place: Vector, keep: Sequence[float]) -> list[JointTriple]:
         return [_in_order(v, order) for v in solver(row, place, point, [keep[n] for n in order])]
 
     return reach
 
 
-def _in_order(values: Values, order: Sequence[int]) -> Values:
+def _in_order(values: JointTriple, order: Sequence[int]) -> JointTriple:
     """Return values of the reordered row in the order of the screws."""
     placed = [0.0, 0.0, 0.0]
     for value, n in zip(values, order, strict=True):
@@ -111,7 +116,7 @@ def _slides_first(screws: Sequence[Screw]) -> list[Screw]:
     return row
 
 
-def _known(row: Sequence[Screw]) -> Solver | None:
+def _known(row: Sequence[Screw]) -> JointSolver | None:
     """Return the solver of a row of screws, or None."""
     kinds = "".join(screw.kind[0] for screw in row)
     a, b, c = row
@@ -133,7 +138,7 @@ def _known(row: Sequence[Screw]) -> Solver | None:
     return _after_two_turns(a, b, c) if kinds in ("rrr", "rrp") else None
 
 
-def _after_two_turns(a: Screw, b: Screw, c: Screw) -> Solver | None:
+def _after_two_turns(a: Screw, b: Screw, c: Screw) -> JointSolver | None:
     """Return the solver of turns a, b before a joint c of either kind, or None."""
     if c.kind == "revolute" and parallel(b.direction, c.direction):
         return None if parallel(a.direction, b.direction) else _turn_and_parallel_turns
@@ -142,16 +147,16 @@ def _after_two_turns(a: Screw, b: Screw, c: Screw) -> Solver | None:
     centre = meeting_point(a, b)
     if centre is None:
         return skew_turns
-    on_a_sphere = c.kind == "revolute" and norm(part_across(c.direction, centre - c.point)) < MEETING
+    on_a_sphere = c.kind == "revolute" and norm(perpendicular_part(c.direction, centre - c.point)) < MEETING
     return None if on_a_sphere else _meeting_turns
 
 
-def _three_slides(row: Sequence[Screw], p: Vector, d: Vector, _keep: Sequence[float]) -> list[Values]:
+def _three_slides(row: Sequence[Screw], p: Vector, d: Vector, _keep: Sequence[float]) -> list[JointTriple]:
     x, y, z = np.linalg.solve(np.column_stack([screw.direction for screw in row]), d - p)
     return [(float(x), float(y), float(z))]
 
 
-def _two_slides_and_turn(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[Values]:
+def _two_slides_and_turn(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[JointTriple]:
     """Return the values for slides a, b before turn c: the turn brings the point into the slides' plane."""
     a, b, c = row
     normal = cross(a.direction, b.direction)
@@ -165,7 +170,7 @@ def _two_slides_and_turn(row: Sequence[Screw], p: Vector, d: Vector, keep: Seque
     return found
 
 
-def _slide_and_parallel_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[Values]:
+def _slide_and_parallel_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[JointTriple]:
     """Return the values for slide a before parallel turns b, c: the slide alone changes the height along them."""
     a, b, c = row
     height = float(b.direction @ (d - p)) / float(b.direction @ a.direction)
@@ -173,7 +178,7 @@ def _slide_and_parallel_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: 
     return [(height, first, second) for first, second in pairs]
 
 
-def _turn_and_parallel_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[Values]:
+def _turn_and_parallel_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[JointTriple]:
     """Return the values for turn a before parallel turns b, c, which do not change the coordinate along them."""
     a, b, c = row
     level = float(b.direction @ (p - a.point))
@@ -184,7 +189,7 @@ def _turn_and_parallel_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: S
     return found
 
 
-def _meeting_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[Values]:
+def _meeting_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[JointTriple]:
     """Return the values for turns a, b that meet before a joint c: it alone changes the distance from their meeting."""
     a, b, c = row
     centre = meeting_point(a, b)

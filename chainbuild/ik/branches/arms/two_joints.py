@@ -12,12 +12,12 @@ from chainbuild.ik.branches.arms.positioner import meeting_point, parallel, two_
 from chainbuild.ik.branches.core.serial import Screw
 from chainbuild.ik.branches.core.subproblems import cross, norm, subproblem_1, subproblem_2, subproblem_4
 
-Pair = tuple[float, float]
+JointPair = tuple[float, float]
 
-_BETWEEN: Final = 1e-12
+_BETWEEN: Final = 1e-12  # sine: slide and axis are parallel but for rounding
 
 
-def reach_by_two(a: Screw, b: Screw, p: Vector, d: Vector, keep: Sequence[float]) -> list[Pair]:
+def reach_by_two(a: Screw, b: Screw, p: Vector, d: Vector, keep: Sequence[float]) -> list[JointPair]:
     """Return joint values with a·b·p = d, wherever there are any; the caller verifies them.
 
     Args:
@@ -32,19 +32,19 @@ def reach_by_two(a: Screw, b: Screw, p: Vector, d: Vector, keep: Sequence[float]
     if a.kind == "prismatic":
         return _slide_and_turn(a, b, p, d, keep)
     if b.kind == "prismatic":
-        backwards = _slide_and_turn(b.turned_round(), a.turned_round(), d, p, keep[::-1])
+        backwards = _slide_and_turn(b.reversed(), a.reversed(), d, p, keep[::-1])
         return [(turn, shift) for shift, turn in backwards]
     if parallel(a.direction, b.direction):
         return two_parallel_turns(a, b, p, d, keep)
     return _two_turns(a, b, p, d, keep)
 
 
-def _two_slides(a: Screw, b: Screw, way: Vector) -> Pair:
+def _two_slides(a: Screw, b: Screw, way: Vector) -> JointPair:
     solved = np.linalg.lstsq(np.column_stack([a.direction, b.direction]), way, rcond=None)[0]
     return float(solved[0]), float(solved[1])
 
 
-def _slide_and_turn(a: Screw, b: Screw, p: Vector, d: Vector, keep: Sequence[float]) -> list[Pair]:
+def _slide_and_turn(a: Screw, b: Screw, p: Vector, d: Vector, keep: Sequence[float]) -> list[JointPair]:
     """Return the values for slide a before turn b: square to both, only the turn moves the point."""
     side = cross(a.direction, b.direction)
     if norm(side) <= _BETWEEN:
@@ -55,7 +55,7 @@ def _slide_and_turn(a: Screw, b: Screw, p: Vector, d: Vector, keep: Sequence[flo
     return [(float(a.direction @ (d - b.move(turn.angle, p))), turn.angle) for turn in turns]
 
 
-def _two_turns(a: Screw, b: Screw, p: Vector, d: Vector, keep: Sequence[float]) -> list[Pair]:
+def _two_turns(a: Screw, b: Screw, p: Vector, d: Vector, keep: Sequence[float]) -> list[JointPair]:
     """Return the values for two turns: about meeting axes, or by the height along the outer one."""
     centre = meeting_point(a, b)
     if centre is not None:

@@ -12,20 +12,20 @@ import numpy as np
 
 from chainbuild.arrays import Indices, Vector
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.region import periodic_axes
 from chainbuild.kinematics.mechanism import Mechanism
 
 _MAP_STEPS: Final = 20  # Newton steps that bring a nonlinear axis map to given joint values
-_MAP_STARTS: Final = 12
+_MAP_STARTS: Final = 12  # the start, its own joint values, and some anywhere within a turn
 _MAP_STRIDE: Final = 1.0  # longest step [rad]
-_MAP_EXACT: Final = 1e-14
+_MAP_EXACT: Final = 1e-14  # m and rad: nothing is gained by another step
 _MAP_CLOSE: Final = 1e-9  # what rounding may leave; the pose is verified and polished afterwards
 _ROUNDED_TURN: Final = 1e-9  # turns of a joint are counted with so much to spare
-_MOST_TURNS: Final = 4096  # bound on the combinations of whole turns that are looked at for one branch
+_MAX_TURNS: Final = 4096  # bound on the combinations of whole turns that are looked at for one branch
 
 
-def axes_for(query: Query, joints: Indices, values: Vector, columns: Indices) -> list[Vector]:
+def axes_for(query: BranchQuery, joints: Indices, values: Vector, columns: Indices) -> list[Vector]:
     """Return the SI axis values that give joint values, with the whole turns the query asks for, inside limits.
 
     Args:
@@ -94,7 +94,7 @@ def _prepare_block(mechanism: Mechanism, axis_map: AffineMap, joints: Indices, c
     )
 
 
-def _through_nonlinear_map(query: Query, joints: Indices, values: Vector, columns: Indices) -> Vector | None:
+def _through_nonlinear_map(query: BranchQuery, joints: Indices, values: Vector, columns: Indices) -> Vector | None:
     """Return SI axis values whose joints stand at the values, by Newton from the map's own inverse and around it.
 
     A map that drives more axes than joints (a virtual axis) cannot know the inverse at the start's value of the others.
@@ -114,7 +114,7 @@ def _through_nonlinear_map(query: Query, joints: Indices, values: Vector, column
     return None
 
 
-def _newton_on_map(query: Query, joints: Indices, values: Vector, columns: Indices, x: Vector) -> Vector | None:
+def _newton_on_map(query: BranchQuery, joints: Indices, values: Vector, columns: Indices, x: Vector) -> Vector | None:
     kinematics = query.mechanism.kinematics
     turns = np.array([query.mechanism.chain.joints[n].kind == "revolute" for n in joints])
     for _ in range(_MAP_STEPS):
@@ -130,19 +130,19 @@ def _newton_on_map(query: Query, joints: Indices, values: Vector, columns: Indic
     return x if float(np.abs(error).max(initial=0.0)) < _MAP_CLOSE else None
 
 
-def turned_axes(query: Query, x: Vector, columns: Indices) -> Iterator[Vector]:
+def turned_axes(query: BranchQuery, x: Vector, columns: Indices) -> Iterator[Vector]:
     """Yield x moved by whole turns of single axes, nearest first: all within limits, or the nearest only."""
     choices = []
     for n in columns:
-        places = _places(query, float(x[n]), int(n)) if query.periodic[n] else [float(x[n])]
+        places = _whole_turns(query, float(x[n]), int(n)) if query.periodic[n] else [float(x[n])]
         choices.append(places if query.windings else places[:1])
-    for combination in itertools.islice(itertools.product(*choices), _MOST_TURNS):
+    for combination in itertools.islice(itertools.product(*choices), _MAX_TURNS):
         turned = x.copy()
         turned[columns] = combination
         yield turned
 
 
-def _places(query: Query, value: float, n: int) -> list[float]:
+def _whole_turns(query: BranchQuery, value: float, n: int) -> list[float]:
     """Return value + whole turns within the limits of axis n, nearest to the start first; [value] if none is."""
     lower, upper, wanted = float(query.lower[n]), float(query.upper[n]), float(query.x0[n])
     slack = float(query.slack[n])
@@ -154,7 +154,7 @@ def _places(query: Query, value: float, n: int) -> list[float]:
     return places or [value]
 
 
-def _turned_joints(query: Query, x: Vector, block: _Block, joints: Indices, columns: Indices) -> list[Vector]:
+def _turned_joints(query: BranchQuery, x: Vector, block: _Block, joints: Indices, columns: Indices) -> list[Vector]:
     """Return the axis values of joint values moved by whole turns: where a gear makes a turn of no axis whole."""
     chain = query.mechanism.chain
     low = np.where(np.isfinite(query.lower), query.lower, query.x0 - math.tau)
@@ -169,7 +169,7 @@ def _turned_joints(query: Query, x: Vector, block: _Block, joints: Indices, colu
         last = math.floor((q_high[n] - q[n]) / math.tau + _ROUNDED_TURN) if turns else 0
         ranges.append(range(first, last + 1))
     found = []
-    for turns_of_joints in itertools.islice(itertools.product(*ranges), _MOST_TURNS):
+    for turns_of_joints in itertools.islice(itertools.product(*ranges), _MAX_TURNS):
         turned = x.copy()
         turned[columns] += block.inverse @ (math.tau * np.array(turns_of_joints, dtype=float))
         outside = query.mechanism.limits.outside(query.shown(turned))

@@ -11,7 +11,7 @@ import numpy as np
 
 from chainbuild.arrays import Integers, Matrix, Vector
 from chainbuild.chain.elements import Task
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.result import IkResult
 from chainbuild.ik.verify import is_met, on_limits
 from chainbuild.kinematics.newton import below, newton, shrinking
@@ -22,7 +22,7 @@ Candidate = tuple[Vector, tuple[str, ...]]  # SI axis values, and the names of a
 _POLISH_FROM: Final = 1e-11
 # Errors above this are no lost digits but another place.
 _POLISH_TO: Final = 1e-3
-_POLISH_STEPS: Final = 3
+_POLISH_STEPS: Final = 3  # from a thousandth, Newton needs two
 _POLISH: Final = shrinking(0.0, 1e-14)
 _SAME: Final = 1e-5  # branches closer than this in every axis [m, rad] are one
 
@@ -102,7 +102,7 @@ def _at(column: Integers | None, n: int) -> int | None:
     return None if column is None else int(column[n])
 
 
-class Row(NamedTuple):
+class VerifiedRow(NamedTuple):
     """A solution by itself: axis values in mm and degrees, distance [m], angle [rad], steps, free axes."""
 
     axes: Vector
@@ -131,7 +131,7 @@ class Solutions:
     outside: tuple[str, ...]
 
 
-def verified(query: Query, x: Vector) -> Row | None:
+def verified(query: BranchQuery, x: Vector) -> VerifiedRow | None:
     """Return x as a solution if forward kinematics meets the target, polished by Newton steps where it helps."""
     kinematics, task = query.mechanism.kinematics, query.mechanism.task
     distance, angle = kinematics.errors(x, query.target, task)
@@ -146,14 +146,14 @@ def verified(query: Query, x: Vector) -> Row | None:
         distance, angle = kinematics.errors(x, query.target, task)
     if not (math.isfinite(distance + angle) and is_met(task, distance, angle)):
         return None
-    return Row(query.shown(x), distance, angle, steps)
+    return VerifiedRow(query.shown(x), distance, angle, steps)
 
 
-def collect(query: Query, candidates: Iterable[Candidate]) -> Solutions:
+def collect(query: BranchQuery, candidates: Iterable[Candidate]) -> Solutions:
     """Return the candidates that are solutions, once each, sorted by distance to the start."""
     mechanism = query.mechanism
-    inside: list[tuple[float, Row]] = []
-    beyond: list[tuple[float, Row, tuple[str, ...]]] = []
+    inside: list[tuple[float, VerifiedRow]] = []
+    beyond: list[tuple[float, VerifiedRow, tuple[str, ...]]] = []
     factors = mechanism.kinematics.si_factors
     known = np.empty((0, len(factors)))
     for x, free_axes in candidates:
@@ -180,7 +180,7 @@ def collect(query: Query, candidates: Iterable[Candidate]) -> Solutions:
     return Solutions(branches, None if nearest is None else nearest[1].branch(mechanism.task), outside)
 
 
-def _as_arrays(rows: Sequence[Row], n_axes: int, task: Task) -> Branches:
+def _as_arrays(rows: Sequence[VerifiedRow], n_axes: int, task: Task) -> Branches:
     axes = np.array([row.axes for row in rows]).reshape(-1, n_axes)
     left = np.array([(row.distance, row.angle) for row in rows]).reshape(-1, 2)
     steps = np.array([row.steps for row in rows], dtype=np.int64)

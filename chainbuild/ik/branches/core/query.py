@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.arrays import Indices, Vector
-from chainbuild.ik.branches.core.serial import Serial, Structure, structure_of, unrolled
+from chainbuild.ik.branches.core.serial import AxisStructure, Serial, axis_structure, unrolled
 from chainbuild.ik.region import freedoms_of
 from chainbuild.ik.request import IkRequest
 from chainbuild.kinematics.inputs import Pose
@@ -18,7 +18,7 @@ from chainbuild.tolerances import LIMIT_SLACK
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Query:
+class BranchQuery:
     """One question: which axis values bring the tool there?
 
     Attributes:
@@ -36,7 +36,7 @@ class Query:
     mechanism: Mechanism
     target: Pose
     x0: Vector
-    structure: Structure
+    structure: AxisStructure
     lower: Vector
     upper: Vector
     slack: Vector
@@ -44,7 +44,7 @@ class Query:
     windings: bool = False
 
     @classmethod
-    def of(cls, request: IkRequest, windings: bool = False) -> Query:
+    def of(cls, request: IkRequest, windings: bool = False) -> BranchQuery:
         """Build the query of a request.
 
         Raises:
@@ -54,7 +54,7 @@ class Query:
         mechanism = request.mechanism
         x0, fixed = request.start_point()
         box = freedoms_of(mechanism).box
-        structure = structure_of(mechanism, fixed)
+        structure = axis_structure(mechanism, fixed)
         slack = LIMIT_SLACK * mechanism.kinematics.si_factors
         return cls(mechanism, request.pose, x0, structure, box.lower, box.upper, slack, box.periodic, windings)
 
@@ -76,7 +76,7 @@ class Query:
         """Return the names of axes."""
         return tuple(self.mechanism.axes[n].name for n in indices)
 
-    def loose_axes(self, joints: Indices, free: Iterable[bool], columns: Indices) -> list[int]:
+    def undetermined_axes(self, joints: Indices, free: Iterable[bool], columns: Indices) -> list[int]:
         """Return the axes behind joints that are free: for each the one that moves it most."""
         loose = [n for n, is_free in enumerate(free) if is_free]
         if not loose:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +24,10 @@ from chainbuild.kinematics.mechanism import Mechanism
 Solution = tuple[Vector, tuple[bool, ...]]  # joint values in the order of the screws, and which of them are free
 ArmSolver = Callable[[Matrix, Sequence[float]], list[Solution]]  # (target (4, 4), values to keep) → solutions
 
-_SAMPLES = 4
+_SAMPLES: Final = 4  # a factor that is 0 in one position by chance is not in all
 
 
-def image(T: Matrix, point: Vector) -> Vector:
+def transformed_point(T: Matrix, point: Vector) -> Vector:
     """Return where a rigid motion (4, 4) takes a point (3,)."""
     moved: Vector = T[:3, :3] @ point + T[:3, 3]
     return moved
@@ -57,13 +58,13 @@ class Screw:
         R = rotation(self.direction, value)
         return transform(R, self.point - R @ self.point)
 
-    def turned_round(self) -> Screw:
+    def reversed(self) -> Screw:
         """Return the joint that moves the other way."""
         return Screw(self.kind, -self.direction, self.point, self.joint, self.sense)
 
-    def carried(self, T: Matrix) -> Screw:
+    def transformed(self, T: Matrix) -> Screw:
         """Return the joint moved by a rigid motion (4, 4)."""
-        return Screw(self.kind, T[:3, :3] @ self.direction, image(T, self.point), self.joint, self.sense)
+        return Screw(self.kind, T[:3, :3] @ self.direction, transformed_point(T, self.point), self.joint, self.sense)
 
     def move(self, value: float, point: Vector) -> Vector:
         """Return where the motion of a joint value takes a point."""
@@ -95,11 +96,11 @@ class Serial:
     def reversed(self) -> Serial:
         """Return the chain from the tool to the workpiece: T⁻¹ = exp(−sn'·qn) · … · exp(−s1'·q1) · M⁻¹."""
         back = inverse(self.M)
-        return Serial(tuple(screw.carried(back).turned_round() for screw in reversed(self.screws)), back)
+        return Serial(tuple(screw.transformed(back).reversed() for screw in reversed(self.screws)), back)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Structure:
+class AxisStructure:
     """Which axes move which joints, for one choice of held axes.
 
     Attributes:
@@ -117,7 +118,7 @@ class Structure:
     revolute: Indices
 
 
-def structure_of(mechanism: Mechanism, fixed: NDArray[np.bool_]) -> Structure:
+def axis_structure(mechanism: Mechanism, fixed: NDArray[np.bool_]) -> AxisStructure:
     """Return the structure of a robot with some axes fixed, prepared at first use.
 
     Args:
@@ -127,7 +128,7 @@ def structure_of(mechanism: Mechanism, fixed: NDArray[np.bool_]) -> Structure:
     return mechanism.prepared("structure of free axes", lambda: _prepare(mechanism, fixed), fixed.tobytes())
 
 
-def _prepare(mechanism: Mechanism, fixed: NDArray[np.bool_]) -> Structure:
+def _prepare(mechanism: Mechanism, fixed: NDArray[np.bool_]) -> AxisStructure:
     chain = mechanism.chain
     between = _path(chain, "tool") ^ _path(chain, "workpiece")
     driven = _driven(mechanism)
@@ -135,7 +136,7 @@ def _prepare(mechanism: Mechanism, fixed: NDArray[np.bool_]) -> Structure:
     moving = [n for n, joint in enumerate(chain.joints) if joint.child in between and driven[n, free].any()]
     revolute = [n for n in moving if chain.joints[n].kind == "revolute"]
     turns = driven[revolute][:, free].any(axis=0)
-    return Structure(free, free[~turns], free[turns], _indices(moving), _indices(revolute))
+    return AxisStructure(free, free[~turns], free[turns], _indices(moving), _indices(revolute))
 
 
 def _indices(values: list[int]) -> Indices:
@@ -173,7 +174,7 @@ def _branch(chain: Chain, frame: str) -> list[Joint]:
     return joints[::-1]
 
 
-_MOST_SERIALS = 64  # a held axis makes a chain of its own for every value
+_MAX_SERIALS: Final = 64  # a held axis makes a chain of its own for every value
 
 
 def unrolled(mechanism: Mechanism, q: Vector, moving: Indices) -> Serial:
@@ -181,7 +182,7 @@ def unrolled(mechanism: Mechanism, q: Vector, moving: Indices) -> Serial:
     constant = np.ones(len(q), dtype=bool)
     constant[moving] = False
     key = moving.tobytes() + q[constant].tobytes()
-    return mechanism.prepared("serial", lambda: unroll(mechanism.chain, q, moving), key, _MOST_SERIALS)
+    return mechanism.prepared("serial", lambda: unroll(mechanism.chain, q, moving), key, _MAX_SERIALS)
 
 
 def unroll(chain: Chain, q: Vector, moving: Indices) -> Serial:

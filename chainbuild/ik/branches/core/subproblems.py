@@ -92,7 +92,7 @@ def norm(vector: Vector) -> float:
     return math.sqrt(float(vector @ vector))
 
 
-def part_across(axis: Vector, vector: Vector) -> Vector:
+def perpendicular_part(axis: Vector, vector: Vector) -> Vector:
     """Return the part of a vector at right angles to an axis of length 1."""
     part: Vector = vector - float(axis @ vector) * axis
     return part

@@ -15,7 +15,7 @@ import numpy as np
 from chainbuild.arrays import Complex, Matrix, Vector
 from chainbuild.ik.branches.core.serial import Screw
 
-SIZE: Final = 15
+SIZE: Final = 15  # numbers of an arrow: the 5 of its point and the 10 products of point and direction
 ONE: Final = 4  # the entry of an arrow that is always 1
 _FIRST, _SECOND = np.triu_indices(5, 1)
 

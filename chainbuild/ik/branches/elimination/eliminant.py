@@ -25,11 +25,11 @@ SINGULAR: Final = 1e12  # condition above which the equations do not tell soluti
 # Singular values below such a share of the largest belong to the kernel: where solutions nearly coincide, one reading
 # of it takes two for one, another takes them apart.
 _KERNELS: Final = (1e-8, 1e-6, 1e-4)
-_MOST_IN_KERNEL: Final = 6
+_MAX_NULLITY: Final = 6  # of a kernel: as many solutions with one value of the joint are told apart
 _AT_INFINITY: Final = 1e-7  # singular values below this share of the largest belong to solutions without finite x or y
-_FARTHEST: Final = 1e6  # slides beyond this many arm lengths stand for infinity
+_MAX_DISTANCE: Final = 1e6  # slides beyond this many arm lengths stand for infinity
 _MIX: Final = 0.7317  # an arbitrary weight: tells apart solutions that share x
-_LOOKED_FROM: Final = (0.3, 1.5, 2.7, -0.9, -2.1)
+_LOOKED_FROM: Final = (0.3, 1.5, 2.7, -0.9, -2.1)  # angles of the views, of which the best conditioned is taken
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,7 +96,7 @@ class Eliminant:
         for w in np.linalg.eigvals(companion):
             if abs(w.imag) < NEARLY_REAL * (1.0 + abs(w) ** 2):
                 h = (a * w.real + b, c * w.real + e)
-                if abs(h[0]) < _FARTHEST * abs(h[1]):
+                if abs(h[0]) < _MAX_DISTANCE * abs(h[1]):
                     values.append(complex(h[0] / h[1]))
         return values
 
@@ -124,7 +124,7 @@ def _multiplied(block: Complex, *, once: bool) -> Complex:
 def _kernel_pairs(matrix: Complex) -> tuple[list[tuple[complex, complex]], bool]:
     """Return the pairs (x, y) whose products lie in the kernel of a matrix (24, 16), and whether it holds no others."""
     _, sizes, rows = np.linalg.svd(matrix)
-    counts = {min(max(int((sizes < share * sizes[0]).sum()), 1), _MOST_IN_KERNEL) for share in _KERNELS}
+    counts = {min(max(int((sizes < share * sizes[0]).sum()), 1), _MAX_NULLITY) for share in _KERNELS}
     readings = [_pairs_of(rows, count) for count in sorted(counts)]
     return [pair for pairs, _ in readings for pair in pairs], all(apart for _, apart in readings)
 
@@ -141,7 +141,7 @@ def _pairs_of(rows: Complex, count: int) -> tuple[list[tuple[complex, complex]],
     for vector in vectors.T:
         n = int(np.argmax(np.abs(vector)))
         pairs.append((complex((times_x @ vector)[n] / vector[n]), complex((times_y @ vector)[n] / vector[n])))
-    return pairs, bool(count < _MOST_IN_KERNEL and sizes[-1] > _AT_INFINITY * sizes[0])
+    return pairs, bool(count < _MAX_NULLITY and sizes[-1] > _AT_INFINITY * sizes[0])
 
 
 def _joint_value(number: complex, kind: JointKind) -> float | None:

@@ -18,27 +18,27 @@ import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.frames import inverse, transform
-from chainbuild.ik.branches.core.serial import Screw, Serial, image
+from chainbuild.ik.branches.core.serial import Screw, Serial, transformed_point
 from chainbuild.ik.branches.core.subproblems import cross, rotation
 from chainbuild.ik.branches.elimination.conformal import arrow, coefficients, motion
 from chainbuild.ik.branches.elimination.eliminant import SINGULAR
-from chainbuild.ik.branches.elimination.loop import Loop, closed, eliminant, equations, inner_order
+from chainbuild.ik.branches.elimination.loop import OpenedLoop, closed, eliminant, equations, inner_order
 
 if TYPE_CHECKING:
     from chainbuild.ik.branches.core.serial import Solution
 
 Opening = tuple[int, int]  # the joint before which the loop is opened, and which of the inner joints is solved for
 
-JOINTS: Final = 6
+JOINTS: Final = 6  # of the loop: what a pose determines
 _TRIED: Final = 4  # the best openings, of which those that leave no doubt are preferred
 _TRIALS: Final = 2  # poses on which the openings of the loop are tried
 _GOOD: Final = 1e5  # condition up to which one opening of the loop is enough
-_MOST_OPENINGS: Final = 3
-_BESIDE: Final = 1e-4  # how far beside a singular pose another one is solved [arm lengths, rad]
+_MAX_OPENINGS: Final = 3  # solved for one pose before the solutions found so far are taken
+_PERTURBATION: Final = 1e-4  # how far beside a singular pose another one is solved [arm lengths, rad]
 _NO_SOLUTION: Final = 1e-2  # values that miss by more are none
 _DEPENDENT: Final = 1e-9  # singular values below this share of the largest are rounding
-_STEPS: Final = 8
-_FARTHEST_STEP: Final = 0.3
+_STEPS: Final = 8  # Newton's: from a solution of few digits, far more than are needed
+_MAX_STEP: Final = 0.3  # rad or arm lengths: a longer step is none towards the solution nearby
 
 
 class Elimination:
@@ -63,8 +63,8 @@ class Elimination:
         G = self._scaled(target @ self.back)
         found, settled = self._solved(G)
         if not settled:
-            beside, _ = self._solved(_beside(G))
-            found += [self._brought_to(G, values) for values in beside]
+            beside, _ = self._solved(_perturbed(G))
+            found += [self._refined(G, values) for values in beside]
         # The most exact first: the caller keeps the first of those that are one.
         ranked = sorted(((self._miss(G, values), n) for n, values in enumerate(found)))
         return [(self._unscaled(found[n]), (False,) * JOINTS) for miss, n in ranked if miss < _NO_SOLUTION]
@@ -87,18 +87,18 @@ class Elimination:
             if settled and problem.condition < _GOOD:
                 return found, True
             opened += 1
-            if opened == _MOST_OPENINGS:
+            if opened == _MAX_OPENINGS:
                 break
         return found, False
 
-    def _brought_to(self, G: Matrix, values: Vector) -> Vector:
+    def _refined(self, G: Matrix, values: Vector) -> Vector:
         """Return values near a solution brought nearer by Newton steps; where axes have no bearing they stay."""
         for _ in range(_STEPS):
             T, J = self._pose_and_jacobian(values)
             rest = G @ inverse(T)
             turn = np.array([rest[2, 1] - rest[1, 2], rest[0, 2] - rest[2, 0], rest[1, 0] - rest[0, 1]]) / 2.0
             step = np.linalg.lstsq(J, np.concatenate([rest[:3, 3], turn]), rcond=_DEPENDENT)[0]
-            values = values + step / max(1.0, float(np.abs(step).max()) / _FARTHEST_STEP)
+            values = values + step / max(1.0, float(np.abs(step).max()) / _MAX_STEP)
         return values
 
     def _pose_and_jacobian(self, values: Vector) -> tuple[Matrix, Matrix]:
@@ -106,7 +106,7 @@ class Elimination:
         T, columns = np.eye(4), []
         for screw, value in zip(self.screws, values, strict=True):
             k = T[:3, :3] @ screw.direction
-            point = image(T, screw.point)
+            point = transformed_point(T, screw.point)
             turns = screw.kind == "revolute"
             columns.append(np.concatenate([cross(point, k), k] if turns else [k, np.zeros(3)]))
             T = T @ screw.T(float(value))
@@ -124,14 +124,14 @@ class Elimination:
         unscaled: Vector = values * factors
         return unscaled
 
-    def _opened(self, G: Matrix, first: int) -> Loop:
+    def _opened(self, G: Matrix, first: int) -> OpenedLoop:
         """Return the loop opened before a joint: those before it follow after the last, carried there by G⁻¹."""
         back = inverse(G)
         there, here = motion(G), motion(back)
-        row = [*self.screws[first:], *(screw.carried(back) for screw in self.screws[:first])]
+        row = [*self.screws[first:], *(screw.transformed(back) for screw in self.screws[:first])]
         parts = [*self.parts[first:], *(here @ part @ there for part in self.parts[:first])]
         end = arrow(row[-1].point, row[-1].direction)
-        return Loop(row, parts, end, there @ end)
+        return OpenedLoop(row, parts, end, there @ end)
 
     def _openings(self) -> list[Opening]:
         """Return where the loop may be opened and for which joint solved, the best conditioned leading."""
@@ -155,15 +155,17 @@ class Elimination:
         ranked.sort()
         order = [opening for _, opening in ranked]
         # Those whose solutions never share a value of the joint solved for are the quickest.
-        return sorted(order, key=lambda opening: opening in order[:_TRIED] and not self._settles(opening, poses[0]))
+        return sorted(
+            order, key=lambda opening: opening in order[:_TRIED] and not self._is_well_conditioned(opening, poses[0])
+        )
 
-    def _settles(self, opening: Opening, G: Matrix) -> bool:
+    def _is_well_conditioned(self, opening: Opening, G: Matrix) -> bool:
         """Tell whether one opening is enough for a pose."""
         loop = self._opened(G, opening[0])
         return eliminant(loop, equations(loop), opening[1]).solutions()[1]
 
 
-def _values(loop: Loop, solutions: list[tuple[float, float, float]], opening: Opening, G: Matrix) -> list[Vector]:
+def _values(loop: OpenedLoop, solutions: list[tuple[float, float, float]], opening: Opening, G: Matrix) -> list[Vector]:
     """Return all joint values (6,) that solutions of the inner joints, the one solved for leading, go with."""
     first, hidden = opening
     found = []
@@ -183,9 +185,9 @@ def elimination(serial: Serial) -> Elimination | None:
     return solver if solver.openings else None
 
 
-def _beside(G: Matrix) -> Matrix:
+def _perturbed(G: Matrix) -> Matrix:
     """Return a pose a hair's breadth beside another, in no direction that an axis might have."""
     rng = np.random.default_rng(20240229)
     axis = rng.normal(size=3)
-    R = rotation(axis / float(np.linalg.norm(axis)), _BESIDE)
-    return np.asarray(transform(R, _BESIDE * rng.normal(size=3)) @ G, dtype=float)
+    R = rotation(axis / float(np.linalg.norm(axis)), _PERTURBATION)
+    return np.asarray(transform(R, _PERTURBATION * rng.normal(size=3)) @ G, dtype=float)

@@ -13,25 +13,23 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Complex, Matrix, Vector
-from chainbuild.ik.branches.arms.orientation import across
+from chainbuild.ik.branches.arms.orientation import perpendicular
 from chainbuild.ik.branches.arms.positioner import parallel
-from chainbuild.ik.branches.arms.two_joints import reach_by_two
-from chainbuild.ik.branches.core.serial import Screw, image
+from chainbuild.ik.branches.arms.two_joints import JointPair, reach_by_two
+from chainbuild.ik.branches.core.serial import Screw, transformed_point
 from chainbuild.ik.branches.core.subproblems import rotate, subproblem_1, subproblem_2
 from chainbuild.ik.branches.elimination.conformal import ONE, SIZE, backwards, motion
 from chainbuild.ik.branches.elimination.eliminant import Eliminant
 
-Pair = tuple[float, float]
-
 _EQUATIONS: Final = np.array([n for n in range(SIZE) if n != ONE])
-_PRODUCTS: Final = 8
+_PRODUCTS: Final = 8  # of joints 1 and 2: nine combinations without the constant one
 _DEPENDENT: Final = 1e-7  # singular values below this share of the largest leave the outer joints open
 _MET: Final = 1e-5  # an arrow that misses its goal by less [arm lengths, rad] meets it
-_NEAR: Final = 1e-2
+_NEAR: Final = 1e-2  # the same for solutions by geometry, which lose digits; the caller verifies all
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Loop:
+class OpenedLoop:
     """The loop opened before one of its joints.
 
     Attributes:
@@ -47,7 +45,7 @@ class Loop:
     goal: Vector
 
 
-def _right_side(loop: Loop) -> tuple[Complex, Complex]:
+def _right_side(loop: OpenedLoop) -> tuple[Complex, Complex]:
     """Return the right side of the equations: of the eight products of joints 1 and 2 (14, 8), and constant (14,)."""
     one, two = (backwards(loop.row[n], loop.parts[n]) for n in (0, 1))
     inner = one @ loop.goal
@@ -61,7 +59,7 @@ def _constant(screw: Screw) -> int:
     return 0 if screw.kind == "prismatic" else 1
 
 
-def equations(loop: Loop) -> Complex:
+def equations(loop: OpenedLoop) -> Complex:
     """Return the six equations for joints 3, 4, 5: (6, 3, 3, 3), the coefficients of their products."""
     products, constant = _right_side(loop)
     three, four, five = loop.parts[2:5]
@@ -74,7 +72,7 @@ def equations(loop: Loop) -> Complex:
     return np.asarray(np.einsum("ni,iabc->nabc", u[:, _PRODUCTS:].conj().T, left), dtype=complex)
 
 
-def eliminant(loop: Loop, blocks: Complex, hidden: int) -> Eliminant:
+def eliminant(loop: OpenedLoop, blocks: Complex, hidden: int) -> Eliminant:
     """Return the eigenvalue problem for one of the joints 3, 4, 5.
 
     Args:
@@ -94,13 +92,13 @@ def inner_order(hidden: int) -> tuple[int, int, int]:
     return hidden, others[0], others[1]
 
 
-def closed(loop: Loop, inner: tuple[float, float, float], G: Matrix) -> list[list[float]]:
+def closed(loop: OpenedLoop, inner: tuple[float, float, float], G: Matrix) -> list[list[float]]:
     """Return all six values, given those of joints 3, 4, 5: once, or more often where several outer joints fit."""
     middle = np.eye(4)
     for screw, value in zip(loop.row[2:5], inner, strict=True):
         middle = middle @ screw.T(value)
     last = loop.row[5]
-    aside = across(last.direction)
+    aside = perpendicular(last.direction)
     found = []
     for first, second in _outer_pairs(loop, middle, G):
         R = (loop.row[0].T(first) @ loop.row[1].T(second) @ middle)[:3, :3].T @ G[:3, :3]
@@ -108,7 +106,7 @@ def closed(loop: Loop, inner: tuple[float, float, float], G: Matrix) -> list[lis
     return found
 
 
-def _outer_pairs(loop: Loop, middle: Matrix, G: Matrix) -> list[Pair]:
+def _outer_pairs(loop: OpenedLoop, middle: Matrix, G: Matrix) -> list[JointPair]:
     """Return the values of joints 1 and 2 that bring the arrow behind them to its goal."""
     products, constant = _right_side(loop)
     reached = (motion(middle) @ loop.end)[_EQUATIONS]
@@ -123,23 +121,25 @@ def _outer_pairs(loop: Loop, middle: Matrix, G: Matrix) -> list[Pair]:
     return [pair for pair in candidates if _miss(loop, pair, middle, G) < _NEAR]
 
 
-def _by_geometry(loop: Loop, middle: Matrix, G: Matrix) -> list[Pair]:
+def _by_geometry(loop: OpenedLoop, middle: Matrix, G: Matrix) -> list[JointPair]:
     one, two, last = loop.row[0], loop.row[1], loop.row[5]
     direction, wanted = middle[:3, :3] @ last.direction, G[:3, :3] @ last.direction
-    pairs: list[Pair] = []
+    pairs: list[JointPair] = []
     if one.kind == two.kind == "revolute" and not parallel(one.direction, two.direction):
         turns = subproblem_2(one.direction, two.direction, direction, wanted)
         pairs += [(turn.first, turn.second) for turn in turns]
     for along in (0.0, 1.0):
         point = last.point + along * last.direction
-        pairs += reach_by_two(one, two, image(middle, point), image(G, point), (0.0, 0.0))
+        pairs += reach_by_two(one, two, transformed_point(middle, point), transformed_point(G, point), (0.0, 0.0))
     return pairs
 
 
-def _miss(loop: Loop, pair: Pair, middle: Matrix, G: Matrix) -> float:
+def _miss(loop: OpenedLoop, pair: JointPair, middle: Matrix, G: Matrix) -> float:
     """Return how far the arrow misses its goal [arm lengths, rad]."""
     one, two, last = loop.row[0], loop.row[1], loop.row[5]
-    place = one.move(pair[0], two.move(pair[1], image(middle, last.point))) - image(G, last.point)
+    place = one.move(pair[0], two.move(pair[1], transformed_point(middle, last.point))) - transformed_point(
+        G, last.point
+    )
     direction = middle[:3, :3] @ last.direction
     for screw, value in ((two, pair[1]), (one, pair[0])):
         if screw.kind == "revolute":

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import rigid_rows
 from chainbuild.ik.branches.opw.constants import opw_constants
-from chainbuild.ik.branches.opw.formulas import BRANCHES, finished, flipped, rows_of, upper_branches
+from chainbuild.ik.branches.opw.formulas import BRANCHES, constant_rows, finished, flipped, upper_branches
 from chainbuild.ik.search.batch import at_row, pose_array
 from chainbuild.ik.search.compiled import packing as door
 from chainbuild.ik.search.solver import refusal
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _CHUNK: Final = 2048  # poses at a time: what they need stays in the processor's cache
-_LAST_ROW: Final = (0.0, 0.0, 0.0, 1.0)
+_LAST_ROW: Final = (0.0, 0.0, 0.0, 1.0)  # of a rigid transform
 
 
 def ik_all_batch(
@@ -82,7 +82,7 @@ def _chunks(count: int) -> Iterator[slice]:
 
 def _write_branches(targets: Array, constants: Array, axes: Array, doubtful: NDArray[np.bool_]) -> None:
     """Write the branches of poses by NumPy; see `compiled_opw.write_branches`."""
-    rows = rows_of(constants)
+    rows = constant_rows(constants)
     for chunk in _chunks(len(targets)):
         T = np.ascontiguousarray(targets[chunk, :3].transpose(1, 2, 0)).reshape(12, -1)
         with np.errstate(invalid="ignore", divide="ignore"):

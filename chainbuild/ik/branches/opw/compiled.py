@@ -17,7 +17,7 @@ from numba.extending import overload, register_jitable
 
 from chainbuild.ik.branches.core import subproblems
 from chainbuild.ik.branches.opw import formulas as opw_branches
-from chainbuild.ik.branches.opw.formulas import affine, all_branches, arctan2, root, rows_of, sine_cosine, where
+from chainbuild.ik.branches.opw.formulas import affine, all_branches, arctan2, constant_rows, root, sine_cosine, where
 from chainbuild.ik.search.compiled import kernels as compiled_kernels
 from chainbuild.ik.search.compiled.kernels import FAST
 
@@ -26,8 +26,8 @@ _LANE: Final = 64  # poses between writing answers
 _ALONE: Final = 8192  # fewer poses are left to one core: waking another that is busy can take milliseconds
 _INLINE: Final[Any] = {"forceinline": True, **FAST}
 _FORMULAS: Final = (
-    "rows_of", "six", "all_branches", "upper_branches", "product", "shoulders", "elbows", "in_range", "both_elbows",
-    "wrist", "flipped", "finished", "inside", "confirmed",
+    "constant_rows", "six", "all_branches", "upper_branches", "product", "shoulders", "elbows", "in_range",
+    "both_elbows", "wrist_angles", "flipped", "finished", "inside", "confirmed",
 )  # fmt: skip
 _FINGERPRINT: Final = crc32(
     b"".join(Path(str(m.__file__)).read_bytes() for m in (opw_branches, subproblems, compiled_kernels))
@@ -127,7 +127,7 @@ def _put(found, i, slot, x):
 @numba.njit(**FAST)
 def _lane(poses, constants, found):
     """Find the branches of up to `_LANE` poses: 48 numbers each, every one in a run of its own."""
-    rows = rows_of(constants)
+    rows = constant_rows(constants)
     for i in range(len(poses)):
         T = (
             poses[i, 0, 0], poses[i, 0, 1], poses[i, 0, 2], poses[i, 0, 3],

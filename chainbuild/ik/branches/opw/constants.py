@@ -11,8 +11,8 @@ from chainbuild import tolerances
 from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.frames import inverse
-from chainbuild.ik.branches.core.query import Query
-from chainbuild.ik.branches.opw.formulas import CONSTANTS, confirmed, product, rows_of
+from chainbuild.ik.branches.core.query import BranchQuery
+from chainbuild.ik.branches.opw.formulas import CONSTANTS, confirmed, constant_rows, product
 from chainbuild.ik.branches.opw.parameters import OpwArm, opw_arm
 from chainbuild.ik.request import IkRequest
 from chainbuild.kinematics.mechanism import Mechanism
@@ -20,8 +20,8 @@ from chainbuild.tolerances import LIMIT_SLACK
 
 _NO_LIMIT: Final = 1e300  # infinity times zero turns would be no number
 _SHORTEST: Final = 1e-6  # upper arm and forearm of at least this [m]
-_WHOLE: Final = 1e-9
-_SAMPLES: Final = 16
+_WHOLE: Final = 1e-9  # a determinant so near to 1 is one but for rounding: axes and joints make the same turns
+_SAMPLES: Final = 16  # any wrong constant shows in the first one
 _EXACT: Final = 1e-9  # what samples may miss [m, rad]
 
 
@@ -35,7 +35,7 @@ def opw_constants(mechanism: Mechanism, *, limits: bool) -> Matrix | None:
     axis_map = mechanism.chain.axis_map
     if not isinstance(axis_map, AffineMap) or len(mechanism.axes) != 6 or mechanism.chain.loops:
         return None
-    query = Query.of(IkRequest(mechanism, np.eye(4)))
+    query = BranchQuery.of(IkRequest(mechanism, np.eye(4)))
     serial = query.serial()
     arm = opw_arm(serial)
     if arm is None or not query.periodic.all():
@@ -51,7 +51,7 @@ def opw_constants(mechanism: Mechanism, *, limits: bool) -> Matrix | None:
     return constants if _confirmed(mechanism, constants) else None
 
 
-def _filled(arm: OpwArm, back: Matrix, zero: Matrix, query: Query, limits: bool) -> dict[str, object]:
+def _filled(arm: OpwArm, back: Matrix, zero: Matrix, query: BranchQuery, limits: bool) -> dict[str, object]:
     """Return the constants by name; back and zero lead from axis values to angles."""
     p, factors = arm.parameters, query.mechanism.kinematics.si_factors
     forearm, bend = math.hypot(p["a2"], p["c3"]), math.atan2(p["a2"], p["c3"])
@@ -82,7 +82,7 @@ def _filled(arm: OpwArm, back: Matrix, zero: Matrix, query: Query, limits: bool)
 
 def _confirmed(mechanism: Mechanism, constants: Matrix) -> bool:
     """Return whether what branches are confirmed by is the robot's own forward kinematics, on random axis values."""
-    base, flange, arm, _, backward, _ = rows_of(constants)
+    base, flange, arm, _, backward, _ = constant_rows(constants)
     axes = np.random.default_rng(0).uniform(-170.0, 170.0, (_SAMPLES, 6))
     T = mechanism.fk_batch(axes)[:, :3].reshape(_SAMPLES, 12).T
     M = product(product(base, T), flange)

@@ -16,12 +16,12 @@ import numpy as np
 
 from chainbuild.ik.branches.core.subproblems import ON_AXIS, TOUCH
 
-BRANCHES: Final = 8
+BRANCHES: Final = 8  # shoulder, elbow and wrist have two ways each
 # Two branches whose angles differ by less than twice this are one [rad].
 SAME: Final = 5e-6
 
 # A number or an array of them, and tuples of these; a pose is twelve numbers, a 3×4 matrix row by row.
-Numbers = Any
+Operand = Any
 
 # The rows of the array of constants (n, 6), by name.
 CONSTANTS: Final = (
@@ -44,29 +44,29 @@ CONSTANTS: Final = (
 )
 
 
-def arctan2(y: Numbers, x: Numbers) -> Numbers:
+def arctan2(y: Operand, x: Operand) -> Operand:
     """Return the angle of (x, y)."""
     return np.arctan2(y, x)
 
 
-def sine_cosine(angle: Numbers) -> Numbers:
+def sine_cosine(angle: Operand) -> Operand:
     """Return sine and cosine, through the tangent of half the angle: NumPy is quicker at one tangent than at both."""
     t = np.tan(0.5 * angle)
     share = 2.0 / (1.0 + t * t)
     return t * share, share - 1.0
 
 
-def root(value: Numbers) -> Numbers:
+def root(value: Operand) -> Operand:
     """Return the square root."""
     return np.sqrt(value)
 
 
-def where(condition: Numbers, a: Numbers, b: Numbers) -> Numbers:
+def where(condition: Operand, a: Operand, b: Operand) -> Operand:
     """Return a where a condition holds, else b."""
     return np.where(condition, a, b)
 
 
-def rows_of(constants: Numbers) -> Numbers:
+def constant_rows(constants: Operand) -> Operand:
     """Return constants (n, 6) as tuples: what stands in variables of its own is read once, not at every pose."""
     return (
         six(constants, 0) + six(constants, 1),
@@ -87,12 +87,12 @@ def rows_of(constants: Numbers) -> Numbers:
     )  # fmt: skip
 
 
-def six(c: Numbers, row: int) -> Numbers:
+def six(c: Operand, row: int) -> Operand:
     """Return a row as six numbers."""
     return c[row, 0], c[row, 1], c[row, 2], c[row, 3], c[row, 4], c[row, 5]
 
 
-def all_branches(T: Numbers, rows: Numbers) -> Numbers:
+def all_branches(T: Operand, rows: Operand) -> Operand:
     """Return the axis values of eight branches, six each; not a number where there is none."""
     M, a, b, c, d = upper_branches(T, rows)
     return (
@@ -102,7 +102,7 @@ def all_branches(T: Numbers, rows: Numbers) -> Numbers:
     )  # fmt: skip
 
 
-def upper_branches(T: Numbers, rows: Numbers) -> Numbers:
+def upper_branches(T: Operand, rows: Operand) -> Operand:
     """Return the sixth axis in the arm's base, then four branches: six angles, and whether the wrist is straight."""
     base, flange, arm, _, _, _ = rows
     M = product(product(base, T), flange)
@@ -114,7 +114,7 @@ def upper_branches(T: Numbers, rows: Numbers) -> Numbers:
     return M, a, b, c, d
 
 
-def product(a: Numbers, b: Numbers) -> Numbers:
+def product(a: Operand, b: Operand) -> Operand:
     """Return the product of two poses."""
     return (
         a[0] * b[0] + a[1] * b[4] + a[2] * b[8],
@@ -132,7 +132,7 @@ def product(a: Numbers, b: Numbers) -> Numbers:
     )
 
 
-def shoulders(M: Numbers, arm: Numbers) -> Numbers:
+def shoulders(M: Operand, arm: Operand) -> Operand:
     """Return cosine and sine of θ1 and the reach from axis 2 on, in front of axis 1 and behind it.
 
     The wrist centre stands at `out` along the arm and b aside of it. On axis 1 θ1 has no bearing, and the arm behind it
@@ -152,7 +152,7 @@ def shoulders(M: Numbers, arm: Numbers) -> Numbers:
     return c1, s1, out - a1, (y * b - x * out) * share, -(y * out + x * b) * share, behind
 
 
-def elbows(reach: Numbers, z: Numbers, arm: Numbers) -> Numbers:
+def elbows(reach: Operand, z: Operand, arm: Operand) -> Operand:
     """Return the triangle of upper arm and forearm.
 
     Returns: cosine and sine of the line to the wrist from the vertical, cosine and sine of the upper arm from that line
@@ -170,29 +170,29 @@ def elbows(reach: Numbers, z: Numbers, arm: Numbers) -> Numbers:
     return z * nearness, reach * nearness, cos_lift, sin_lift, cos_elbow, sin_elbow, bend, one
 
 
-def in_range(cosine: Numbers) -> Numbers:
+def in_range(cosine: Operand) -> Operand:
     """Return a cosine; what rounding took out of its range is put back, not a number where it is out by more."""
     inside = np.minimum(np.maximum(cosine, -1.0), 1.0)
     return where(np.abs(cosine) < 1.0 + TOUCH, inside, np.nan)
 
 
-def both_elbows(M: Numbers, c1: Numbers, s1: Numbers, triangle: Numbers, arm: Numbers) -> Numbers:
+def both_elbows(M: Operand, c1: Operand, s1: Operand, triangle: Operand, arm: Operand) -> Operand:
     """Return the six angles of both elbows, each with whether its wrist stands straight."""
     cos_line, sin_line, cos_lift, sin_lift, cos_elbow, sin_elbow, bend, one = triangle
     bent, cos_bend, sin_bend = arm[1][0], arm[1][1], arm[1][2]
     first = arctan2(s1, c1)
     s2, c2 = sin_line * cos_lift - cos_line * sin_lift, cos_line * cos_lift + sin_line * sin_lift
     s3, c3 = sin_elbow * cos_bend - cos_elbow * sin_bend, cos_elbow * cos_bend + sin_elbow * sin_bend
-    up = wrist(M, c1, s1, s2 * c3 + c2 * s3, c2 * c3 - s2 * s3, arm)
+    up = wrist_angles(M, c1, s1, s2 * c3 + c2 * s3, c2 * c3 - s2 * s3, arm)
     a = (first, arctan2(s2, c2), bend - bent) + up  # noqa: RUF005 - numba adds tuples, it does not unpack them
     s2, c2 = sin_line * cos_lift + cos_line * sin_lift, cos_line * cos_lift - sin_line * sin_lift
     s3, c3 = -sin_elbow * cos_bend - cos_elbow * sin_bend, cos_elbow * cos_bend - sin_elbow * sin_bend
-    down = wrist(M, c1, s1, s2 * c3 + c2 * s3, c2 * c3 - s2 * s3, arm)
+    down = wrist_angles(M, c1, s1, s2 * c3 + c2 * s3, c2 * c3 - s2 * s3, arm)
     b = (first, where(one, np.nan, arctan2(s2, c2)), -bend - bent) + down  # noqa: RUF005
     return a, b
 
 
-def wrist(M: Numbers, c1: Numbers, s1: Numbers, s23: Numbers, c23: Numbers, arm: Numbers) -> Numbers:
+def wrist_angles(M: Operand, c1: Operand, s1: Operand, s23: Operand, c23: Operand, arm: Operand) -> Operand:
     """Return θ4, θ5, θ6 and whether θ5 is a multiple of π, where θ4 has no bearing on its own."""
     ahead_0, ahead_1, ahead_2 = M[0] * c1 + M[4] * s1, M[1] * c1 + M[5] * s1, M[2] * c1 + M[6] * s1
     side_0, side_1, side_2 = M[4] * c1 - M[0] * s1, M[5] * c1 - M[1] * s1, M[6] * c1 - M[2] * s1
@@ -206,13 +206,13 @@ def wrist(M: Numbers, c1: Numbers, s1: Numbers, s23: Numbers, c23: Numbers, arm:
     return arctan2(s4, c4), arctan2(radius, ahead_2 * s23 + M[10] * c23), sixth, straight
 
 
-def flipped(branch: Numbers) -> Numbers:
+def flipped(branch: Operand) -> Operand:
     """Return the other wrist of a branch; a straight wrist has none."""
     first, second, third, fourth, fifth, sixth, straight = branch
     return first, second, third, fourth + math.pi, where(straight, np.nan, -fifth), sixth + math.pi, straight
 
 
-def finished(branch: Numbers, M: Numbers, rows: Numbers) -> Numbers:
+def finished(branch: Operand, M: Operand, rows: Operand) -> Operand:
     """Return the axis values of a branch inside the limits that meets the pose, else what is no number."""
     _, _, arm, forward, backward, limits = rows
     x = affine(branch, forward)
@@ -229,15 +229,15 @@ def finished(branch: Numbers, M: Numbers, rows: Numbers) -> Numbers:
     )  # fmt: skip
 
 
-def affine(x: Numbers, rows: Numbers) -> Numbers:
+def affine(x: Operand, rows: Operand) -> Operand:
     """Return rows·x with the last row of constants added."""
     matrix, last = np.array(rows[:6]), np.array(rows[6])
     stacked = np.array(x[:6])
-    flat: Numbers = matrix @ stacked.reshape(6, -1) + last[:, None]
+    flat: Operand = matrix @ stacked.reshape(6, -1) + last[:, None]
     return flat.reshape(stacked.shape)
 
 
-def inside(x: Numbers, limits: Numbers, n: int) -> Numbers:
+def inside(x: Operand, limits: Operand, n: int) -> Operand:
     """Return an axis value moved by whole turns into its limits, near to the start, and whether it is inside."""
     wanted, period, per_turn, lower, upper, slack = limits
     near = x - period[n] * np.rint((x - wanted[n]) * per_turn[n])
@@ -246,7 +246,7 @@ def inside(x: Numbers, limits: Numbers, n: int) -> Numbers:
     return np.minimum(np.maximum(moved, lower[n]), upper[n]), (moved >= low) & (moved <= high)
 
 
-def confirmed(x: Numbers, M: Numbers, arm: Numbers, backward: Numbers) -> Numbers:
+def confirmed(x: Operand, M: Operand, arm: Operand, backward: Operand) -> Operand:
     """Return whether axis values lead to a pose, by forward kinematics seen from the forearm."""
     theta = affine(x, backward)
     s1, c1 = sine_cosine(theta[0])

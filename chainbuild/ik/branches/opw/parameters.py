@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from chainbuild.ik.branches.arms.arms import wrist_centre
 from chainbuild.ik.branches.arms.positioner import parallel
 from chainbuild.ik.branches.core.serial import Serial
 
-_RIGHT_ANGLE = 1e-9
+_RIGHT_ANGLE: Final = 1e-9  # cosine of axes at right angles, but for rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -33,8 +33,8 @@ from chainbuild.ik.search.compiled.search import is_rigid, search, track
 from chainbuild.ik.search.starts import turned as turned_starts
 from chainbuild.ik.search.starts import turned as turned_table
 
-kept: Final[Any] = numba.njit(cache=True, **FAST)
-kept_parallel: Final[Any] = numba.njit(cache=True, parallel=True, **FAST)
+cached_jit: Final[Any] = numba.njit(cache=True, **FAST)
+cached_parallel_jit: Final[Any] = numba.njit(cache=True, parallel=True, **FAST)
 
 _MODULES: Final = (
     compiled_kernels,
@@ -50,7 +50,7 @@ _FINGERPRINT: Final = crc32(b"".join(Path(str(module.__file__)).read_bytes() for
 
 
 def _search_one(fingerprint: int) -> Any:
-    @kept
+    @cached_jit
     def search_one(data, rows, sizes, target, start, has_start, wanted, accuracy, restarts, answer):
         """Check the target, then search; see `compiled_search.search`.
 
@@ -76,7 +76,7 @@ def _search_one(fingerprint: int) -> Any:
 
 
 def _search_many(fingerprint: int) -> Any:
-    @kept_parallel
+    @cached_parallel_jit
     def search_many(data, rows, sizes, targets, starts, has_start, wanted, accuracy, restarts, y, counts, misses):
         """Search for many targets on all cores.
 
@@ -107,7 +107,7 @@ def _search_many(fingerprint: int) -> Any:
 
 
 def _track_many(fingerprint: int) -> Any:
-    @kept
+    @cached_jit
     def track_many(data, rows, sizes, targets, last, accuracy, most, y, counts, misses):
         """Follow a path; see `compiled_search.track`."""
         if fingerprint < 0:

@@ -10,7 +10,7 @@ import numpy as np
 from chainbuild.ik import rules
 from chainbuild.ik.search.compiled.kernels import jit
 
-_TURN: Final = 2.0 * math.pi
+_TURN: Final = 2.0 * math.pi  # rad
 
 
 @jit

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik.options import IkOptions
-from chainbuild.ik.search.found import Found
-from chainbuild.ik.search.problem import KEPT, Problem
+from chainbuild.ik.search.found import SearchEnd
+from chainbuild.ik.search.problem import MAX_PREPARED, Problem
 from chainbuild.ik.search.starts.turned import TurnedStarts
 
 
@@ -27,14 +27,16 @@ def available() -> bool:
     return True
 
 
-def search(packed: Packed, target: Matrix, start: Vector | None, wanted: Vector, options: IkOptions) -> Found:
-    """Search by compiled code; see `plain.search`. The outcome may be NOT_RIGID."""
+def compiled_search(
+    packed: Packed, target: Matrix, start: Vector | None, wanted: Vector, options: IkOptions
+) -> SearchEnd:
+    """Search by compiled code; see `plain_search`. The outcome may be NOT_RIGID."""
     answer = np.empty((2, len(wanted)))
     begin = wanted if start is None else start
     ended: tuple[int, int, int, float, float] = entries().search_one(
         *packed.arrays, target, begin, start is not None, wanted, options.accuracy, options.max_restarts, answer
     )
-    return Found(*ended, answer[0], answer[1])
+    return SearchEnd(*ended, answer[0], answer[1])
 
 
 @cache
@@ -54,7 +56,7 @@ class Packed:
 
 def packed(problem: Problem) -> Packed | None:
     """Return a problem in few arrays, or None where its axis map is not affine."""
-    return problem.mechanism.prepared("packed", lambda: _pack(problem), problem, KEPT)
+    return problem.mechanism.prepared("packed", lambda: _pack(problem), problem, MAX_PREPARED)
 
 
 def _pack(problem: Problem) -> Packed | None:

@@ -14,7 +14,7 @@ from chainbuild import tolerances
 from chainbuild.ik import rules
 from chainbuild.ik.search.compiled.kernels import damped_step, jit, pose_and_jacobian, tool_error, weigh
 from chainbuild.ik.search.compiled.limits import excess, near, onto_sums, turn_inside, turned_inside
-from chainbuild.ik.search.compiled.starts import forget_edges, next_start, rank_starts
+from chainbuild.ik.search.compiled.starts import next_start, rank_starts, remove_edge_penalty
 
 _OK: Final = rules.OK
 _LIMITS: Final = rules.LIMITS
@@ -194,7 +194,7 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
             if attempt == (1 if has_start else 0):
                 rank_starts(problem, work, target, distances)
             elif attempt == (2 if has_start else 1):
-                forget_edges(problem.turned_rows, distances)
+                remove_edge_penalty(problem.turned_rows, distances)
             next_start(problem, work, distances, attempt, wanted, y)
         inside = attempt % rules.FREE_EVERY != rules.FREE_EVERY - 1
         met, squared, taken = descend(
@@ -223,7 +223,9 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
         elif inside and squared < nearest:
             nearest = squared
             best[:] = y
-        if least == np.inf and (attempt + 1 >= rules.HOPELESS or (attempt == 0 and too_far(problem, target))):
+        if least == np.inf and (
+            attempt + 1 >= rules.MAX_FAILED_DESCENTS or (attempt == 0 and too_far(problem, target))
+        ):
             break
     if has_start and least < np.inf:
         # The branch that the start is on tells best what is in the way.
@@ -239,7 +241,7 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
     y[:] = best
     nearest, taken = approach(problem, target, y, work)
     distance, angle = errors(problem, target, y, work)
-    outcome = _STALLED if nearest < rules.CLOSE**2 else _UNREACHABLE
+    outcome = _STALLED if nearest < rules.STALLED_BELOW**2 else _UNREACHABLE
     return (_LIMITS if least < np.inf else outcome), iterations + taken, attempt, distance, angle
 
 

@@ -16,10 +16,10 @@ from chainbuild.ik.search.compiled.kernels import jit
 from chainbuild.ik.search.compiled.limits import turned_inside
 from chainbuild.ik.search.starts.turned import LARGEST_STEP, NO_RADIUS
 
-_TURN: Final = 2.0 * math.pi
+_TURN: Final = 2.0 * math.pi  # rad
 _TAKEN: Final = np.float32(1e30)  # a distance that no start has; finite, for loops without infinities are quicker
 
-all_fast: Final[Any] = numba.njit(error_model="numpy", fastmath=True)
+fastmath_jit: Final[Any] = numba.njit(error_model="numpy", fastmath=True)
 
 
 @jit
@@ -41,7 +41,7 @@ def rank_starts(problem, work, target, distances):
         distances[s] = squared
 
 
-@all_fast
+@fastmath_jit
 def _rank(rows, key, distances):
     """Write the weighted squared distance of each point's key, and what it stands at the edge."""
     a, b, c, d, e, f = key[0], key[1], key[2], key[3], key[4], key[5]
@@ -51,14 +51,14 @@ def _rank(rows, key, distances):
         distances[s] = near + turned + rows[6, s] + rows[7, s]
 
 
-@all_fast
-def forget_edges(rows, distances):
+@fastmath_jit
+def remove_edge_penalty(rows, distances):
     """Take off what points stand at the edge: that is for the first start alone."""
     for s in range(rows.shape[1]):
         distances[s] -= rows[7, s]
 
 
-@all_fast
+@fastmath_jit
 def _least(distances):
     """Return the smallest of some numbers, none of which is NaN; four at a time, for each waits for the one before."""
     count = len(distances)

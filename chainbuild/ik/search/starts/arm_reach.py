@@ -19,7 +19,7 @@ from chainbuild import frames
 from chainbuild.arrays import Matrix
 from chainbuild.kinematics.product import Product, poses_at
 
-_PARALLEL: Final = 1e-12
+_PARALLEL: Final = 1e-12  # sine: axes are parallel but for rounding
 _ROUNDED: Final = 1e-9  # m: a stretched arm reaches its own length, rounding included
 
 
@@ -98,7 +98,7 @@ def arm_reach(arm: Product) -> ArmReach | None:
     shifts[0, 2] = 0.0
     last = float(shifts[-1] @ normals[-1])
     shifts[-1] -= last * normals[-1]
-    before, after = frames.shift(z=-first) @ ends.before, ends.after @ frames.shift(z=-last)
+    before, after = frames.translation(z=-first) @ ends.before, ends.after @ frames.translation(z=-last)
     return ArmReach(before, after, _length(shifts, normals) * (1.0 + _ROUNDED) + _ROUNDED)
 
 

@@ -19,7 +19,7 @@ from chainbuild.ik.region import Box, finite_span
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import poses_at
 
-_COUNT: Final = 256
+_COUNT: Final = 256  # points: ranked in a few microseconds
 _TURN_SHARE: Final = 0.3  # a squared turn counts as much as this share of the squared spread of the positions
 _KEPT_TRIES: Final = 8  # candidates drawn a point where coupled limits forbid some
 

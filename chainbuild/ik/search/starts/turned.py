@@ -30,7 +30,7 @@ from chainbuild.ik.search.starts.sampled import off_middle, points_inside
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import Product, poses_at
 
-COUNT: Final = 1024
+COUNT: Final = 1024  # of points: dense in four dimensions, and ranked in some microseconds
 DIRECTION_SHARE: Final = 0.4  # of the spread of radius and height: so much does the direction count
 NO_RADIUS: Final = 1e-9  # m: on the first axis any plane will do
 
@@ -43,7 +43,7 @@ _FREEDOMS: Final = 4  # of a key: its direction is of length 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Points:
+class TablePoints:
     """Points of an arm; nothing here depends on where it stands or what it holds.
 
     Attributes:
@@ -65,7 +65,7 @@ class Points:
     maps: NDArray[np.float64]
 
 
-def points_of(
+def table_points(
     arm: Product,
     ends: tuple[Matrix, Matrix],
     box: Box,
@@ -73,7 +73,7 @@ def points_of(
     turning: tuple[int, int],
     signs: tuple[float, float],
     seed: int,
-) -> Points:
+) -> TablePoints:
     """Draw the points and look how their keys follow their axes.
 
     Args:
@@ -121,7 +121,7 @@ def points_of(
     maps[:, :-2, 11] = -np.einsum("nij,nj->ni", gains, keys)
     maps[:, -2:, 5:11] = uprights
     values[:, turning[0]] -= signs[0] * azimuths
-    return Points(values, scale, rows, offsets, edges, maps)
+    return TablePoints(values, scale, rows, offsets, edges, maps)
 
 
 def _points_facing(arm: Product, ends: tuple[Matrix, Matrix], values: Matrix) -> tuple[Matrix, Vector]:
@@ -165,12 +165,12 @@ def _half_turn(angles: Vector) -> Vector:
 
 LARGEST_STEP: Final = 0.5  # rad or m that an axis goes from its point to the start handed out
 
-_FEWEST_JOINTS: Final = 4  # below that nothing is worth a table
-_KEPT: Final = 2  # tables a robot: where axes between are held at ever other values, none is worth its making
+_MIN_JOINTS: Final = 4  # below that nothing is worth a table
+_MAX_TABLES: Final = 2  # tables a robot: where axes between are held at ever other values, none is worth its making
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Query:
+class TableKey:
     """What is looked up for a target.
 
     Attributes:
@@ -197,14 +197,14 @@ class TurnedStarts:
         signs: How they turn: 1 or −1.
     """
 
-    points: Points
+    points: TablePoints
     before: Matrix
     after: Matrix
     first: int
     last: int
     signs: tuple[float, float]
 
-    def query(self, target: Matrix) -> Query:
+    def query(self, target: Matrix) -> TableKey:
         """Return what is looked up for a target (4, 4)."""
         (a, b, dx, x), (d, e, dy, y), (g, h, dz, z), _ = self.before.dot(target).dot(self.after).tolist()
         radius = math.hypot(x, y)
@@ -213,15 +213,15 @@ class TurnedStarts:
         key = (radius, z, scale * (c * dx + s * dy), scale * (c * dy - s * dx), scale * dz)
         planar = (c * a + s * d, c * d - s * a, g, c * b + s * e, c * e - s * b, h)
         square = radius * radius + z * z + scale * scale
-        return Query(np.array((*key, square), np.float32), math.atan2(s, c), np.array((*key, *planar, 1.0)))
+        return TableKey(np.array((*key, square), np.float32), math.atan2(s, c), np.array((*key, *planar, 1.0)))
 
-    def distances(self, query: Query) -> NDArray[np.float32]:
+    def distances(self, query: TableKey) -> NDArray[np.float32]:
         """Return how far each point (count,) is, weighted by how much its axes have to move for it."""
         squared: NDArray[np.float32] = query.key.dot(self.points.rows)
         squared += self.points.offsets
         return squared
 
-    def start(self, n: int, query: Query, box: Box, wanted: Vector) -> Vector | None:
+    def start(self, n: int, query: TableKey, box: Box, wanted: Vector) -> Vector | None:
         """Return the n-th point moved and turned towards the target, or None where limits forbid the turns.
 
         Args:
@@ -250,18 +250,18 @@ def turned_starts(mechanism: Mechanism, arm: Product, box: Box, middle: Vector, 
         seed: Seed.
     """
     ends = ends_of(arm)
-    if ends is None or np.count_nonzero(arm.A.any(axis=1)) < _FEWEST_JOINTS:
+    if ends is None or np.count_nonzero(arm.A.any(axis=1)) < _MIN_JOINTS:
         return None
     first, last = _turning(arm, ends.begin), _turning(arm, ends.end)
     if first is None or last is None:
         return None
     signs = (float(arm.A[ends.begin, first]), float(arm.A[ends.end, last]))
-    known: dict[object, Points] = mechanism.prepared("tables of turned starts", dict)
+    known: dict[object, TablePoints] = mechanism.prepared("tables of turned starts", dict)
     key = (box.names, arm.b[ends.begin : ends.end].tobytes(), seed)
     if key not in known:
-        if len(known) >= _KEPT:
+        if len(known) >= _MAX_TABLES:
             return None
-        known[key] = points_of(arm, (ends.before, ends.after), box, middle, (first, last), signs, seed)
+        known[key] = table_points(arm, (ends.before, ends.after), box, middle, (first, last), signs, seed)
     return TurnedStarts(known[key], ends.before, ends.after, first, last, signs)
 
 

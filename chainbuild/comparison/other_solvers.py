@@ -14,7 +14,7 @@ import numpy as np
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import axes_for
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.elimination.eaik_arm import eaik_answers, eaik_robot
 from chainbuild.ik.branches.opw.parameters import opw_arm
 from chainbuild.ik.request import IkRequest
@@ -29,7 +29,7 @@ CallableKind = Literal["auto", "fk", "ik"]
 
 
 @dataclass(frozen=True, slots=True)
-class Judge:
+class OtherSolver:
     """A solver to compare with; axis values in mm and degrees, poses (4, 4) in metres.
 
     Attributes:
@@ -47,14 +47,14 @@ class Judge:
     note: str = ""
 
 
-def judge_by_name(robot: Mechanism, solver: str, kind: CallableKind = "auto") -> Judge:
+def other_solver_by_name(robot: Mechanism, solver: str, kind: CallableKind = "auto") -> OtherSolver:
     """Return the solver that a name means: "eaik", "opw", "roboticstoolbox" or "module:function".
 
     Raises:
         ChainbuildError: unknown, not installed, or not made for this kinematic.
     """
     if ":" in solver:
-        return judge_from_function(robot, _import(solver), solver, kind)
+        return other_solver_from_function(robot, _import(solver), solver, kind)
     maker = _BY_NAME.get(solver.lower())
     if maker is None:
         permitted = f"{', '.join(_BY_NAME)}, module:function, or a CSV recording"
@@ -80,9 +80,9 @@ def _import(spec: str) -> Callable[..., Any]:
     return result
 
 
-def judge_from_function(
+def other_solver_from_function(
     robot: Mechanism, function: Callable[..., Any], name: str = "", kind: CallableKind = "auto"
-) -> Judge:
+) -> OtherSolver:
     """Return a callable as a solver.
 
     Args:
@@ -97,7 +97,7 @@ def judge_from_function(
     name = name or getattr(function, "__name__", "callable")
     middle = np.array([0.0 if axis.lower <= 0.0 <= axis.upper else axis.lower for axis in robot.axes])
     if kind in ("auto", "fk") and _returns_pose(function, middle, strict=kind == "fk"):
-        return Judge(name, fk=lambda axes: _pose(function(axes), name), note="forward kinematics")
+        return OtherSolver(name, fk=lambda axes: _pose(function(axes), name), note="forward kinematics")
     pose = robot.fk(middle).homogeneous
     answers = _guarded(function, pose, name)
     if answers is not None and not _is_rows(answers, len(robot.axes)):
@@ -106,7 +106,7 @@ def judge_from_function(
             parameter="solver",
             permitted=f"axis values → (4, 4) in metres, or pose (4, 4) → rows of {len(robot.axes)} axis values",
         )
-    return Judge(name, ik=lambda T: _rows(function(T), len(robot.axes)), note="inverse kinematics")
+    return OtherSolver(name, ik=lambda T: _rows(function(T), len(robot.axes)), note="inverse kinematics")
 
 
 def _guarded(function: Callable[..., Any], argument: Vector, name: str) -> Any:
@@ -160,12 +160,12 @@ def _rows(value: Iterable[Any] | None, count: int) -> list[Vector]:
     return [row for row in rows if row.shape == (count,) and np.isfinite(row).all()]
 
 
-def _serial(robot: Mechanism) -> tuple[Query, Serial]:
-    query = Query.of(IkRequest(robot, np.eye(4)))
+def _serial(robot: Mechanism) -> tuple[BranchQuery, Serial]:
+    query = BranchQuery.of(IkRequest(robot, np.eye(4)))
     return query, query.serial()
 
 
-def _axes_from_joints(query: Query, serial: Serial, values: Vector) -> Vector | None:
+def _axes_from_joints(query: BranchQuery, serial: Serial, values: Vector) -> Vector | None:
     joints = np.array([screw.joint for screw in serial.screws], dtype=np.intp)
     found = axes_for(query, joints, values, query.structure.free)
     return found[0] / query.mechanism.kinematics.si_factors if found else None
@@ -176,7 +176,7 @@ def _joint_values(robot: Mechanism, serial: Serial, axes: Vector) -> Vector:
     return np.array([q[screw.joint] for screw in serial.screws])
 
 
-def _eaik(robot: Mechanism) -> Judge:
+def _eaik(robot: Mechanism) -> OtherSolver:
     _installed("eaik", "EAIK")
     query, serial = _serial(robot)
     model = eaik_robot(serial)
@@ -194,10 +194,10 @@ def _eaik(robot: Mechanism) -> Judge:
         answers = (_axes_from_joints(query, serial, row) for row, approximate in rows if not approximate)
         return [answer for answer in answers if answer is not None]
 
-    return Judge("EAIK", fk, ik, note="model built from the chain's axes")
+    return OtherSolver("EAIK", fk, ik, note="model built from the chain's axes")
 
 
-def _opw(robot: Mechanism) -> Judge:
+def _opw(robot: Mechanism) -> OtherSolver:
     opw = _installed("py_opw_kinematics", "py-opw-kinematics")
     query, serial = _serial(robot)
     arm = opw_arm(serial)
@@ -219,10 +219,12 @@ def _opw(robot: Mechanism) -> Judge:
         answers = (_axes_from_joints(query, serial, arm.joints(np.array(row))) for row in rows)
         return [answer for answer in answers if answer is not None and np.isfinite(answer).all()]
 
-    return Judge("py-opw-kinematics", fk, ik, note="parameters measured on the chain; flange and base from one pose")
+    return OtherSolver(
+        "py-opw-kinematics", fk, ik, note="parameters measured on the chain; flange and base from one pose"
+    )
 
 
-def _toolbox(robot: Mechanism) -> Judge:
+def _toolbox(robot: Mechanism) -> OtherSolver:
     toolbox = _installed("roboticstoolbox", "roboticstoolbox-python")
     _, serial = _serial(robot)
     elements = None
@@ -240,7 +242,7 @@ def _toolbox(robot: Mechanism) -> Judge:
     def fk(axes: Vector) -> Matrix:
         return np.array(model.fkine(_joint_values(robot, serial, axes)).A, dtype=float)
 
-    return Judge("roboticstoolbox", fk, note="elementary transforms built from the chain's axes")
+    return OtherSolver("roboticstoolbox", fk, note="elementary transforms built from the chain's axes")
 
 
 def _frame_along(direction: Vector, point: Vector) -> Matrix:
@@ -260,4 +262,8 @@ def _installed(module: str, name: str) -> Any:
         raise ChainbuildError(f"{name} is not installed", parameter="solver", hint=f"pip install {name}") from None
 
 
-_BY_NAME: Final[dict[str, Callable[[Mechanism], Judge]]] = {"eaik": _eaik, "opw": _opw, "roboticstoolbox": _toolbox}
+_BY_NAME: Final[dict[str, Callable[[Mechanism], OtherSolver]]] = {
+    "eaik": _eaik,
+    "opw": _opw,
+    "roboticstoolbox": _toolbox,
+}

@@ -13,10 +13,10 @@ import numpy as np
 
 from chainbuild.arrays import Vector
 from chainbuild.ik.branches.core.axis_values import turned_axes
-from chainbuild.ik.branches.core.query import Query
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.kinematics.newton import Stall, below, newton, shrinking
 
-_MOST_STARTS: Final = 400
+_MAX_STARTS: Final = 400  # bound on the time
 _IDLE_STARTS: Final = 60  # starts in a row without a new branch that end the search
 _STEPS: Final = 40  # at most, of one descent
 _STALL: Final = Stall(5, 0.9)
@@ -25,7 +25,7 @@ _MET: Final = below(1e-16)
 _DAMPING: Final = shrinking(1e-3, 1e-12)
 
 
-def gather(query: Query) -> Iterator[Vector]:
+def multistart_branches(query: BranchQuery) -> Iterator[Vector]:
     """Yield SI axis values of distinct branches, the one near the start first."""
     rng = np.random.default_rng(20240229)
     free = query.structure.free
@@ -38,9 +38,9 @@ def gather(query: Query) -> Iterator[Vector]:
     known: list[Vector] = []
     idle = 0
     start = query.x0
-    for _ in range(_MOST_STARTS):
+    for _ in range(_MAX_STARTS):
         found = _descend(query, start)
-        fresh = found is not None and all(_apart(found, other, query) > _SAME for other in known)
+        fresh = found is not None and all(_largest_difference(found, other, query) > _SAME for other in known)
         if found is not None and fresh:
             known.append(found)
             yield from turned_axes(query, found, free)
@@ -51,7 +51,7 @@ def gather(query: Query) -> Iterator[Vector]:
         start[free] = lower + (upper - lower) * rng.random(len(free))
 
 
-def _apart(a: Vector, b: Vector, query: Query) -> float:
+def _largest_difference(a: Vector, b: Vector, query: BranchQuery) -> float:
     """Return the largest difference, whole turns of periodic axes not counted."""
     difference = a - b
     turns = query.periodic
@@ -59,7 +59,7 @@ def _apart(a: Vector, b: Vector, query: Query) -> float:
     return float(np.abs(difference).max())
 
 
-def _descend(query: Query, start: Vector) -> Vector | None:
+def _descend(query: BranchQuery, start: Vector) -> Vector | None:
     """Return the axis values where the residual vanishes, or None."""
     residual = query.mechanism.kinematics.residual(query.target, query.mechanism.task)
     ended = newton(residual, start, query.structure.free, _MET, _DAMPING, _STEPS, _STALL)

@@ -26,20 +26,20 @@ if TYPE_CHECKING:
 NO_JOINT: Final = -1
 
 
-def one_axis(serial: Serial) -> Vector | None:
+def common_rotary_axis(serial: Serial) -> Vector | None:
     """Return the direction all rotary axes of a chain have, or None; then a tool direction determines the spin."""
     axes = [screw.direction for screw in serial.screws if screw.kind == "revolute"]
     return axes[0] if axes and all(parallel(axes[0], axis) for axis in axes) else None
 
 
-def despun(solver: ArmSolver, serial: Serial, column: int, axis: Vector) -> ArmSolver:
+def orientation_from_chain(solver: ArmSolver, serial: Serial, column: int, axis: Vector) -> ArmSolver:
     """Return a solver that takes the turn about the tool vector from the chain instead of the target.
 
     Args:
         solver: A solver of whole poses.
         serial: Its chain.
-        column: See `with_spin`.
-        axis: What `one_axis` found.
+        column: See `with_spin_joint`.
+        axis: What `common_rotary_axis` found.
     """
 
     def solve(target: Matrix, keep: Sequence[float]) -> list[Solution]:
@@ -50,7 +50,7 @@ def despun(solver: ArmSolver, serial: Serial, column: int, axis: Vector) -> ArmS
     return solve
 
 
-def with_spin(serial: Serial, column: int) -> Serial:
+def with_spin_joint(serial: Serial, column: int) -> Serial:
     """Return a chain that goes on with a turn about its tool vector.
 
     Args:
@@ -61,7 +61,7 @@ def with_spin(serial: Serial, column: int) -> Serial:
     return Serial((*serial.screws, spin), serial.M)
 
 
-def with_idle(serial: Serial, count: int) -> Serial:
+def with_virtual_joints(serial: Serial, count: int) -> Serial:
     """Return a chain with turns in arbitrary places near its tip, `count` of them."""
     rng = np.random.default_rng(20240229)
     reach = max(
