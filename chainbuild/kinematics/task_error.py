@@ -23,7 +23,7 @@ _UNDAMPED = 0.01  # share of a step that damping may take away without being ask
 
 
 class Task:
-    """What is asked of which axes: the part of the error that is the same for every target.
+    """The task of the free axes: the part of the error that is the same for every target.
 
     Args:
         kinematics: The chain's evaluator.
@@ -49,7 +49,7 @@ class Task:
 
     @property
     def damping(self) -> Damping:
-        """What makes steps; each thread's own."""
+        """The step solver, one for each thread."""
         return self._memory.damping
 
     def error_of(self, target: Matrix) -> ToolError:
