@@ -20,12 +20,12 @@ def constraints(chain: Chain, before: int, after: int) -> Iterable[AxisConstrain
 
 
 def padded(total: AxisSum, before: int, after: int) -> AxisSum:
-    """Return a sum over more axes, those before and after having no part in it."""
+    """Return a sum over more axes, with coefficient 0 for those before and after."""
     return AxisSum((0.0,) * before + total.coefficients + (0.0,) * after, total.offset)
 
 
 def carried_c(lower: Chain, T_offset: Matrix, upper: Chain) -> AxisSum | None:
-    """Return upper's running angle C, which still is one where lower and the offset only shift."""
+    """Return upper's running angle C, which remains valid where lower and the offset only translate."""
     turned = any(joint.kind == "revolute" for joint in lower.joints) or not np.array_equal(T_offset[:3, :3], np.eye(3))
     if upper.absolute_c is None or turned:
         return None
@@ -39,7 +39,7 @@ def joined_geometry(host: Geometry, guest: Geometry, names: Names, moved: Sequen
         host: Of the chain that is grafted on.
         guest: Of the chain that is grafted.
         names: The guest's new names.
-        moved: The guest's links whose frames are elsewhere now: their shapes are drawn by rule again.
+        moved: The guest's links whose frames have moved: their shapes are drawn by rule again.
     """
     named = {link: new for link, new in names.links.items() if link not in moved}
     return replace(
