@@ -26,7 +26,7 @@ def number(raw: str, name: str, span: Span) -> float:
     Args:
         raw: Everything after the parameter's name.
         name: Parameter, for messages.
-        span: Where the value stands.
+        span: Place of the value.
 
     Raises:
         ParseError: no number, a decimal comma, or not finite.

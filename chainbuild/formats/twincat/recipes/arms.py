@@ -1,4 +1,4 @@
-"""Doubts about the arms of a kinematic: lengths that it cannot do without, by KIN_TYP."""
+"""Plausibility of the arms of a kinematic: the lengths that it needs, by KIN_TYP."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _ARMS: Final[Mapping[int, Mapping[str, tuple[str, ...]]]] = {
 
 
 def doubt_arms(p: Params) -> None:
-    """Warn of arms without length, of very different length or of a strange reach."""
+    """Warn of arms without length, of very different length or of an unusual reach."""
     arms = []
     for what, names in _ARMS.get(p.data.number, {}).items():
         row = p.data.row(names[0])
@@ -28,4 +28,4 @@ def doubt_arms(p: Params) -> None:
     if arms:
         doubt_lengths(arms, p.collector)
         reach_mm = math.fsum(arm.length_mm for arm in arms)
-        doubt_reach(reach_mm, arms[0].span, "lengths count 1e-4 mm: are these in another unit?", p.collector)
+        doubt_reach(reach_mm, arms[0].span, "lengths are counts of 1e-4 mm: check for another unit", p.collector)

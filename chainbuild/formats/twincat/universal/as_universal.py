@@ -168,13 +168,13 @@ def list_text(chain: Chain, universal: Universal, lengthens: bool = True) -> str
     Args:
         chain: What it was made from.
         universal: Its axes.
-        lengthens: False where a tool length acts otherwise there; the list then says so.
+        lengthens: False where a tool length acts differently there; the list then says so.
     """
     lines = [
         f"# {chain.title}: {chain.kinematic} written as KIN_TYP 91, the universal kinematic.",
         *(f"# Convention {used.convention.name} = {used.choice}" for used in chain.conventions),
         *_shift_lines(universal),
-        *(() if lengthens else ("# For tools of length 0 only: a tool length acts otherwise in the type.",)),
+        *(() if lengthens else ("# For tools of length 0 only: a tool length acts differently in the type.",)),
         "trafo[0].id 91",
         *_vector("zero_orientation", universal.T_zero[:3, 2]),
         *_vector("zero_position", _counts(universal.T_zero[:3, 3])),
