@@ -8,7 +8,7 @@ from typing import Final
 
 _ALIKE: Final = 0.6
 _SHOWN: Final = 12
-_LONGEST: Final = 80  # characters of a name that are compared: a longer one is no typing error
+_LONGEST: Final = 80  # characters of a name that are compared: a longer one is not a typing error
 
 
 def closest(name: str, known: Iterable[str]) -> str | None:

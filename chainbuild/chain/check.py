@@ -25,7 +25,7 @@ def check_chain(chain: Chain) -> None:
     """Refuse a chain that contradicts itself.
 
     Raises:
-        ChainError: a duplicate name, a link with no or two parents, a missing frame, a placement that is no rigid
+        ChainError: a duplicate name, a link with no or two parents, a missing frame, a placement that is not a rigid
             transform, a direction not of length 1, or an axis map of the wrong shape.
     """
     _unique("link", (link.name for link in chain.links))

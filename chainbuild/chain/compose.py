@@ -228,7 +228,7 @@ def _loop(loop: Loop, names: Names) -> Loop:
 
 def _blocks(host: Chain, guest: Chain, order: NDArray[np.intp]) -> tuple[Block, Block]:
     n_axes, n_q = len(host.axes), len(host.joints)
-    # order says which old joint stands at each new place; the map needs the new place of each old joint.
+    # order says which old joint is at each new place; the map needs the new place of each old joint.
     places = np.empty_like(order)
     places[order] = np.arange(len(order))
     return (

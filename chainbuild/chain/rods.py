@@ -120,7 +120,7 @@ def rod_masters(chain: Chain) -> dict[str, tuple[str, float, float]]:
 
 
 def _followers_of_level(chain: Chain) -> list[str]:
-    """Return the names of joints that are no axis' own: the one that keeps the head level."""
+    """Return the names of the joints without an axis of their own: the one that keeps the head level."""
     axes = {axis.name for axis in chain.axes}
     return [joint.name for joint in chain.joints if joint.name not in axes]
 

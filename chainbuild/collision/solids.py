@@ -105,7 +105,7 @@ def _mesh(file: str, scale: float, hull: bool) -> Any:
     try:
         mesh = coal.MeshLoader().load(file, np.full(3, scale))
     except ValueError:
-        raise FileAccessError("the mesh cannot be read", span=Span(file)) from None
+        raise FileAccessError("the mesh cannot be read (missing, or not STL, OBJ or DAE)", span=Span(file)) from None
     if not hull:
         return mesh
     mesh.buildConvexHull(True, "Qt")

@@ -46,7 +46,7 @@ class Selected:
 
     Attributes:
         entry: The kinematic.
-        second: What stands on it in a second transformation step, or None.
+        second: The kinematic of the second transformation step, or None.
     """
 
     entry: KinematicEntry

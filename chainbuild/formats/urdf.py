@@ -72,7 +72,7 @@ def from_urdf(path: str | os.PathLike[str], tool: str | None = None) -> Chain:
 
     Raises:
         FileAccessError: the file cannot be read.
-        ParseError: no URDF, a number that is none, or a joint type other than revolute, continuous, prismatic, fixed.
+        ParseError: no URDF, a bad number, or a joint type other than revolute, continuous, prismatic, fixed.
         ChainbuildError: the tool link does not exist or is not the only candidate.
     """
     file = Path(path)

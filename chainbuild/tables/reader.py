@@ -127,7 +127,7 @@ class Table:
                 line = self._stream.readline(limit + 1)
             except UnicodeDecodeError:
                 place = max(number, _first_undecodable_line(self.file)) if self.size else number
-                raise TableError("the table is not UTF-8 text", span=Span(self.file, place)) from None
+                raise TableError("the table is not UTF-8 text: save it as UTF-8", span=Span(self.file, place)) from None
             except OSError as error:
                 raise _unreadable(error, Span(self.file, number)) from None
             if not line:
@@ -215,7 +215,7 @@ class Table:
 
 
 def _first_undecodable_line(file: str) -> int:
-    """Return the line that is no UTF-8; the decoder works ahead of the lines and does not report it."""
+    """Return the line that is not UTF-8; the decoder works ahead of the lines and does not report it."""
     number = 0
     with Path(file).open("rb") as stream, suppress(UnicodeDecodeError):
         while line := stream.readline(tolerances.MAX_LINE_CHARACTERS):

@@ -3,7 +3,7 @@
     WO → TROWO → RO → TIRORO → IRO → A1 A2 A3 → P3 → TX3P3 → X3 → A4 A5 A6 → WP → TFLWP → FL
        → flange axes → TTCFL → TC → TFL_EXT → lengths → tool rotation → TCP
 
-In gripper-referred motion the robot carries the workpiece and the tool stands in WO.
+In gripper-referred motion the robot carries the workpiece and the tool is fixed in WO.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ def check_geometry(robx: Robx, translation: Translation, tool: Tool, choose: Cho
     """Check a translated transformation.
 
     Raises:
-        MachineDataError: geometry that the controller refuses or that is no machine (strict collector).
+        MachineDataError: geometry that the controller refuses or that is impossible (strict collector).
     """
     report = Report(robx, collector)
     _check_lengths(report)

@@ -65,7 +65,7 @@ def _check_extra_vectors(report: Report) -> None:
 
 
 def _other_vectors(robx: Robx) -> Iterator[str]:
-    """Yield the data whose default is not zero, so that a part left out is no harmless zero."""
+    """Yield the data whose default is not zero, so that an element left out is not a harmless zero."""
     if robx.arrangement in _USE_LENGTH_B:
         yield "MAIN_LENGTH_AB"
     if robx.num_axes == 6:

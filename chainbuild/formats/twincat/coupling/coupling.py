@@ -173,7 +173,7 @@ class _Building:
     def locks(self, chain: Chain) -> Mapping[int, tuple[str, ...]]:
         """Return the coordinates that lock_dof locks, by partial.
 
-        Its index is that of an axis of the channel: six TCP axes, then the axes of each partial, which stand for
+        Its index is that of an axis of the channel: six TCP axes, then the axes of each partial, which represent
         its coordinates while the coupling is active.
         """
         found: dict[int, tuple[str, ...]] = {}

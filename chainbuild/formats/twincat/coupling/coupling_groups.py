@@ -117,7 +117,7 @@ class _Reading:
         return groups
 
     def drafts(self) -> list[_Draft]:
-        """Return the configured groups; those that are empty may only stand at the end."""
+        """Return the configured groups; empty ones are permitted at the end only."""
         indices = sorted({k for k, _ in self.entries()})
         by_id = any(f"group[{k}].id" in self.coupling.extras for k in indices)
         configured = [k for k in indices if self.configured(k, by_id)]

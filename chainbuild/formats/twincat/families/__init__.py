@@ -40,7 +40,7 @@ Rules:
   against the WCS axis; several axes on one joint (gears, absolute angles) by ``drive={"A2": k, "C1": j}``.
 - Values: ``p.mm(key)``, ``p.deg(key)``, ``p.flag(key)`` (checked against the table), ``p.direction(key)`` (flag 0/1 as
   +1/-1), ``p.sign(key)`` (negative is -1; 0 counts as +1 and leaves finding CB402, unless ``zero_is_plus=True``),
-  ``p.number(key)`` (ratio or count as it stands), ``p.given(key)``; the key is the HD's name in the data file or its
+  ``p.number(key)`` (ratio or count unchanged), ``p.given(key)``; the key is the HD's name in the data file or its
   number. A wrong kind raises TypeError: the recipe is wrong, not the file. Channel list and tool are already added.
 - ``p.tool_length_mm`` acts along minus the tool vector unless the manual says otherwise; ``p.tool_radius_mm`` is 0
   without an active tool.

@@ -107,7 +107,7 @@ def _angles(p: Params, choose: Choices, offsets: _Offsets, side: float = 1.0, ax
 def _recipe(
     p: Params, choose: Choices, head: _Head, angles: _Angles, before: Sequence[Element], after: Sequence[Element]
 ) -> Recipe:
-    """Return the chain; `before` and `after` stand around the innermost shift."""
+    """Return the chain; `before` and `after` enclose the innermost shift."""
     machine = _vector(p, "c_to_machine")
     inner, point = _vector(p, head.inner_to_c), _vector(p, head.point_to_inner)
     s = towards_slide(choose, *(length for vector in (machine, inner, point) for length in vector[:2]))

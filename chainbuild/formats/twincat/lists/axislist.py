@@ -55,7 +55,7 @@ def read_axis_list(parameters: ParameterList, facts: Mapping[str, str], collecto
         collector: Takes findings.
 
     Raises:
-        ParseError: a value is no number.
+        ParseError: a value is not a number.
     """
 
     def number(name: str) -> float | None:

@@ -37,7 +37,7 @@ def read_channel(parameters: ParameterList, collector: Collector, index: int = 0
 
     Raises:
         MachineDataError: an index, id or value out of range, a kinematic without id, a repeated id.
-        ParseError: a value that is no number or string.
+        ParseError: a value that is not a number or string.
     """
     found = [*_grouped(parameters, collector, "kin_step"), *_grouped(parameters, collector, "kinematik")]
     trafos = sorted((t for t in found if t), key=lambda t: (t.step, t.span.line))

@@ -82,5 +82,5 @@ def _hint(value: float, unit: Unit) -> str | None:
 
 
 def doubt_number(value: float, raw: str, name: str, span: Span, unit: Unit, collector: Collector) -> None:
-    """Warn of a doubtful number that is no parameter of a kinematic; see `doubt_count`."""
+    """Warn of a doubtful number outside a kinematic's parameters; see `doubt_count`."""
     doubt_count(RawValue(value, name, span, raw), unit, collector)

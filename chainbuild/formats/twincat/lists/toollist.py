@@ -50,7 +50,7 @@ def read_tools(parameters: ParameterList, collector: Collector) -> dict[int, Too
     """Return the tools of a list by number.
 
     Raises:
-        ParseError: a value is no number or string.
+        ParseError: a value is not a number or string.
         MachineDataError: an index or value is out of range.
     """
     grouped: dict[int, list[Assignment]] = {}

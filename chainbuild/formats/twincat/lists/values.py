@@ -29,7 +29,7 @@ def number(raw: str, name: str, span: Span) -> float:
         span: Place of the value.
 
     Raises:
-        ParseError: no number, a decimal comma, or not finite.
+        ParseError: not a number, a decimal comma, or not finite.
         MachineDataError: larger than any machine.
     """
     token = _TOKEN_END.split(raw, maxsplit=1)[0]
@@ -69,7 +69,7 @@ def integer(raw: str, name: str, span: Span, lowest: int, highest: int) -> int:
     """Return a whole number within bounds.
 
     Raises:
-        ParseError: no number.
+        ParseError: not a number.
         MachineDataError: not whole or out of bounds.
     """
     value = number(raw, name, span)

@@ -64,7 +64,7 @@ def flagged_axis(
 ) -> Move:
     """Return a rotary axis with the HDs direction_NAME and offset_NAME (KIN_TYP 57, 58, 61, 63, 64, 80 to 82).
 
-    The manual names these flags without their values, so a number that is no flag is decoded, not refused; it
+    The manual names these flags without their values, so a number other than a flag is decoded, not refused; it
     leaves finding CB430.
     """
     flag = f"direction_{name.lower()}"

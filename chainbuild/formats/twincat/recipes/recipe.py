@@ -197,7 +197,7 @@ def driven(name: str, direction: Direction, drive: Drive) -> Move:
 
 
 def mapped(name: str, direction: Direction) -> Move:
-    """Return a revolute joint that the recipe's axis map drives: its angle is no axis alone."""
+    """Return a revolute joint that the recipe's axis map drives: no axis alone is its angle."""
     return rotary(name, direction, drive={})
 
 

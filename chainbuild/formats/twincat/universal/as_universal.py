@@ -3,7 +3,7 @@
     T_91 = Π M(axis), from the workpiece over the machine origin to the tool
     pose of the type = S⁻¹ · T_91
 
-S is where the type's workpiece frame stands at zero, seen from the machine: KIN_TYP 91 counts from the machine's
+S is the type's workpiece frame at zero, seen from the machine: KIN_TYP 91 refers to the machine's
 coordinate system there. It is written into the list as a comment; on the controller it is a zero offset.
 """
 
@@ -199,7 +199,7 @@ def _shift_lines(universal: Universal) -> list[str]:
     x, y, z = (_plain(mm_from_m(float(value)), 9) for value in universal.shift[:3, 3])
     lines = []
     if np.abs(universal.shift - np.eye(4)).max() < _NOISE:
-        lines.append("# Both count from the same coordinate system.")
+        lines.append("# Both refer to the same coordinate system.")
     else:
         lines.append(f"# Constant shift: the type's workpiece zero lies at X {x} Y {y} Z {z} (mm) of this kinematic.")
     if np.abs(universal.shift[:3, :3] - np.eye(3)).max() >= _NOISE:
