@@ -90,9 +90,9 @@ def test_wrong_usage_ends_with_2(run: Run, words: list[str], message: str) -> No
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["info", "missing"], "missing: no such file, nor a shipped machine of that name"),
+        (["info", "missing"], "missing: no such file, and no shipped machine of that name"),
         (["info", "missing.lis"], "missing.lis: no such file\n"),
-        (["info", "no/kr6.lis"], "no/kr6.lis: no such file: there is no such folder\n"),
+        (["info", "no/kr6.lis"], "no/kr6.lis: no such file: the folder does not exist\n"),
         (["info", "kr6r900.tea"], "kr6r900.tea: no such file; the shipped machine is called kr6r900\n"),
         (["info", "."], ".: this is a folder"),
         (["info", ARM, "--kinematic", "7"], f"{ARM}: the file configures no kinematic '7'"),
@@ -101,7 +101,7 @@ def test_wrong_usage_ends_with_2(run: Run, words: list[str], message: str) -> No
         (["info", ARM, "--convention", "no=x"], "chainbuild: unknown convention 'no'"),
         (["info", ARM, "--overlay", "missing.toml"], "missing.toml: no such file"),
         (["fk", ARM, "--axes", "missing.csv"], "missing.csv: the table cannot be read: No such file"),
-        (["fk", "kr6r900_2", "--at", "0,-90,90"], "chainbuild: 6 axis values are due"),
+        (["fk", "kr6r900_2", "--at", "0,-90,90"], "chainbuild: expected 6 axis values, got an array of shape (3,)"),
         (["check", "missing.lis"], "missing.lis: no such file"),
         (["inspect", ARM, "--export", "no/page.html"], "no/page.html: "),
         (["urdf", ARM, "-o", "/dev/null"], "/dev/null/kin45_kr6r900_2: the folder cannot be created"),

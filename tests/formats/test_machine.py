@@ -277,7 +277,7 @@ def test_a_chain_that_contradicts_itself_is_refused_when_it_is_translated(
         return replace(chain, frames=chain.frames[1:])
 
     monkeypatch.setattr(machine, "_translate", broken)
-    with pytest.raises(ChainError, match="lacks frame"):
+    with pytest.raises(ChainError, match="the chain has no frame"):
         machine.chain(tool_length_mm=1.0)
 
 

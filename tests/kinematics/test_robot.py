@@ -134,7 +134,7 @@ def test_violated_limits_are_named() -> None:
 
 def test_a_chain_that_contradicts_itself_is_refused() -> None:
     tool: list[Element] = [rotary("A1", "z"), shift(x=1.0), rotary("A1", "z")]
-    with pytest.raises(ChainError, match="stands 2 times"):
+    with pytest.raises(ChainError, match="occurs 2 times"):
         Robot(make_chain(tool, [], "A1"))
     with pytest.raises(ChainError, match="driven by axis A9"):
         make_chain([rotary("A1", "z", drive={"A9": 1.0})], [], "A1")

@@ -65,10 +65,12 @@ BAD = {
     "string for a number": Bad(with_line('$MC_ROBX_NUM_AXES="6"'), ("wrong type",), '"6"', None, "CB107"),
     "number for a string": Bad(with_line("$MN_AXCONF_MACHAX_NAME_TAB[0]=1"), ("string",), "TAB[0]=1", None, "CB107"),
     "fraction for an integer": Bad(nr6(NUM_AXES=5.5), ("5.5 is not an integer",), "AXES=5.5", None, "CB107"),
-    "no value": Bad(with_line("$MC_ROBX_NUM_AXES="), ("there is no value",), "AXES=", None, "CB101"),
+    "no value": Bad(with_line("$MC_ROBX_NUM_AXES="), ("the value is missing",), "AXES=", None, "CB101"),
     "two values": Bad(with_line("$MC_ROBX_MAIN_LENGTH_AB[0]=1 2"), ("'1 2' is not a number",), "=1 2", None, "CB102"),
     "list too long": Bad(with_line("$MC_ROBX_TX3P3_POS[1]=SET(1,2,3)"), ("[3]", "[0] to [2]"), "SET", None, "CB105"),
-    "list with a gap": Bad(with_line("$MC_ROBX_TX3P3_POS[0]=SET(1,,3)"), ("there is no value",), "SET", None, "CB101"),
+    "list with a gap": Bad(
+        with_line("$MC_ROBX_TX3P3_POS[0]=SET(1,,3)"), ("the value is missing",), "SET", None, "CB101"
+    ),
     "list of an axis": Bad(with_line("$MA_POS_LIMIT_PLUS[AX1]=SET(1,2)"), ("not axes",), "SET", None, "CB105"),
     "name without quotes": Bad(with_line("$MN_AXCONF_MACHAX_NAME_TAB[0]=X1"), ("double quotes",), "=X1", None, "CB107"),
     "hexadecimal without quotes": Bad(with_line("$MC_ROBX_SPECIAL_FEATURE_MASK=H1"), ("'H1'",), "=H1", None, "CB102"),
@@ -140,7 +142,7 @@ BAD = {
         nr6(DHPAR4_5ALPHA=(-80, 90)), ("perpendicular", "type 3 or 6"), "ALPHA[1]=90", None, "CB306"
     ),
     "inclined wrist with one axis": Bad(
-        nr6(WRIST_AXES=3, DHPAR4_5ALPHA=(0, 90)), ("one and the same",), "ALPHA[1]", None, "CB309"
+        nr6(WRIST_AXES=3, DHPAR4_5ALPHA=(0, 90)), ("makes axes 4 and 5 coincide",), "ALPHA[1]", None, "CB309"
     ),
     "five axes without flange": Bad(
         robx_text(changed(ARM5, TFLWP_RPY=None)), ("TFLWP_RPY is missing", "MD62911"), "TRAFO_TYPE", 75310, "CB312"

@@ -88,8 +88,8 @@ def test_data_of_the_control_without_their_prefix():
 @pytest.mark.parametrize(
     ("text", "stands"),
     [
-        ("$MC_ROBX_MAIN_LENGHT_AB[1]=1150", "MAIN_LENGTH_AB stands at its default 0, 500"),
-        ("$MC_ROBX_MAIN_LENGHT_AB[1]=1150\n$MC_ROBX_MAIN_LENGTH_AB[0]=25", "MAIN_LENGTH_AB stands at 25, 500"),
+        ("$MC_ROBX_MAIN_LENGHT_AB[1]=1150", "MAIN_LENGTH_AB keeps its default 0, 500"),
+        ("$MC_ROBX_MAIN_LENGHT_AB[1]=1150\n$MC_ROBX_MAIN_LENGTH_AB[0]=25", "MAIN_LENGTH_AB keeps the value 25, 500"),
         ("$MC_ROBX_MAIN_LENGHT_AB[1]=1150\nCHANDATA(2)\n$MC_ROBX_MAIN_LENGTH_AB[0]=25", "its default 0, 500"),
     ],
 )
@@ -106,7 +106,7 @@ def test_a_misspelt_name_of_the_older_package():
     collector = Collector()
     reading("$MC_TRAFO6_NUM_AXIS=6\n$MC_TRAFO6_NUM_AXES=5", collector)
     assert collector.findings[0].hint == "did you mean $MC_TRAFO6_NUM_AXES?"
-    assert "NUM_AXES stands at 5" in collector.findings[0].text
+    assert "NUM_AXES keeps the value 5" in collector.findings[0].text
 
 
 def test_equal_repeats_are_counted_and_differing_ones_warned_of():

@@ -38,7 +38,7 @@ def test_a_direction_given_in_part():
 def test_a_direction_by_default():
     (finding,) = found(robx_text(NR6, axes_in=TRACK), "CB347")
     assert finding.severity == "info"
-    assert finding.text == "EX1 moves along Z: EXT_AXIS_VECTOR_1 stands at its default (0, 0, 1)"
+    assert finding.text == "EX1 moves along Z: EXT_AXIS_VECTOR_1 has its default (0, 0, 1)"
     (finding,) = found(robx_text(NR6, axes_in=TABLE), "CB347")
     assert "EW1 turns about X" in finding.text
     whole = "$MC_ROBX_EXT_AXIS_VECTOR_1[0]=SET(0,1,0)"
@@ -47,7 +47,7 @@ def test_a_direction_by_default():
 
 def test_other_vectors_in_part_where_the_default_is_not_zero():
     (finding,) = found(robx_text(without("MAIN_LENGTH_AB"), extra="$MC_ROBX_MAIN_LENGTH_AB[0]=150"), "CB346")
-    assert "MAIN_LENGTH_AB is given in part: for [1] = 500 the default counts" in finding.text
+    assert "MAIN_LENGTH_AB is given in part: for [1] = 500 the default is used" in finding.text
     assert doubts(robx_text({**without("TX3P3_POS"), "TX3P3_POS": (795,)})) == []
 
 
@@ -130,7 +130,7 @@ def test_check_says_which_channel_is_taken_and_which_limits_are_assumed(tmp_path
 
 
 def test_a_transformation_of_another_channel():
-    with pytest.raises(MachineDataError, match=r"channel 1 configures no kinematic 3.*channel 2 has it"):
+    with pytest.raises(MachineDataError, match=r"channel 1 configures no kinematic 3.*it is in channel 2"):
         read(two_channels()).chain(kinematic=3)
 
 
@@ -144,7 +144,7 @@ def test_limits_twice_for_one_axis_with_the_same_value():
 def test_angles_in_radians(value, degrees):
     (finding,) = found(robx_text({**NR6, "TX3P3_RPY": (0, value, 0)}), "CB350")
     assert finding.severity == "warning"
-    assert f"TX3P3_RPY[1] is {value:g}: machine data count angles in degrees, is this {degrees}°?" in finding.text
+    assert f"TX3P3_RPY[1] is {value:g}: machine data give angles in degrees; is {degrees}° meant?" in finding.text
 
 
 @pytest.mark.parametrize("value", [0, 90, 1.5, 1.57, 3.14, 1.6, 89.9])
@@ -154,4 +154,4 @@ def test_angles_that_are_none_in_radians(value):
 
 def test_the_lengths_are_left_to_the_default():
     (finding,) = found(robx_text(without("MAIN_LENGTH_AB")), "CB351")
-    assert "MAIN_LENGTH_AB is missing: its default 0, 500 mm counts" in finding.text
+    assert "MAIN_LENGTH_AB is missing: its default 0, 500 mm is used" in finding.text

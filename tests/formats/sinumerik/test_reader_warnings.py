@@ -28,7 +28,7 @@ def test_a_bare_number_before_the_name(line: str) -> None:
 
 def test_a_bare_number_of_another_datum() -> None:
     (finding,) = with_code("CB109", "62911 $MC_ROBX_TFLWP_POS[2] 90")
-    assert "62911 is not the number of MD62910 $MC_ROBX_TFLWP_POS; the name counts" in finding.text
+    assert "62911 is not the number of MD62910 $MC_ROBX_TFLWP_POS; the name is used" in finding.text
 
 
 @pytest.mark.parametrize("line", ["N62910 [2]=90", "62910 [2]=90", "N62910=90", "62610[2] = 90"])
@@ -64,7 +64,7 @@ def test_limits_under_both_names_of_an_axis() -> None:
     extra = '$MN_AXCONF_MACHAX_NAME_TAB[0]="TURN"\n' + LIMITS.format("AX1", "AX1") + "$MA_POS_LIMIT_MINUS[TURN]=-50"
     (finding,) = with_code("CB113", extra)
     assert "$MA_POS_LIMIT_MINUS[AX1] in line" in finding.text
-    assert "$MA_POS_LIMIT_MINUS[TURN] are the same axis; the last value counts" in finding.text
+    assert "$MA_POS_LIMIT_MINUS[TURN] are the same axis; the last value is used" in finding.text
     axes = read(robx_text(NR6, extra=extra)).chain().axes
     assert (axes[0].lower, axes[0].upper) == (-50.0, 100.0)
     once = '$MN_AXCONF_MACHAX_NAME_TAB[0]="TURN"\n' + LIMITS.format("TURN", "AX1")

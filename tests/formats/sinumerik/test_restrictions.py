@@ -76,7 +76,7 @@ def test_other_combinations_are_built_with_a_warning(main, wrist, extra, words):
         ({**ARM5, "TFLWP_POS": (5, 0, 9), "TFLWP_RPY": (0, 0, 0)}, "CB314", "(0, 0, Z)"),
         ({**ARM5, "WRIST_AXES": 3}, "CB315", "A4PAR = 1"),
         ({**ARM5, "MAIN_AXES": 7, "WRIST_AXES": 3, "A4PAR": 1}, "CB315", "with a central wrist only"),
-        ({**NR6, "AXES_TYPE": (3, 3, 1, 3, 3, 3)}, "CB330", "the arrangement counts"),
+        ({**NR6, "AXES_TYPE": (3, 3, 1, 3, 3, 3)}, "CB330", "the arrangement is used"),
         ({name: value for name, value in NR6.items() if name != "AXES_TYPE"}, "CB330", "is missing"),
         ({**NR6, "SPECIAL_FEATURE_MASK": 5}, "CB331", "'H5'"),
         ({**NR6, "SPECIAL_FEATURE_MASK": 1}, "CB342", "no effect"),

@@ -40,9 +40,9 @@ BOMB = (
 
 BAD = [
     # the line
-    Bad("equals_sign", ARM + "trafo[0].param[6]=5", ("no `name value` assignment", "blanks"), 2),
+    Bad("equals_sign", ARM + "trafo[0].param[6]=5", ("the line is not a `name value` assignment", "blanks"), 2),
     Bad("spaced_equals_sign", ARM + "trafo[0].param[6] = 5", ("`=` before its value", "blanks only"), 2),
-    Bad("bracket_open", "trafo[0.id 45", ("no `name value` assignment",), 1),
+    Bad("bracket_open", "trafo[0.id 45", ("the line is not a `name value` assignment",), 1),
     Bad("bracket_empty", "trafo[].id 45", ("index in trafo[].id is not a plain number", "digits"), 1),
     Bad("bracket_letter", "trafo[j].id 45", ("index in trafo[j].id is not a plain number",), 1),
     Bad("bracket_negative", "trafo[-1].id 45", ("not a plain number",), 1),

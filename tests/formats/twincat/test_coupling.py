@@ -227,7 +227,7 @@ def test_a_partial_alone_may_have_fewer_axes() -> None:
 def test_locked_freedoms() -> None:
     lines = [*XY, "trafo[2].lock_dof[7] 1", "trafo[2].lock_dof[8] 0", "trafo[2].lock_dof[11] 1"]
     assert [partial.locked for partial in chain_of(lines).partials] == [("Y",), ("A",)]
-    with pytest.raises(ChainbuildError, match=r"lock_dof\[14\] is no axis of a partial") as caught:
+    with pytest.raises(ChainbuildError, match=r"lock_dof\[14\] is not an axis of a partial") as caught:
         chain_of([*XY, "trafo[2].lock_dof[14] 1"])
     assert caught.value.permitted == "6 to 13"
 

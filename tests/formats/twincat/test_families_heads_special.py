@@ -165,7 +165,7 @@ def test_zero_offsets_that_act_like_a_zero_shift() -> None:
 
 def test_a_head_without_tilt_is_refused() -> None:
     for kin in (59, 60):
-        with pytest.raises(MachineDataError, match="cannot lean"):
+        with pytest.raises(MachineDataError, match="cannot tilt"):
             build(kin, {7: 180})
         assert "CB401" in build(kin, strict=False).codes()
         assert build(kin, {21: 1}).tool_vector([0, 0, 0, 10, 20]) == pytest.approx((0, 0, 1), abs=1e-12)

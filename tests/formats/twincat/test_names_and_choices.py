@@ -105,9 +105,9 @@ def test_an_id_means_the_kinematic_that_no_name_could_tell() -> None:
     ("default", "line", "says"),
     [
         ("kinematik_id 9\nkinematik_name B", 2, "id 9 and name 'B', which contradict each other"),
-        ("kinematik_id 9\nkinematik_name Q", 2, "id 9 and name 'Q', but no kinematic bears this name"),
-        ("kinematik_id 7\nkinematik_name A", 1, "id 7 and name 'A', but no kinematic bears this id"),
-        ("kinematik_id 7\nkinematik_name Q", 1, "no kinematic bears this id or name"),
+        ("kinematik_id 9\nkinematik_name Q", 2, "id 9 and name 'Q', but no kinematic has this name"),
+        ("kinematik_id 7\nkinematik_name A", 1, "id 7 and name 'A', but no kinematic has this id"),
+        ("kinematik_id 7\nkinematik_name Q", 1, "no kinematic has this id or name"),
         ("kinematik_name Q\nkinematik_id 0", 1, "default kinematic 'Q' is not configured"),
         ("kinematik_id 0\nkinematik_name Q", 2, "default kinematic 'Q' is not configured"),
         ("kinematik_name A\ndefault_id_of_kin_step[0] 58", 2, "id 58 and name 'A', which contradict"),

@@ -195,7 +195,7 @@ def test_several_channels(tmp_path: Path) -> None:
     assert len(reading.channels) == 2
     assert "CB406" in codes(reading.chain())
     assert [finding.code for finding in check(path)].count("CB406") == 1
-    with pytest.raises(MachineDataError, match=r"channel 0 configures no kinematic 58.*channel 1 has it"):
+    with pytest.raises(MachineDataError, match=r"channel 0 configures no kinematic 58.*it is in channel 1"):
         reading.chain(kinematic=58)
 
 

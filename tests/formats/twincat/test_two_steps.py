@@ -95,7 +95,7 @@ def test_a_universal_kinematic_below() -> None:
     below = machine("\n".join(CA_HEAD.lines())).chain()
     assert pose(chain, axes) == pytest.approx(pose(alone(AC_TABLE), [*pose(below, axes)[:3, 3], 40, 50]), abs=1e-8)
     complete = [line.replace("rtcp 1", "rtcp 0") for line in universal]
-    with pytest.raises(UnsupportedKinematicError, match="complete transformation cannot stand below"):
+    with pytest.raises(UnsupportedKinematicError, match="complete transformation cannot precede"):
         both(complete, AC_TABLE)
 
 

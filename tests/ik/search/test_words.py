@@ -164,7 +164,7 @@ def test_rows_and_tables_are_copied_with_their_words() -> None:
     [
         ("too far: 9000.0 mm from the workpiece frame", "too far: … mm from the workpiece frame"),
         ("A3 at -170.1 deg (limit 1e-05), EX1 at 5 mm", "A3 at … deg (limit …), EX1 at … mm"),
-        ("A1 stands at 3, outside -170 … 170 deg", "A1 stands at …, outside … … … deg"),
+        ("A1 is 3, outside -170 … 170 deg", "A1 is …, outside … … … deg"),
         ("the search ended 0.100 mm and 0.200° from the pose", "the search ended … mm and …° from the pose"),
     ],
 )
