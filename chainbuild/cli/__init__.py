@@ -1,4 +1,4 @@
-"""The command line: one file a command, entry point `chainbuild.cli:main`."""
+"""The command line: one file per command, entry point `chainbuild.cli:main`."""
 
 from __future__ import annotations
 
