@@ -1,1 +1,1 @@
-"""Solvers: damped inverse kinematics and what stands beside it."""
+"""Inverse kinematics: damped search, closed forms, redundancy resolution."""
