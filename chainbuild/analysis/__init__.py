@@ -1,1 +1,1 @@
-"""Analysis: singularities in words, self-collision, limits, workspace."""
+"""Analysis: singularities, self-collision, limits, workspace."""

@@ -58,7 +58,7 @@ def judge_by_name(robot: Mechanism, solver: str, kind: CallableKind = "auto") ->
     maker = _BY_NAME.get(solver.lower())
     if maker is None:
         permitted = f"{', '.join(_BY_NAME)}, module:function, or a CSV recording"
-        raise ChainbuildError(f"there is no solver '{solver}'", parameter="solver", permitted=permitted)
+        raise ChainbuildError(f"unknown solver '{solver}'", parameter="solver", permitted=permitted)
     return maker(robot)
 
 

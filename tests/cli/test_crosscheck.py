@@ -195,7 +195,7 @@ def test_json_holds_every_row(run: Run) -> None:
     [
         ((), 2, "either --solver or --recording"),
         (("--solver", "opw", "--recording", "x.csv"), 2, "either --solver or --recording"),
-        (("--solver", "best"), 1, "there is no solver 'best'"),
+        (("--solver", "best"), 1, "unknown solver 'best'"),
         (("--recording", "absent.csv"), 1, "absent.csv"),
         (("--solver", "opw", "--position-tolerance", "0"), 1, "tolerance"),
         (("--solver", "opw", "--samples", "all"), 2, "all"),
