@@ -1,1 +1,1 @@
-"""Files that leave the package: URDF, and how files are written at all."""
+"""Written files: URDF, SRDF, pictures, cross-check reports."""
