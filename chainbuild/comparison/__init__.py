@@ -1,1 +1,1 @@
-"""Cross-check: another solver or a recording beside the model, and what their difference says."""
+"""Cross-check: the model against another solver or a recording, with a diagnosis of differences."""
