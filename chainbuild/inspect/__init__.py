@@ -1,1 +1,1 @@
-"""Looking at a robot: a meshcat scene and a self-contained page."""
+"""Views of a robot: a meshcat scene and a self-contained page."""
