@@ -170,7 +170,7 @@ def test_an_axis_of_another_name_is_told() -> None:
     assert not is_identity(chain)
     robot = chainbuild.Robot(chain)
     np.testing.assert_allclose(robot.fk([30.0, 70.0]).translation, [0.07, 0.02, 0.0], atol=1e-15)
-    assert "but for these" in header(chain)
+    assert "except these" in header(chain)
 
 
 def test_a_permutation_is_no_identity() -> None:

@@ -49,7 +49,7 @@ def test_partials_programmed_alone_move_the_tcp(run: Run, machine_file: str) -> 
 def test_wrong_usage(run: Run, machine_file: str, words: list[str]) -> None:
     outcome = run("couple", machine_file, *words)
     assert outcome.code == 2
-    assert "VALUE is due" in outcome.err
+    assert "=VALUE" in outcome.err and ": expected " in outcome.err
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -49,6 +50,15 @@ def test_every_option_is_explained(run: Run, command: str, monkeypatch: pytest.M
         assert "--no-" not in text
 
 
+def test_every_help_has_an_example_that_parses() -> None:
+    app = entry.build_app()
+    for name in ("", *(name for name in app if not name.startswith("-"))):
+        text = " ".join((app[name] if name else app).help.split())
+        (example,) = re.findall(r"Example: `chainbuild ([^`]*)`", text)
+        assert example.startswith(name)
+        app.parse_args(shlex.split(example), print_error=False, exit_on_error=False)
+
+
 def test_common_options_are_everywhere(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "200")
     for command in set(COMMANDS) - {"types"}:
@@ -64,17 +74,23 @@ def test_common_options_are_everywhere(run: Run, monkeypatch: pytest.MonkeyPatch
     [
         (["nope"], 'Unknown command "nope"'),
         (["info"], "FILE requires an argument"),
-        (["info", "x", "y"], "nothing takes y"),
-        (["singularity", "x", "--at", "0", "-90", "9"], "nothing takes -90 9; several values are one word with commas"),
-        (["fk", "x", "--at", "0,", "90,", "9"], "nothing takes 90, 9; several values are one word with commas"),
+        (["info", "x", "y"], "unexpected argument y"),
+        (
+            ["singularity", "x", "--at", "0", "-90", "9"],
+            "unexpected argument -90 9; write several values as one word with commas",
+        ),
+        (
+            ["fk", "x", "--at", "0,", "90,", "9"],
+            "unexpected argument 90, 9; write several values as one word with commas",
+        ),
         (["info", "x", "--nope"], "--nope"),
         (["fk", "x"], "--axes"),
         (["ik", "x"], "--poses"),
         (["inspect", "x"], "--export"),
         (["info", "x", "--channel", "one"], "--channel"),
         (["info", "x", "--tool-length", "long"], "--tool-length"),
-        (["info", "x", "--convention", "name"], "--convention name: NAME=CHOICE is due"),
-        (["check", "x", "--convention", "=choice"], "--convention =choice: NAME=CHOICE is due"),
+        (["info", "x", "--convention", "name"], "--convention name: expected NAME=CHOICE"),
+        (["check", "x", "--convention", "=choice"], "--convention =choice: expected NAME=CHOICE"),
     ],
 )
 def test_wrong_usage_ends_with_2(run: Run, words: list[str], message: str) -> None:
@@ -84,7 +100,7 @@ def test_wrong_usage_ends_with_2(run: Run, words: list[str], message: str) -> No
     assert first.startswith("chainbuild: ")
     assert message in first
     command = f"{words[0]} " if words[0] in COMMANDS else ""
-    assert second == f"chainbuild {command}--help explains the usage"
+    assert second == f"chainbuild {command}--help shows the usage"
 
 
 @pytest.mark.parametrize(

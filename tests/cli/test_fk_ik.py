@@ -68,7 +68,7 @@ def test_values_from_the_command_line_outside_limits_are_told(run: Run) -> None:
 def test_fk_without_axis_values_is_wrong_usage(run: Run) -> None:
     outcome = run("fk", ARM)
     assert outcome.code == 2
-    assert outcome.err.splitlines()[0] == "chainbuild: --axes or --at is due"
+    assert outcome.err.splitlines()[0] == "chainbuild: expected --axes or --at"
 
 
 def test_the_tool_length_reaches_the_pose(run: Run) -> None:
@@ -170,7 +170,7 @@ def test_failed_rows_end_with_3_and_leave_the_axes_empty(run: Run) -> None:
 @pytest.mark.parametrize(
     ("start", "message"),
     [
-        (AXES, "start.csv: the table of start values has no row"),
+        (AXES, "start.csv: the table of start values has no rows"),
         (AXES + 2 * HOME, "start.csv: the table of start values has fewer rows than poses.csv"),
         (AXES + 9 * HOME, "start.csv: the table of start values has more rows than poses.csv"),
         ("C1,B1\n1,2\n", "start.csv:1: missing columns B2, A1, B3, A2"),
@@ -267,7 +267,10 @@ def test_follow_starts_at_one_place(run: Run) -> None:
     assert run("fk", ARM, "--axes", "axes.csv", "-o", "poses.csv").code == 0
     outcome = run("ik", ARM, "--poses", "poses.csv", "--start", "axes.csv", "--follow")
     assert outcome.code == 1
-    assert outcome.err.splitlines()[-1] == "axes.csv: --follow starts at one place; permitted: one row"
+    assert (
+        outcome.err.splitlines()[-1]
+        == "axes.csv: --follow: expected one row of start values, got more; permitted: one row"
+    )
 
 
 def test_positions_in_metres_are_suspected(run: Run) -> None:

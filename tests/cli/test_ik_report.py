@@ -97,7 +97,7 @@ def test_angles_that_contradict_the_quaternion_are_told_once(run: Run) -> None:
     assert agreeing.err == ""
     wrong = [",".join([*line.split(",")[:-1], "77"]) for line in poses[2:]]
     outcome = run("ik", "kr6r900_2", "--poses", write_lines([*poses[:2], *wrong]))
-    assert outcome.err == "poses.csv:3: a_deg, b_deg, c_deg contradict the quaternion, which counts (2 rows in all)\n"
+    assert outcome.err == "poses.csv:3: a_deg, b_deg, c_deg contradict the quaternion, which is used (2 rows in all)\n"
     assert outcome.out == agreeing.out
 
 

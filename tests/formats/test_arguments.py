@@ -104,5 +104,5 @@ def test_where_no_urdf_can_be_written(machine: chainbuild.Machine, tmp_path: Pat
         with pytest.raises(FileAccessError):
             chainbuild.write_urdf(robot, folder)  # type: ignore[arg-type]
     for thing in (None, 5, machine, machine.chain()):
-        with pytest.raises(ChainbuildError, match=r"is no robot.*chainbuild\.Robot"):
+        with pytest.raises(ChainbuildError, match=r"expected a robot, got .*chainbuild\.Robot"):
             chainbuild.write_urdf(thing, tmp_path)  # type: ignore[arg-type]

@@ -122,9 +122,9 @@ def test_other_axes_can_be_held_too() -> None:
     [
         ({"A9": 1.0}, "no axis 'A9'"),
         ({"A1": float("nan")}, "axis A1 has the value nan"),
-        ([1.0, 2.0], "2 held values"),
-        (5, "neither a mapping nor a sequence"),
-        ("A1", "neither a mapping nor a sequence"),
+        ([1.0, 2.0], "expected 0 held values, one for each input axis, got 2"),
+        (5, "held must be a mapping of axis name to value or a sequence"),
+        ("A1", "held must be a mapping of axis name to value or a sequence"),
         ({"A1": "x"}, "A1 is held at 'x'"),
         ({"A1": 1j}, "A1 is held at 1j"),
         ({"A1": 10**400}, "A1 has the value inf"),

@@ -180,8 +180,8 @@ def test_coupled_axes_loops_and_endless_axes_are_named() -> None:
         "loop rod (hinge between flange and tool)",
         "joint G3 is driven by axes G2, G3",
         "axis G2 drives joints G2, G3 together",
-        "joint hand stands at a fixed value",
-        "axis G4 turns without end",
+        "joint hand has a fixed value",
+        "axis G4 is endless",
         "limits of axis G4 are assumed",
     ):
         assert words in text

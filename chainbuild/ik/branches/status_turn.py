@@ -45,7 +45,7 @@ def status_turn(mechanism: Mechanism, axes: ArrayLike) -> tuple[int, int]:
 
     Raises:
         ChainbuildError: the controller defines no status for this kinematic.
-        AxisValueError: wrong count or not finite.
+        AxisValueError: wrong number of values, or a value that is not finite.
     """
     if not has_status(mechanism):
         raise ChainbuildError(f"status and turn are defined for {_KINEMATIC} only", permitted=_KINEMATIC)
@@ -68,7 +68,7 @@ def _wrist_place(mechanism: Mechanism, q: Vector) -> tuple[bool, bool]:
     arm = [chain.joints[n] for n in sorted(joints_between_tips(chain))]
     links = link_placements(chain, q)
     if wrist_centre([_line(joint, links, n) for n, joint in enumerate(arm[3:])]) is None:
-        raise ChainbuildError("the hand axes do not meet in a point, so no status is defined")
+        raise ChainbuildError("the wrist axes do not meet in a point, so status is not defined")
     column, shoulder, elbow, _, hand, _ = (links[joint.child] for joint in arm)
     back = inverse(column)
     (x2, _, z2), (x3, _, z3), (xw, _, zw) = (

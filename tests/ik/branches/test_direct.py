@@ -123,7 +123,7 @@ def test_rotary_axes_given_linear_axes_follow() -> None:
     np.testing.assert_allclose(found.axes, axes, atol=1e-9)
     far = linear_axes_for(robot, place + [2.0, 0.0, 0.0], axes)
     assert (far.success, far.status) == (False, "limits")
-    assert far.reason.startswith("only reached outside the limits of ")
+    assert far.reason.startswith("reached only outside the limits of ")
 
 
 def test_held_rotary_axes() -> None:
