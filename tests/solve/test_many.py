@@ -42,7 +42,7 @@ def test_forward_batch_in_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
     robot = arm()
     axes = np.array([random_axes(robot, np.random.default_rng(n)) for n in range(10)])
     whole = robot.fk_batch(axes)
-    monkeypatch.setattr("chainbuild.kinematics.product.CHUNK", 3)
+    monkeypatch.setattr("chainbuild.kinematics.product._CHUNK", 3)
     np.testing.assert_allclose(robot.fk_batch(axes), whole, atol=1e-15)
 
 
