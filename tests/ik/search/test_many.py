@@ -43,16 +43,16 @@ def test_forward_batch_in_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
     robot = arm()
     axes = np.array([random_axes(robot, np.random.default_rng(n)) for n in range(10)])
     whole = robot.fk_batch(axes)
-    monkeypatch.setattr("chainbuild.kinematics.product.CHUNK", 3)
+    monkeypatch.setattr("chainbuild.kinematics.product._CHUNK", 3)
     np.testing.assert_allclose(robot.fk_batch(axes), whole, atol=1e-15)
 
 
 @pytest.mark.parametrize(
     ("axes", "text"),
     [
-        ([0.0] * 6, "not an array of shape"),
-        (np.zeros((2, 5)), "not an array of shape"),
-        ([["a"] * 6], "anything but numbers"),
+        ([0.0] * 6, "got an array of shape"),
+        (np.zeros((2, 5)), "got an array of shape"),
+        ([["a"] * 6], "got values that are not real numbers"),
         ([[0.0] * 6, [0.0, 0.0, np.nan, 0.0, 0.0, 0.0]], "axis A3 has the value nan"),
     ],
 )

@@ -52,30 +52,30 @@ def has_own_name(line: str) -> bool:
     return OWN_DATUM.search(line) is not None
 
 
-def warn_of_unknown(stranger: UnknownDatum, assignments: list[Assignment], collector: Collector) -> None:
-    """Warn of a misspelt datum, with the nearest name and the value that is used for it.
+def warn_of_unknown(unknown: UnknownDatum, assignments: list[Assignment], collector: Collector) -> None:
+    """Warn of a misspelt datum: the nearest name, and the value that counts in its place.
 
     Args:
-        stranger: What the line names.
+        unknown: What the line names.
         assignments: Everything the file assigns.
         collector: Takes the finding.
     """
-    te4 = TE4_DATUM.match(stranger.name) is not None
+    te4 = TE4_DATUM.match(unknown.name) is not None
     known = {(datum.te4_name or datum.name) if te4 else datum.name: datum for datum in _own_data()}
-    bare = stranger.name.upper().removeprefix("$MC_")
+    bare = unknown.name.upper().removeprefix("$MC_")
     close = difflib.get_close_matches(bare, known, 1)
-    text, hint = f"{stranger.name} is not a known machine datum; it was ignored", None
+    text, hint = f"{unknown.name} is not a known machine datum; it was ignored", None
     if close:
         datum = known[close[0]]
         given = {
             row.index: row.value
             for row in assignments
-            if row.datum is datum and row.te4 == te4 and row.channel == stranger.channel
+            if row.datum is datum and row.te4 == te4 and row.channel == unknown.channel
         }
         short = close[0].partition("_")[2]
         text += f", and {short} keeps {'the value' if given else 'its default'} {_shown(datum, given)}"
         hint = f"did you mean $MC_{close[0]}?"
-    collector.add("CB108", text, span=stranger.span, parameter=stranger.name, hint=hint)
+    collector.add("CB108", text, span=unknown.span, parameter=unknown.name, hint=hint)
 
 
 def _shown(datum: MachineDatum, given: Mapping[ElementIndex, Value]) -> str:

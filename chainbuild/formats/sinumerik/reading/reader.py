@@ -82,7 +82,7 @@ class _State:
     channels: tuple[int, ...] = ()
     ignored: int = 0
     refused: int = 0
-    strangers: list[UnknownDatum] = field(default_factory=list)
+    unknown_data: list[UnknownDatum] = field(default_factory=list)
 
 
 def read_assignments(source: SourceText, collector: Collector) -> Reading:
@@ -99,8 +99,8 @@ def read_assignments(source: SourceText, collector: Collector) -> Reading:
     state = _State(source.file, collector)
     for number, raw in enumerate(source.lines(), start=1):
         _read_line(state, number, raw)
-    for stranger in state.strangers:
-        warn_of_unknown(stranger, state.assignments, collector)
+    for unknown in state.unknown_data:
+        warn_of_unknown(unknown, state.assignments, collector)
     if state.ignored:
         text = f"unrelated lines ignored: {state.ignored}"
         collector.add("CB110", text, span=Span(source.file))
@@ -248,5 +248,5 @@ def _not_ours(state: _State, span: Span, line: str, match: re.Match[str] | None)
     state.ignored += 1
     if not has_own_name(line):
         warn_nameless(match, span, state.collector)
-    elif stranger := unknown_datum(line, state.channel, span, state.collector):
-        state.strangers.append(stranger)
+    elif unknown := unknown_datum(line, state.channel, span, state.collector):
+        state.unknown_data.append(unknown)
