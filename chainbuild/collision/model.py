@@ -217,6 +217,23 @@ class CollisionModel:
         return tuple(links)
 
 
+def bodies_of(robot: Mechanism, given: CollisionModel | None) -> CollisionModel:
+    """Return the bodies of a robot: those given, else all with every pair that can collide, prepared once.
+
+    Raises:
+        ChainbuildError: those given are another robot's.
+    """
+    if given is None:
+        return robot.prepared("bodies", lambda: CollisionModel(robot))
+    if given.robot.chain is not robot.chain:
+        raise ChainbuildError(
+            "the bodies were made of another robot",
+            parameter="bodies",
+            permitted="a CollisionModel of this robot",
+        )
+    return given
+
+
 def capsule_distance(a: Solid, T_a: NDArray[np.float64], b: Solid, T_b: NDArray[np.float64]) -> Distance:
     """Return coal's distance between two bodies placed at T (4, 4) [m]: the single query."""
     request, result = coal.DistanceRequest(), coal.DistanceResult()

@@ -119,8 +119,8 @@ class CheckOptions:
 def crosscheck(
     robot: Mechanism,
     solver: str | Callable[..., Any] | Recording,
-    options: CheckOptions | None = None,
     *,
+    options: CheckOptions | None = None,
     machine: Machine | None = None,
     selection: Selection | None = None,
     conventions: Mapping[str, str] | None = None,

@@ -22,7 +22,7 @@ from chainbuild.formats.text import SourceText, is_sinumerik, is_twincat, read_s
 from chainbuild.machines import shipped, shipped_path
 
 
-def load(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None = None) -> Machine:
+def load(path: str | os.PathLike[str], *, overlay: str | os.PathLike[str] | None = None) -> Machine:
     """Read a machine file of either dialect; the dialect is told by its content.
 
     Args:
@@ -35,7 +35,7 @@ def load(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None = 
     return _read(path, overlay, Collector(strict=True))
 
 
-def check(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None = None) -> tuple[Finding, ...]:
+def check(path: str | os.PathLike[str], *, overlay: str | os.PathLike[str] | None = None) -> tuple[Finding, ...]:
     """Return every finding of a machine file, errors included; never raises on content.
 
     The file is read to its end and every kinematic it configures is translated. A type that is not built is an error

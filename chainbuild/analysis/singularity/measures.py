@@ -190,7 +190,7 @@ class MeasureTable:
     condition: Vector
 
 
-def measure_batch(robot: Mechanism, axes: ArrayLike, length: float | None = None) -> MeasureTable:
+def measure_batch(robot: Mechanism, axes: ArrayLike, *, length: float | None = None) -> MeasureTable:
     """Return the measures at many axis values (N, n_axes), mm and degrees.
 
     Memory beyond the result does not depend on N.

@@ -51,7 +51,7 @@ class Report:
     speed: SpeedReport
 
 
-def examine(robot: Mechanism, axes: ArrayLike, tool_speed_mm: float = 10.0, length: float | None = None) -> Report:
+def examine(robot: Mechanism, axes: ArrayLike, *, tool_speed_mm: float = 10.0, length: float | None = None) -> Report:
     """Return measures, names and speeds at axis values (n_axes,), mm and degrees.
 
     Args:
@@ -77,7 +77,7 @@ def names_at(robot: Mechanism, axes: ArrayLike) -> tuple[Singularity, ...]:
     return examine(robot, values).names if smallest_value(robot, values) <= NEAR else ()
 
 
-def examine_path(robot: Mechanism, path: ArrayLike, tool_speed_mm: float = 10.0) -> Iterator[tuple[int, Report]]:
+def examine_path(robot: Mechanism, path: ArrayLike, *, tool_speed_mm: float = 10.0) -> Iterator[tuple[int, Report]]:
     """Yield (row, report) of the rows (N, n_axes) of a path that are singular, nearly so, or deserve a notice.
 
     The measures of all rows are computed at once; only rows below `NEAR` are examined by name.
@@ -85,7 +85,7 @@ def examine_path(robot: Mechanism, path: ArrayLike, tool_speed_mm: float = 10.0)
     values = np.atleast_2d(np.asarray(path, dtype=float))
     smallest = measure_batch(robot, values).smallest
     for row in np.flatnonzero(smallest <= NEAR).tolist():
-        report = examine(robot, values[row], tool_speed_mm)
+        report = examine(robot, values[row], tool_speed_mm=tool_speed_mm)
         if report.names or report.notices:
             yield row, report
 

@@ -47,7 +47,7 @@ class Nearest:
     inside: bool
 
 
-def nearest_singularity(robot: Mechanism, axes: ArrayLike, length: float | None = None) -> Nearest:
+def nearest_singularity(robot: Mechanism, axes: ArrayLike, *, length: float | None = None) -> Nearest:
     """Return the singularity that a descent from axis values (n_axes,), mm and degrees, ends at.
 
     The descent follows the steepest fall of the smallest scaled singular value: a local search, which finds the

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +27,7 @@ from chainbuild.chain.elements import Chain
 from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError, FileAccessError, Span
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.progress import Progress, counting
 
 PART: Final = 20_000  # positions of a part: a fraction of a second
 _PARTS_BETWEEN_SAVES: Final = 16
@@ -115,8 +116,9 @@ def make_map(
     robot: Mechanism,
     spec: MapSpec,
     path: Path | None = None,
+    *,
     workers: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = False,
 ) -> Map:
     """Return the map that a specification asks for.
 
@@ -126,7 +128,7 @@ def make_map(
         path: NPZ file that the map is kept in; where it holds an unfinished map of the same specification, the work
             goes on with that.
         workers: Processes; None: one for each core.
-        progress: Called with the parts done and all parts.
+        progress: True: a bar on standard error; a function: called with the parts done and all parts.
 
     Raises:
         ChainbuildError: the specification asks for what cannot be drawn, or the file holds another map.
@@ -135,12 +137,12 @@ def make_map(
     check_spec(robot, spec)
     result = _begin(robot, spec, path)
     todo = np.flatnonzero(~result.done).tolist()
-    for count, (part, found) in enumerate(_parts(robot.chain, spec, result.grid, todo, workers), start=1):
-        _merge(result, part, found)
-        if path is not None and count % _PARTS_BETWEEN_SAVES == 0:
-            result.save(path)
-        if progress is not None:
-            progress(int(result.done.sum()), len(result.done))
+    with counting(len(result.done), progress, "map", int(result.done.sum())) as advance:
+        for count, (part, found) in enumerate(_parts(robot.chain, spec, result.grid, todo, workers), start=1):
+            _merge(result, part, found)
+            if path is not None and count % _PARTS_BETWEEN_SAVES == 0:
+                result.save(path)
+            advance(1)
     if path is not None:
         result.save(path)
     return result

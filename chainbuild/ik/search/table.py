@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Task
-from chainbuild.ik.result import STATUSES, IkResult, Status
+from chainbuild.ik.result import STATUSES, AxisValues, IkResult, Status
+from chainbuild.units import AxisLabels
 
 
 class Words(NamedTuple):
@@ -25,17 +26,18 @@ Explain = Callable[[int, IkResult], Words]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class IkTable:
+class IkTable(AxisValues):
     """Results of many poses; `table[i]` is the i-th as an `IkResult`.
 
     Why a row failed is found out when its `reason` or `violated` is read, or for all rows by `reasons()`.
 
     Attributes:
-        axes: (N, n_axes) axis values, mm and degrees; where a row failed the best found.
+        axes: (N, n_axes) axis values, in `units`; where a row failed the best found.
         counts: (N, 3) index of the status in `STATUSES`, steps over all starts, starts after the first.
         misses: (N, 2) distance [m] and angle [rad] between the pose wanted and the one reached; the angle of the tool
             vector where the task is not a full pose.
         task: "pose", "direction" or "position": what was solved for.
+        labels: Names and units of the axis values.
         explain: Gives words for a row that failed; None: none are known.
     """
 
@@ -43,6 +45,7 @@ class IkTable:
     counts: NDArray[np.int64]
     misses: Matrix
     task: Task
+    labels: AxisLabels
     explain: Explain | None = None
 
     @property
@@ -83,7 +86,17 @@ class IkTable:
         row = range(len(self))[row]
         code, iterations, restarts = (int(count) for count in self.counts[row])
         distance, angle = (float(miss) for miss in self.misses[row])
-        values = (code == 0, self.axes[row], STATUSES[code], distance, angle, iterations, restarts, self.task)
+        values = (
+            code == 0,
+            self.axes[row],
+            STATUSES[code],
+            distance,
+            angle,
+            iterations,
+            restarts,
+            self.task,
+            self.labels,
+        )
         return IkResult(*values) if code == 0 or self.explain is None else FailedRow.of(row, self.explain, *values)
 
     def __iter__(self) -> Iterator[IkResult]:
