@@ -108,6 +108,10 @@ class AxisLabels:
     kinds: tuple[AxisKind, ...]
     units: Units = "controller"
 
+    def __repr__(self) -> str:
+        shown = [f"{name} [{unit}]" for name, unit in zip(self.names, self.units_of_axes, strict=True)]
+        return f"<AxisLabels {', '.join(shown if len(shown) < 10 else [*shown[:3], '…', shown[-1]])}>"
+
     @property
     def factors(self) -> tuple[float, ...]:
         """What mm and degrees are multiplied with to get these units, one for each axis."""

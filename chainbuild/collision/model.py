@@ -24,6 +24,7 @@ from chainbuild.chain.rods import pinned_links
 from chainbuild.collision.solids import Solid, solids_of
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.shown import length_shown, two_lines
 
 Pair: TypeAlias = tuple[str, str]
 
@@ -45,6 +46,10 @@ class Distance:
     pair: Pair
     distance: float
     points: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        how = "apart" if self.distance >= 0.0 else "deep in one another"
+        return two_lines(f"<Distance {' – '.join(self.pair)}: {length_shown(abs(self.distance))} {how}>")
 
 
 class _Scratch(local):
@@ -94,6 +99,11 @@ class CollisionModel:
         self.always = self._touching_everywhere()
         touching = {frozenset(pair) for pair in self.always}
         self._watch([pair for pair in self.pairs if frozenset(self.links_of(pair)) not in touching])
+
+    def __repr__(self) -> str:
+        left_out = f", {len(self.always)} left out" if self.always else ""
+        counts = f"{len(self.solids)} bodies, {len(self.pairs)} pairs watched{left_out}"
+        return two_lines(f"<CollisionModel of {self.robot.name}: {counts}>")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.robot, self._given)

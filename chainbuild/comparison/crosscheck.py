@@ -24,6 +24,7 @@ from chainbuild.comparison.judges import CallableKind, Judge, judge_by_name, jud
 from chainbuild.comparison.samples import MADE_KINDS, SampleKind, Samples, make_samples
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.plan import plan_of
+from chainbuild.shown import compact, two_lines
 from chainbuild.tables.recording import Recording
 
 if TYPE_CHECKING:
@@ -66,6 +67,17 @@ class CrossCheck:
     trials: tuple[Trial, ...] = ()
     conventions: Mapping[str, str] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        parts = []
+        if self.forward is not None:
+            parts.append(f"{int(self.forward.agrees.sum())} of {len(self.forward.samples)} poses agree")
+        if self.inverse is not None:
+            parts.append(f"{self.inverse.wrong} of {self.inverse.theirs} answers wrong")
+        if self.explanation is not None:
+            parts.append(self.explanation.text)
+        verdict = "agrees" if self.agrees else "differs"
+        return two_lines(f"<CrossCheck of {self.title} with {self.judge}: {verdict}; {'; '.join(parts)}>")
+
     @property
     def agrees(self) -> bool:
         """Whether everything compared agrees."""
@@ -78,6 +90,7 @@ class CrossCheck:
         return tuple(trial for trial in self.trials if trial.agrees)
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class CheckOptions:
     """How to cross-check.

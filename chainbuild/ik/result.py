@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Final, Literal, Self
 
@@ -9,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.chain.elements import Task
+from chainbuild.html import html_table
+from chainbuild.shown import angle_shown, axes_shown, length_shown, number, two_lines
 from chainbuild.units import AxisLabels, Units
 
 Status = Literal["ok", "unreachable", "limits", "stalled"]
@@ -71,3 +74,30 @@ class IkResult(AxisValues):
     labels: AxisLabels
     reason: str = ""
     violated: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return two_lines(f"<{type(self).__name__} {self._in_words()}>")
+
+    def _in_words(self) -> str:
+        missed = f"off by {length_shown(self.position_error)}, {angle_shown(self.rotation_error)}"
+        why = f"; {self.reason}" if self.reason else ""
+        return f"{self.status}: {axes_shown(self.labels, self.axes)}; {missed}{why}"
+
+    def _repr_html_(self) -> str:
+        return html_table(*axes_rows(self.labels, [self]), html_caption(self.status, self.reason))
+
+
+def axes_rows(labels: AxisLabels, results: Iterable[IkResult]) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Return titles and rows of a table of results."""
+    axes = (f"{name} [{unit}]" for name, unit in zip(labels.names, labels.units_of_axes, strict=True))
+    head = (*axes, "Status", "Position error", "Rotation error")
+    rows = []
+    for one in results:
+        missed = length_shown(one.position_error), angle_shown(one.rotation_error)
+        rows.append((*(number(float(value)) for value in one.axes), one.status, *missed))
+    return head, rows
+
+
+def html_caption(*parts: str) -> str:
+    """Return what stands above a table of results."""
+    return ": ".join(part for part in parts if part)

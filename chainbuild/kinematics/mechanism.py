@@ -19,10 +19,12 @@ from chainbuild.chain.axismap import joint_values
 from chainbuild.chain.check import check_chain
 from chainbuild.chain.elements import Axis, Chain, Task
 from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.html import html_table
 from chainbuild.kinematics.evaluation import Kinematics
 from chainbuild.kinematics.inputs import axis_rows, axis_vector, numbers
 from chainbuild.kinematics.limits import Limits
 from chainbuild.kinematics.product import poses_at
+from chainbuild.shown import number
 from chainbuild.units import AxisLabels, Units
 
 T = TypeVar("T")
@@ -59,6 +61,16 @@ class Mechanism:
 
     def __repr__(self) -> str:
         return repr(self.chain).replace("<Chain", f"<{type(self).__name__}", 1)
+
+    def _repr_html_(self) -> str:
+        head = ("Axis", "Kind", "Lower", "Upper", "Unit", "Limits", "Carries")
+        rows = []
+        for axis in self.axes:
+            told = "endless" if axis.endless else "assumed" if axis.assumed else "given"
+            lower, upper = number(axis.lower), number(axis.upper)
+            rows.append((axis.name, axis.kind, lower, upper, axis.unit, told, axis.carries))
+        sums = [(s.name, "sum", number(s.lower), number(s.upper), "", "given", "") for s in self.limits.sums]
+        return html_table(head, [*rows, *sums], f"{self.chain.title} ({self.chain.kinematic})")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.chain,)

@@ -23,6 +23,7 @@ from chainbuild.collision.model import CollisionModel, Pair
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.progress import Progress, counting
+from chainbuild.shown import number, two_lines
 
 _STEPS: Final = 37
 _HALF_TURN: Final = 180.0
@@ -55,6 +56,15 @@ class LimitReport:
     blocked: tuple[float, ...]
     verdicts: tuple[str, ...]
     drawn: bool
+
+    def __repr__(self) -> str:
+        given, free = (
+            "none" if ends is None else f"{number(ends[0])} … {number(ends[1])} deg"
+            for ends in (self.given, self.proposal)
+        )
+        return two_lines(
+            f"<LimitReport {self.moved} over {self.over}: file {given}, proposal {free}; {'; '.join(self.verdicts)}>"
+        )
 
     def machine_data(self) -> tuple[str, ...]:
         """Return the proposal as lines of machine data."""

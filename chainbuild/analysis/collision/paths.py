@@ -21,6 +21,7 @@ from chainbuild.chain.fold import drawn, drawn_values
 from chainbuild.collision.model import CollisionModel, Pair, bodies_of
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.shown import length_shown, numbers_shown, two_lines
 
 # Bodies closer than this count as touching: without it the steps towards a contact would never end.
 CONTACT: Final = 1e-5
@@ -46,6 +47,11 @@ class Contact:
     axes: Vector
     pair: Pair
     distance: float
+
+    def __repr__(self) -> str:
+        where = f"row {self.row}" if self.share == 0.0 else f"{self.share:.1%} behind row {self.row}"
+        distance = f"{length_shown(self.distance)} apart at {numbers_shown(self.axes)}"
+        return two_lines(f"<Contact {where}: {' – '.join(self.pair)}, {distance}>")
 
 
 def first_contact(

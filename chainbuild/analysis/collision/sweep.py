@@ -15,6 +15,7 @@ from chainbuild.chain.bodies import shown_limits
 from chainbuild.collision.model import CollisionModel, Pair
 from chainbuild.errors import ChainbuildError
 from chainbuild.progress import Progress, counting
+from chainbuild.shown import compact
 
 # Ends of intervals are found this well (mm or degrees); a tenth of what is promised.
 END: Final = 1e-3
@@ -22,6 +23,7 @@ _SEEDS: Final = 181  # values tried where the last free one is no longer free
 DEFAULT_STEPS: Final = 41
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class FreeInterval:
     """Where an axis is free at one value of the other.
@@ -41,6 +43,7 @@ class FreeInterval:
     upper_pair: Pair | None = None
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class Sweep:
     """Free intervals of an axis over another.

@@ -18,6 +18,7 @@ from chainbuild.analysis.singularity.speeds import SpeedReport, speeds
 from chainbuild.analysis.singularity.structure import Kind, lines_at, structure_of
 from chainbuild.arrays import Vector
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.shown import number, two_lines
 
 # A name is given only where the smallest scaled singular value is below this …
 NEAR: Final = 0.05
@@ -49,6 +50,11 @@ class Report:
     names: tuple[Singularity, ...]
     notices: tuple[Singularity, ...]
     speed: SpeedReport
+
+    def __repr__(self) -> str:
+        found = ", ".join((*kinds(self.names), *kinds(self.notices))) or "no singularity near"
+        axes = ", ".join(f"{s.axis.name} {number(float(v))}" for s, v in zip(self.speed.axes, self.axes, strict=True))
+        return two_lines(f"<Report at {axes}: {found}; smallest singular value {self.measures.smallest:.3g}>")
 
 
 def examine(robot: Mechanism, axes: ArrayLike, *, tool_speed_mm: float = 10.0, length: float | None = None) -> Report:

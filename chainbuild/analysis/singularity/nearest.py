@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from chainbuild.analysis.singularity.measures import Scaling, scaling_of
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.shown import numbers_shown, two_lines
 
 _STEPS: Final = 40
 _FOUND: Final = 1e-11  # smallest singular value that counts as singular
@@ -45,6 +46,13 @@ class Nearest:
     smallest: float
     steps: int
     inside: bool
+
+    def __repr__(self) -> str:
+        what = "found" if self.found else "none found"
+        where = f"at {numbers_shown(self.axes)}, {'inside' if self.inside else 'outside'} the limits"
+        return two_lines(
+            f"<Nearest {what} {where}; change {numbers_shown(self.change)} [mm, deg]; {self.distance:.3g} rad>"
+        )
 
 
 def nearest_singularity(robot: Mechanism, axes: ArrayLike, *, length: float | None = None) -> Nearest:

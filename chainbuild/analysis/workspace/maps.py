@@ -28,6 +28,7 @@ from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError, FileAccessError, Span
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.progress import Progress, counting
+from chainbuild.shown import two_lines
 
 PART: Final = 20_000  # positions of a part: a fraction of a second
 _PARTS_BETWEEN_SAVES: Final = 16
@@ -53,6 +54,12 @@ class Map:
     smallest: Vector
     collided: int
     done: NDArray[np.bool_]
+
+    def __repr__(self) -> str:
+        size = "×".join(str(count) for count in self.grid.shape)
+        hit = f"{int((self.count > 0).sum())} reached"
+        done = "complete" if self.complete else f"{self.done.mean():.0%} done"
+        return two_lines(f"<Map {self.spec.kind} of {size} cells over {', '.join(self.grid.labels)}: {hit}, {done}>")
 
     @property
     def complete(self) -> bool:

@@ -4,15 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Task
-from chainbuild.ik.result import STATUSES, AxisValues, IkResult, Status
-from chainbuild.units import AxisLabels
+from chainbuild.errors import ChainbuildError
+from chainbuild.html import SHOWN_ROWS, html_table
+from chainbuild.ik.result import STATUSES, AxisValues, IkResult, Status, axes_rows, html_caption
+from chainbuild.units import M_PER_MM, RAD_PER_DEG, AxisLabels
+
+if TYPE_CHECKING:
+    import pandas
+
+# As in tables written by `chainbuild ik`.
+POSITION_MM: Final = "position_error_mm"
+ROTATION_DEG: Final = "rotation_error_deg"
 
 
 class Words(NamedTuple):
@@ -74,10 +83,38 @@ class IkTable(AxisValues):
         return [self[row].reason if failed else "" for row, failed in enumerate(self.counts[:, 0] != 0)]
 
     def __repr__(self) -> str:
-        counts = ", ".join(
-            f"{count} {STATUSES[code]}" for code, count in enumerate(np.bincount(self.counts[:, 0]).tolist()) if count
-        )
-        return f"<IkTable of {len(self)} rows: {counts or 'none'}; .axes, .status, .reasons(), [row]>"
+        return f"<IkTable of {len(self)} rows: {self._tally() or 'none'}; .axes, .status, .reasons(), [row]>"
+
+    def _tally(self) -> str:
+        counts = enumerate(np.bincount(self.counts[:, 0]).tolist())
+        return ", ".join(f"{count} {STATUSES[code]}" for code, count in counts if count)
+
+    def _repr_html_(self) -> str:
+        first = [self[row] for row in range(min(len(self), SHOWN_ROWS))]
+        caption = html_caption(f"{len(self)} rows", self._tally())
+        return html_table(*axes_rows(self.labels, first), caption, len(self) - len(first))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the table as a pandas DataFrame, one row a pose.
+
+        The columns are the axes by name, in the units of the table, `status`, the errors as `position_error_mm` and
+        `rotation_error_deg` (with units "si" `position_error_m` and `rotation_error_rad`), and `reason`, empty where
+        the pose is met; finding it costs a search for each row that failed.
+
+        Raises:
+            ChainbuildError: pandas is not installed.
+        """
+        try:
+            import pandas
+        except ImportError:
+            text = "pandas is not installed: it is no dependency of chainbuild"
+            raise ChainbuildError(text, hint="pip install pandas") from None
+        si = self.units == "si"
+        distance = ("position_error_m", self.position_error) if si else (POSITION_MM, self.position_error / M_PER_MM)
+        angle = ("rotation_error_rad", self.rotation_error) if si else (ROTATION_DEG, self.rotation_error / RAD_PER_DEG)
+        axes = {name: self.axes[:, n] for n, name in enumerate(self.labels.names)}
+        said = {"status": self.status, **dict([distance, angle]), "reason": self.reasons()}
+        return pandas.DataFrame({**axes, **said})
 
     def __len__(self) -> int:
         return len(self.counts)

@@ -11,11 +11,13 @@ import numpy as np
 
 from chainbuild.arrays import Integers, Matrix, Vector
 from chainbuild.chain.elements import Task
+from chainbuild.html import SHOWN_ROWS, html_table
 from chainbuild.ik.branches.core.query import Query
-from chainbuild.ik.result import AxisValues, IkResult
+from chainbuild.ik.result import AxisValues, IkResult, axes_rows
 from chainbuild.ik.verify import is_met, on_limits
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.newton import below, newton, shrinking
+from chainbuild.shown import two_lines
 from chainbuild.units import AxisLabels
 
 Candidate = tuple[Vector, tuple[str, ...]]  # SI axis values, and the names of axes that are free there
@@ -29,7 +31,7 @@ _POLISH: Final = shrinking(0.0, 1e-14)
 _SAME: Final = 1e-5  # branches closer than this in every axis [m, rad] are one
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Branch(IkResult):
     """One of the solutions for a pose.
 
@@ -44,6 +46,11 @@ class Branch(IkResult):
     status_bits: int | None = None
     turn_bits: int | None = None
     method: str = ""
+
+    def _in_words(self) -> str:
+        bits = "" if self.status_bits is None else f"; status {self.status_bits}, turn {self.turn_bits}"
+        free = f"; free: {', '.join(self.free_axes)}" if self.free_axes else ""
+        return f"{IkResult._in_words(self)}{bits}{free}; by {self.method or 'candidates'}"
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -99,7 +106,16 @@ class Branches(AxisValues, Sequence[Branch]):
 
     def __repr__(self) -> str:
         bits = "" if self.status_bits is None else ", .status_bits, .turn_bits"
-        return f"<Branches of a pose: {len(self)} by {self.method or 'candidates'}; .axes{bits}, [n]>"
+        return two_lines(f"<Branches of a pose: {len(self)} by {self.method or 'candidates'}; .axes{bits}, [n]>")
+
+    def _repr_html_(self) -> str:
+        head, rows = axes_rows(self.labels, self[:SHOWN_ROWS])
+        if self.status_bits is not None and self.turn_bits is not None:
+            head = (*head, "Status bits", "Turn bits")
+            bits = zip(rows, self.status_bits.tolist(), self.turn_bits.tolist(), strict=False)
+            rows = [(*row, str(status), str(turn)) for row, status, turn in bits]
+        caption = f"{len(self)} branches by {self.method or 'candidates'}"
+        return html_table(head, rows, caption, len(self) - len(rows))
 
 
 def _at(column: Integers | None, n: int) -> int | None:
