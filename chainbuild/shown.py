@@ -59,13 +59,8 @@ def angle_shown(radians: float) -> str:
     return f"{deg_from_rad(radians):.3g} deg"
 
 
-def compact(cls: type[T]) -> type[T]:
-    """Make a dataclass show its fields on at most two lines, those that stand at their defaults left out."""
-    cls.__repr__ = _fields_shown  # type: ignore[method-assign]
-    return cls
-
-
-def _fields_shown(self: Any) -> str:
+def fields_shown(self: Any) -> str:
+    """Return the fields of a dataclass on at most two lines, those with their default value left out."""
     parts = []
     for field in fields(self):
         value = getattr(self, field.name)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError, ChainError
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 from chainbuild.units import AxisKind, si_factor
 
 
@@ -52,7 +52,6 @@ def refusal_of(axis_map: AxisMap, axes: Vector) -> ChainbuildError | None:
     return axis_map.refusal(axes) if isinstance(axis_map, PartialMap) else None
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class AffineMap:
     """q = A·(axes in SI) + b: sign, zero offset, unit, gear and absolute-angle coupling in one matrix.
@@ -63,6 +62,8 @@ class AffineMap:
         si_factors: (n_axes,) factors from axis values to SI.
         back: (n_axes, n_q) left inverse of A.
     """
+
+    __repr__ = fields_shown
 
     A: Matrix
     b: Vector
@@ -121,7 +122,6 @@ def joint_values(axis_map: AxisMap, axes: Vector) -> Vector:
     return q
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Block:
     """One map of a `BlockMap`.
@@ -132,12 +132,13 @@ class Block:
         joints: Place of each of its joints among all joints.
     """
 
+    __repr__ = fields_shown
+
     axis_map: AxisMap
     axes: slice
     joints: NDArray[np.intp]
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class BlockMap:
     """Maps side by side: each takes its own axes and drives its own joints.
@@ -146,6 +147,8 @@ class BlockMap:
         blocks: The maps.
         shape: (n_q, n_axes).
     """
+
+    __repr__ = fields_shown
 
     blocks: tuple[Block, ...]
     shape: tuple[int, int]

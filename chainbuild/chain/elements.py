@@ -13,7 +13,7 @@ from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.geometry import NO_GEOMETRY, Geometry
 from chainbuild.convention import UsedConvention
 from chainbuild.findings import NO_FINDINGS, Findings
-from chainbuild.shown import compact, two_lines
+from chainbuild.shown import fields_shown, two_lines
 from chainbuild.units import AxisKind, AxisUnit, unit_of
 
 JointKind = Literal["revolute", "prismatic"]
@@ -23,7 +23,6 @@ BASE_LINK = "base"
 FRAME_NAMES = ("base", "flange", "tool", "workpiece")
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class Link:
     """A rigid body.
@@ -33,11 +32,12 @@ class Link:
         radius: Radius [m] of the capsule that stands for it, or None for the default rule.
     """
 
+    __repr__ = fields_shown
+
     name: str
     radius: float | None = None
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Joint:
     """One degree of freedom between two links.
@@ -56,6 +56,8 @@ class Joint:
         reversed: True where it moves against the direction drawn in its recipe.
     """
 
+    __repr__ = fields_shown
+
     name: str
     kind: JointKind
     parent: str
@@ -66,17 +68,17 @@ class Joint:
     reversed: bool = False
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """A named frame fixed to a link: T_link_frame (4, 4) [m]."""
+
+    __repr__ = fields_shown
 
     name: str
     link: str
     T_link_frame: Matrix
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class Loop:
     """A closure between two frames.
@@ -87,6 +89,8 @@ class Loop:
         frame_a: One frame's name.
         frame_b: The other frame's name.
     """
+
+    __repr__ = fields_shown
 
     name: str
     kind: Literal["ball", "hinge", "weld"]
@@ -136,7 +140,6 @@ class Axis:
         return cls(name, kind, unit_of(kind), -bound, bound, True, carries=carries)
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class AxisSum:
     """A weighted sum of axis values, such as the absolute angle C of a SCARA: Σ coefficient·axis + offset.
@@ -146,6 +149,8 @@ class AxisSum:
         offset: mm or degrees, added to the sum.
     """
 
+    __repr__ = fields_shown
+
     coefficients: tuple[float, ...]
     offset: float
 
@@ -154,7 +159,6 @@ class AxisSum:
         return float(np.dot(self.coefficients, np.asarray(axes, dtype=float))) + self.offset
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class AxisConstraint:
     """A limit on a sum of axes, such as the angle of a parallelogram: lower < Σ coefficient·axis + offset < upper.
@@ -166,6 +170,8 @@ class AxisConstraint:
         upper: Upper limit.
         alarm: Alarm the controller raises outside, where it is known.
     """
+
+    __repr__ = fields_shown
 
     name: str
     sum: AxisSum
@@ -194,7 +200,6 @@ class AxisConstraint:
         return margin >= 0.0 or margin > self.margin(before)
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class ControllerSolver:
     """Budget of the control's iterative inverse (ROBX manual 7.1.7, MD62967–62970).
@@ -207,6 +212,8 @@ class ControllerSolver:
         hand_angle: Mathematical angle of axis 5, where the robot has one.
     """
 
+    __repr__ = fields_shown
+
     max_count: int
     precision: float
     limit_deg: float
@@ -214,7 +221,6 @@ class ControllerSolver:
     hand_angle: AxisSum | None = None
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class SingularityWatch:
     """How a control monitors singularities (ROBX manual 10).
@@ -225,12 +231,13 @@ class SingularityWatch:
         speed_alarm: Alarm where an axis would exceed its speed.
     """
 
+    __repr__ = fields_shown
+
     threshold: float | None
     clearance: float | None
     speed_alarm: int
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Partial:
     """One of the kinematics of a composed chain, for moving it separately.
@@ -245,6 +252,8 @@ class Partial:
         rank: Rank in the distribution of a tool motion; None: by its place in the stack.
         locked: Coordinates ("X" … "C") that a motion of the tool does not move.
     """
+
+    __repr__ = fields_shown
 
     name: str
     chain: Chain

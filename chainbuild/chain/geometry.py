@@ -7,13 +7,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 ShapeKind = Literal["capsule", "sphere", "box", "cylinder", "hull", "mesh"]
 Numbers = tuple[float, ...]
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class Shape:
     """One body fixed to a link, in place of the one drawn by rule.
@@ -28,6 +27,8 @@ class Shape:
         scale: Hull and mesh: metres per unit of the file.
     """
 
+    __repr__ = fields_shown
+
     kind: ShapeKind
     points: Numbers = ()
     radius: float = 0.0
@@ -37,7 +38,6 @@ class Shape:
     scale: float = 0.001
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class RodData:
     """Dimensions of a parallelogram's rods.
@@ -49,13 +49,14 @@ class RodData:
         sideways: Offset of the rods along the axis of the elbow [m].
     """
 
+    __repr__ = fields_shown
+
     crank: float | None = None
     angle_deg: float = 180.0
     radius: float | None = None
     sideways: float = 0.0
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class Geometry:
     """The overlay's table `[geometry]`.
@@ -67,6 +68,8 @@ class Geometry:
         rod_data: Their dimensions, also for analyses that add them for themselves.
         ignore: Pairs of links whose collision does not count.
     """
+
+    __repr__ = fields_shown
 
     radii: Mapping[str, float] = field(default_factory=dict)
     shapes: Mapping[str, tuple[Shape, ...]] = field(default_factory=dict)

@@ -18,7 +18,7 @@ from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.every import every_branch
 from chainbuild.ik.request import IkRequest
 from chainbuild.kinematics.inputs import as_pose
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 if TYPE_CHECKING:
     from chainbuild.comparison.other_solvers import OtherSolver
@@ -56,7 +56,6 @@ def forward_poses(robot: Mechanism, axes: Vector) -> Matrices:
     return np.array([kinematics.pose(axis_map.q(row)).homogeneous for row in axes]).reshape(-1, 4, 4)
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Forward:
     """Forward kinematics compared.
@@ -71,6 +70,8 @@ class Forward:
         position_tolerance: [m].
         rotation_tolerance: [rad].
     """
+
+    __repr__ = fields_shown
 
     samples: Samples
     ours: Matrices
@@ -122,7 +123,6 @@ def compare_forward(
     return Forward(samples, ours, theirs, compared, distance, angle, *tolerance)
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Inverse:
     """Inverse kinematics compared, branch by branch.
@@ -142,6 +142,8 @@ class Inverse:
         pairs: Answers with the poses they were given for, wrong ones first: (n, n_axes) and (n, 4, 4).
         complete: False if the other solver gives one answer only, so that none counts as missing.
     """
+
+    __repr__ = fields_shown
 
     samples: Samples
     ours: int

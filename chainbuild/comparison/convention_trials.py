@@ -14,7 +14,7 @@ from chainbuild.arrays import Vector
 from chainbuild.comparison.comparison import forward_poses, pose_errors
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain, Task
@@ -25,17 +25,17 @@ _MAX_PAIRS: Final = 400  # bound on the time: a trial builds a chain
 _MAX_POSES: Final = 200  # more of them tell nothing new about a choice
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class Selection:
     """Selected kinematic of a machine; see `Machine.chain`."""
+
+    __repr__ = fields_shown
 
     kinematic: int | str | None = None
     channel: int | None = None
     tool_length_mm: float = 0.0
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class Trial:
     """Choices of conventions and the resulting errors.
@@ -46,6 +46,8 @@ class Trial:
         rotation_error: Worst angle [rad].
         agrees: Whether all poses are within tolerance.
     """
+
+    __repr__ = fields_shown
 
     choices: Mapping[str, str]
     position_error: float

@@ -29,7 +29,7 @@ from chainbuild.comparison.other_solvers import (
 from chainbuild.comparison.samples import MADE_KINDS, SampleKind, Samples, make_samples
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.plan import plan_of
-from chainbuild.shown import compact, two_lines
+from chainbuild.shown import fields_shown, two_lines
 from chainbuild.tables.recording import Recording
 
 if TYPE_CHECKING:
@@ -95,7 +95,6 @@ class CrossCheck:
         return tuple(trial for trial in self.trials if trial.agrees)
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class CheckOptions:
     """How to cross-check.
@@ -108,6 +107,8 @@ class CheckOptions:
         rotation_tolerance: [rad]; None: 1e-6, for recordings 1e-4.
         kind: What a callable is: "fk", "ik" or "auto".
     """
+
+    __repr__ = fields_shown
 
     count: int = 300
     samples: Sequence[str] = MADE_KINDS

@@ -22,7 +22,7 @@ from chainbuild.comparison.comparison import forward_poses, pose_errors
 from chainbuild.comparison.offsets import all_rigid, distinct_angle_modes, mean_transform, mm_text, transform_text
 from chainbuild.frames import ANGLE_MODES, angles_from_matrix, inverse, matrix_from_angles
 from chainbuild.kinematics.inputs import as_pose
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -44,7 +44,6 @@ _LENGTH_UNITS: Final = (
 )
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class Explanation:
     """A systematic error.
@@ -59,6 +58,8 @@ class Explanation:
         remaining_rotation_error: Worst angle that it leaves [rad].
         others: Other errors, as text, that these poses do not distinguish from it.
     """
+
+    __repr__ = fields_shown
 
     kind: str
     text: str

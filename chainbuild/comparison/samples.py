@@ -11,7 +11,7 @@ import numpy as np
 
 from chainbuild.arrays import Vector
 from chainbuild.errors import ChainbuildError
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -24,7 +24,6 @@ _WIDEST_ROTARY_DEG: Final = 180.0  # one turn shows all poses
 _SPECIAL_DEG: Final = (0.0, 90.0, -90.0, 180.0, -180.0)  # where solvers divide by zero or take the other branch
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Samples:
     """Axis values.
@@ -33,6 +32,8 @@ class Samples:
         axes: (n, n_axes) mm and degrees.
         kinds: (n,) the kind of each.
     """
+
+    __repr__ = fields_shown
 
     axes: Vector
     kinds: tuple[SampleKind, ...]

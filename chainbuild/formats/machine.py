@@ -23,10 +23,9 @@ from chainbuild.formats.selection import (
     name_right_channel,
 )
 from chainbuild.html import html_table
-from chainbuild.shown import compact, two_lines
+from chainbuild.shown import fields_shown, two_lines
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class ParameterRow:
     """One parameter of a kinematic as `info` shows it.
@@ -43,6 +42,8 @@ class ParameterRow:
         si: Value in `si_unit`, for dynamics that the file counts otherwise.
         si_unit: "m/s", "rad/s", "rad/s²", or an empty string.
     """
+
+    __repr__ = fields_shown
 
     name: str
     symbol: str

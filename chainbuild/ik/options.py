@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from chainbuild import tolerances
 from chainbuild.errors import ChainbuildError
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 
-@compact
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IkOptions:
     """Options of the damped solver.
@@ -30,6 +29,8 @@ class IkOptions:
         accuracy: (4,) derived: squared error [m², rad²] at which an iteration ends, three digits better than what is
             verified; the tolerances; permitted deviation of a matrix from a rotation.
     """
+
+    __repr__ = fields_shown
 
     position_tolerance: float = tolerances.IK_POSITION_M
     rotation_tolerance: float = tolerances.IK_ROTATION_RAD

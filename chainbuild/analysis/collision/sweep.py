@@ -15,7 +15,7 @@ from chainbuild.chain.bodies import shown_limits
 from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
 from chainbuild.progress import Progress, counting
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 # Accuracy of interval ends (mm or degrees): a tenth of the promised one.
 END: Final = 1e-3
@@ -23,7 +23,6 @@ _SEEDS: Final = 181  # values tried where the last free one is no longer free
 DEFAULT_STEPS: Final = 41  # values of the other axis: forty intervals of its range
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class FreeInterval:
     """Free interval of an axis at one value of the other.
@@ -36,6 +35,8 @@ class FreeInterval:
         upper_pair: Bodies that touch above.
     """
 
+    __repr__ = fields_shown
+
     over: float
     lower: float | None
     upper: float | None
@@ -43,7 +44,6 @@ class FreeInterval:
     upper_pair: LinkPair | None = None
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class Sweep:
     """Free intervals of an axis over another.
@@ -55,6 +55,8 @@ class Sweep:
         unit_over: "mm" or "deg".
         intervals: In rising order of the swept axis.
     """
+
+    __repr__ = fields_shown
 
     moved: str
     over: str

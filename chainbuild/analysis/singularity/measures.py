@@ -20,12 +20,11 @@ from chainbuild.chain.fold import drawn
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.screws import joints_between_tips
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 _SMALLEST_LENGTH: Final = 1e-6  # m: shorter than any machine, and rounding of an offset that is 0
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Measures:
     """The Jacobian of a pose in numbers, all scaled by the characteristic length.
@@ -38,6 +37,8 @@ class Measures:
         runaway: (n_axes,) unit motion of the axes (rad; linear axes as a share of the length) that moves the tool
             least.
     """
+
+    __repr__ = fields_shown
 
     singular_values: Vector
     length: float

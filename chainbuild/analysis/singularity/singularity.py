@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from chainbuild.analysis.singularity.structure import SingularityKind
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class Singularity:
     """A singularity at or close to a position.
@@ -23,6 +22,8 @@ class Singularity:
         sentence: Condition, lost motion and required axis speed.
         remark: Difference from a manual's description; else an empty string.
     """
+
+    __repr__ = fields_shown
 
     kind: SingularityKind
     alias: str

@@ -17,7 +17,7 @@ from chainbuild.arrays import Vector
 from chainbuild.chain.elements import Axis
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 from chainbuild.units import si_factor
 
 Motion = Literal["shift", "turn"]
@@ -25,7 +25,6 @@ Motion = Literal["shift", "turn"]
 _LOST: Final = 1e-9  # scaled singular values below this require infinite speed
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class AxisSpeed:
     """The speed that an axis needs.
@@ -35,6 +34,8 @@ class AxisSpeed:
         needed: mm/s or deg/s; inf at a singularity.
         limit: Its speed limit, if known.
     """
+
+    __repr__ = fields_shown
 
     axis: Axis
     needed: float
@@ -46,7 +47,6 @@ class AxisSpeed:
         return self.limit is not None and self.needed > self.limit
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class SpeedReport:
     """Speeds of all axes for one motion of the tool.
@@ -59,6 +59,8 @@ class SpeedReport:
             deg/s]; None if no limit is known.
         alarm: Alarm of the control if an axis exceeds its limit, such as 75324 for ROBX, else None.
     """
+
+    __repr__ = fields_shown
 
     motion: Motion
     tool_speed: float

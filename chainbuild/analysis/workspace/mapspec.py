@@ -13,7 +13,7 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 MapKind = Literal["axes", "rz", "xz", "xy", "yz", "volume"]
 
@@ -24,7 +24,6 @@ _MARGIN: Final = 0.03  # share of the box added on each side: probes do not touc
 _PLANES: Final = {"xz": (0, 2, 1), "xy": (0, 1, 2), "yz": (1, 2, 0)}
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class MapSpec:
     """What a map shows.
@@ -41,6 +40,8 @@ class MapSpec:
         collisions: Leave out positions at which the robot collides with itself.
     """
 
+    __repr__ = fields_shown
+
     kind: MapKind = "rz"
     axes: tuple[str, ...] = ()
     at: tuple[float, ...] = ()
@@ -54,7 +55,6 @@ class MapSpec:
         return asdict(self)
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Grid:
     """The cells of a map.
@@ -64,6 +64,8 @@ class Grid:
         edges: Cell borders along each direction, rising; m, or mm and degrees of axes.
         shape: Cells along each direction.
     """
+
+    __repr__ = fields_shown
 
     labels: tuple[str, ...]
     edges: tuple[Vector, ...]

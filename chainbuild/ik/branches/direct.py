@@ -74,7 +74,7 @@ def linear_axes_for(mechanism: Mechanism, position: ArrayLike, axes: ArrayLike) 
         return IkResult(False, values, "unreachable", np.inf, np.inf, 1, 0, "position", mechanism.labels, reason)
     outside = mechanism.limits.violated(row.axes)
     if outside:
-        reason = f"only reached outside the limits of {', '.join(outside)}"
+        reason = f"reached only outside the limits of {', '.join(outside)}"
         labels = mechanism.labels
         return IkResult(False, row.axes, "limits", row.distance, 0.0, 1, 0, "position", labels, reason, outside)
     return row.branch("position", mechanism.labels)

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 from chainbuild.chain.elements import Axis
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 from chainbuild.units import AxisKind, deg_from_raw, mm_from_tenth_um
 
 HdKind = Literal["length", "angle", "flag", "sign", "ratio", "count"]
@@ -20,7 +20,6 @@ Carries = Literal["tool", "workpiece"]
 _UNITS: Mapping[str, str] = {"length": "mm", "angle": "deg"}
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class AxisRow:
     """An axis of a KIN_TYP in channel order.
@@ -32,13 +31,14 @@ class AxisRow:
         meaning: What it does.
     """
 
+    __repr__ = fields_shown
+
     name: str
     kind: AxisKind
     carries: Carries
     meaning: str
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class HdRow:
     """A row of an HD table: HD n is param[n - 1] of a channel list.
@@ -52,6 +52,8 @@ class HdRow:
         effect: What it acts on: "pose", "limit", "control" or "none".
         permitted: Values a flag or sign may have; empty for all others.
     """
+
+    __repr__ = fields_shown
 
     n: int
     name: str
@@ -73,7 +75,6 @@ class HdRow:
         return deg_from_raw(raw) if self.kind == "angle" else raw
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class TypeData:
     """The KIN_TYP manual's tables of one type.
@@ -88,6 +89,8 @@ class TypeData:
         axes: Axes in channel order.
         hd: HD rows in the order of their numbers.
     """
+
+    __repr__ = fields_shown
 
     number: int
     title: str

@@ -14,7 +14,7 @@ import pytest
 import chainbuild
 from chainbuild import errors
 from chainbuild.kinematics.mechanism import Mechanism
-from tests.surface.annotations import callables_of, named_types, public_things
+from tests.kit.annotations import callables_of, named_types, public_things
 
 SOURCE = Path(chainbuild.__file__)
 
