@@ -119,10 +119,10 @@ class Robot(Mechanism):
         """
         from chainbuild.ik.solve import solve
 
-        if units != "controller":
-            start, held = self._in_controller_units(start, held, units)
-        found = solve(self, T, start, held, solver, absolute_c_deg, prefer, options)
-        return found if units == "controller" else found.to(units)
+        if units == "controller":
+            return solve(self, T, start, held, solver, absolute_c_deg, prefer, options)
+        start, held = self._in_controller_units(start, held, units)
+        return solve(self, T, start, held, solver, absolute_c_deg, prefer, options).to(units)
 
     def ik_path(
         self,

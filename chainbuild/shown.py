@@ -11,11 +11,9 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, fields, is_dataclass
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
 from chainbuild.units import AxisLabels, deg_from_rad, mm_from_m
-
-T = TypeVar("T")
 
 WIDTH: Final = 120  # columns of a line
 _ROUNDED: Final = 9  # decimals of mm and degrees beyond which there is only noise
@@ -59,13 +57,8 @@ def angle_shown(radians: float) -> str:
     return f"{deg_from_rad(radians):.3g} deg"
 
 
-def compact(cls: type[T]) -> type[T]:
-    """Make a dataclass show its fields on at most two lines, those that stand at their defaults left out."""
-    cls.__repr__ = _fields_shown  # type: ignore[method-assign]
-    return cls
-
-
-def _fields_shown(self: Any) -> str:
+def fields_shown(self: Any) -> str:
+    """Return a dataclass on at most two lines, fields at their defaults left out: `__repr__ = fields_shown`."""
     parts = []
     for field in fields(self):
         value = getattr(self, field.name)

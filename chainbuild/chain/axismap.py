@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError, ChainError
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 from chainbuild.units import AxisKind, si_factor
 
 
@@ -52,7 +52,6 @@ def refusal_of(axis_map: AxisMap, axes: Vector) -> ChainbuildError | None:
     return axis_map.refusal(axes) if isinstance(axis_map, PartialMap) else None
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class AffineMap:
     """q = A·(axes in SI) + b: sign, zero offset, unit, gear and absolute-angle coupling in one matrix.
@@ -68,6 +67,8 @@ class AffineMap:
     b: Vector
     si_factors: Vector
     back: Matrix
+
+    __repr__ = fields_shown
 
     @classmethod
     def of(cls, A: Matrix, b: Vector, kinds: Sequence[AxisKind]) -> AffineMap:
@@ -121,7 +122,6 @@ def joint_values(axis_map: AxisMap, axes: Vector) -> Vector:
     return q
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Block:
     """One map of a `BlockMap`.
@@ -136,8 +136,9 @@ class Block:
     axes: slice
     joints: NDArray[np.intp]
 
+    __repr__ = fields_shown
 
-@compact
+
 @dataclass(frozen=True, slots=True, eq=False)
 class BlockMap:
     """Maps side by side: each takes its own axes and drives its own joints.
@@ -149,6 +150,8 @@ class BlockMap:
 
     blocks: tuple[Block, ...]
     shape: tuple[int, int]
+
+    __repr__ = fields_shown
 
     def q(self, axes: Vector) -> Vector:
         """Return the joint values of axis values."""

@@ -13,7 +13,7 @@ from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.geometry import NO_GEOMETRY, Geometry
 from chainbuild.convention import UsedConvention
 from chainbuild.findings import NO_FINDINGS, Findings
-from chainbuild.shown import compact, two_lines
+from chainbuild.shown import fields_shown, two_lines
 from chainbuild.units import AxisKind, AxisUnit, unit_of
 
 JointKind = Literal["revolute", "prismatic"]
@@ -23,7 +23,6 @@ BASE_LINK = "base"
 FRAME_NAMES = ("base", "flange", "tool", "workpiece")
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class Link:
     """A rigid body.
@@ -36,8 +35,9 @@ class Link:
     name: str
     radius: float | None = None
 
+    __repr__ = fields_shown
 
-@compact
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Joint:
     """One freedom between two links.
@@ -65,8 +65,9 @@ class Joint:
     zero: float = 0.0
     reversed: bool = False
 
+    __repr__ = fields_shown
 
-@compact
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """A named frame fixed to a link: T_link_frame (4, 4) [m]."""
@@ -75,8 +76,9 @@ class Frame:
     link: str
     T_link_frame: Matrix
 
+    __repr__ = fields_shown
 
-@compact
+
 @dataclass(frozen=True, slots=True)
 class Loop:
     """A closure between two frames.
@@ -92,6 +94,8 @@ class Loop:
     kind: Literal["ball", "hinge", "weld"]
     frame_a: str
     frame_b: str
+
+    __repr__ = fields_shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +140,6 @@ class Axis:
         return cls(name, kind, unit_of(kind), -bound, bound, True, carries=carries)
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class AxisSum:
     """A weighted sum of axis values, such as the absolute angle C of a SCARA: Σ coefficient·axis + offset.
@@ -149,12 +152,13 @@ class AxisSum:
     coefficients: tuple[float, ...]
     offset: float
 
+    __repr__ = fields_shown
+
     def value(self, axes: ArrayLike) -> float:
         """Return the sum for axis values (n_axes,) in mm and degrees."""
         return float(np.dot(self.coefficients, np.asarray(axes, dtype=float))) + self.offset
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class AxisConstraint:
     """A limit on a sum of axes, such as the angle of a parallelogram: lower < Σ coefficient·axis + offset < upper.
@@ -172,6 +176,8 @@ class AxisConstraint:
     lower: float
     upper: float
     alarm: int | None = None
+
+    __repr__ = fields_shown
 
     @property
     def label(self) -> str:
@@ -194,7 +200,6 @@ class AxisConstraint:
         return margin >= 0.0 or margin > self.margin(before)
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class ControllerSolver:
     """Budget of the control's iterative inverse (ROBX manual 7.1.7, MD62967–62970).
@@ -213,8 +218,9 @@ class ControllerSolver:
     limit2_deg: float
     hand_angle: AxisSum | None = None
 
+    __repr__ = fields_shown
 
-@compact
+
 @dataclass(frozen=True, slots=True)
 class SingularityWatch:
     """What a control itself watches near singularities (ROBX manual 10).
@@ -229,8 +235,9 @@ class SingularityWatch:
     clearance: float | None
     speed_alarm: int
 
+    __repr__ = fields_shown
 
-@compact
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Partial:
     """One of the kinematics that a composed chain was made of, for those who have to move it by itself.
@@ -253,6 +260,8 @@ class Partial:
     group: int = 0
     rank: int | None = None
     locked: tuple[str, ...] = ()
+
+    __repr__ = fields_shown
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,13 +7,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 ShapeKind = Literal["capsule", "sphere", "box", "cylinder", "hull", "mesh"]
 Numbers = tuple[float, ...]
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class Shape:
     """One body fixed to a link, in place of the one drawn by rule.
@@ -36,8 +35,9 @@ class Shape:
     file: Path | None = None
     scale: float = 0.001
 
+    __repr__ = fields_shown
 
-@compact
+
 @dataclass(frozen=True, slots=True)
 class RodData:
     """Dimensions of a parallelogram's rods.
@@ -54,8 +54,9 @@ class RodData:
     radius: float | None = None
     sideways: float = 0.0
 
+    __repr__ = fields_shown
 
-@compact
+
 @dataclass(frozen=True, slots=True)
 class Geometry:
     """The overlay's table `[geometry]`.
@@ -73,6 +74,8 @@ class Geometry:
     rods: bool = False
     rod_data: RodData = RodData()
     ignore: tuple[tuple[str, str], ...] = ()
+
+    __repr__ = fields_shown
 
     @property
     def links(self) -> tuple[str, ...]:

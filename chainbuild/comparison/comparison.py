@@ -18,7 +18,7 @@ from chainbuild.ik.branches.core.query import Query
 from chainbuild.ik.branches.every import every_branch
 from chainbuild.ik.request import IkRequest
 from chainbuild.kinematics.inputs import as_pose
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 if TYPE_CHECKING:
     from chainbuild.comparison.judges import Judge
@@ -56,7 +56,6 @@ def forward_poses(robot: Mechanism, axes: Vector) -> Matrices:
     return np.array([kinematics.pose(axis_map.q(row)).homogeneous for row in axes]).reshape(-1, 4, 4)
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Forward:
     """Forward kinematics compared.
@@ -80,6 +79,8 @@ class Forward:
     rotation_error: Vector
     position_tolerance: float = POSITION_TOLERANCE_M
     rotation_tolerance: float = ROTATION_TOLERANCE_RAD
+
+    __repr__ = fields_shown
 
     @property
     def agrees(self) -> NDArray[np.bool_]:
@@ -122,7 +123,6 @@ def compare_forward(
     return Forward(samples, ours, theirs, judged, distance, angle, *tolerance)
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Inverse:
     """Inverse kinematics compared, branch by branch.
@@ -156,6 +156,8 @@ class Inverse:
     worst_rotation_error: float
     pairs: tuple[Vector, Matrices]
     complete: bool
+
+    __repr__ = fields_shown
 
     @property
     def agrees(self) -> bool:

@@ -14,7 +14,7 @@ from chainbuild.arrays import Vector
 from chainbuild.comparison.comparison import forward_poses, pose_errors
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain, Task
@@ -25,7 +25,6 @@ _MOST_PAIRS: Final = 400
 _MOST_POSES: Final = 200
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class Selection:
     """Which kinematic of a machine is meant; see `Machine.chain`."""
@@ -34,8 +33,9 @@ class Selection:
     channel: int | None = None
     tool_length_mm: float = 0.0
 
+    __repr__ = fields_shown
 
-@compact
+
 @dataclass(frozen=True, slots=True)
 class Trial:
     """Choices of conventions and what they lead to.
@@ -51,6 +51,8 @@ class Trial:
     position_error: float
     rotation_error: float
     agrees: bool
+
+    __repr__ = fields_shown
 
 
 def try_conventions(

@@ -24,7 +24,7 @@ from chainbuild.comparison.judges import CallableKind, Judge, judge_by_name, jud
 from chainbuild.comparison.samples import MADE_KINDS, SampleKind, Samples, make_samples
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.plan import plan_of
-from chainbuild.shown import compact, two_lines
+from chainbuild.shown import fields_shown, two_lines
 from chainbuild.tables.recording import Recording
 
 if TYPE_CHECKING:
@@ -90,7 +90,6 @@ class CrossCheck:
         return tuple(trial for trial in self.trials if trial.agrees)
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class CheckOptions:
     """How to cross-check.
@@ -110,6 +109,8 @@ class CheckOptions:
     position_tolerance: float | None = None
     rotation_tolerance: float | None = None
     kind: CallableKind = "auto"
+
+    __repr__ = fields_shown
 
     def tolerance(self, recorded: bool) -> tuple[float, float]:
         """Return metres and radians within which poses agree.

@@ -21,7 +21,7 @@ from chainbuild.comparison.comparison import forward_poses, pose_errors
 from chainbuild.comparison.offsets import all_rigid, listed, mean_transform, mm_text, modes_apart, transform_text
 from chainbuild.frames import ANGLE_MODES, angles_from_matrix, inverse, matrix_from_angles
 from chainbuild.kinematics.inputs import as_pose
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -43,7 +43,6 @@ _LENGTH_UNITS: Final = (
 )
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class Explanation:
     """A structure that an error has.
@@ -65,6 +64,8 @@ class Explanation:
     remaining_position_error: float
     remaining_rotation_error: float
     others: tuple[str, ...] = ()
+
+    __repr__ = fields_shown
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,7 +11,7 @@ import numpy as np
 
 from chainbuild.arrays import Vector
 from chainbuild.errors import ChainbuildError
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -24,7 +24,6 @@ _WIDEST_ROTARY_DEG: Final = 180.0
 _SPECIAL_DEG: Final = (0.0, 90.0, -90.0, 180.0, -180.0)
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Samples:
     """Axis values.
@@ -36,6 +35,8 @@ class Samples:
 
     axes: Vector
     kinds: tuple[SampleKind, ...]
+
+    __repr__ = fields_shown
 
     def __len__(self) -> int:
         return len(self.kinds)

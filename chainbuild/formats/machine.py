@@ -23,10 +23,9 @@ from chainbuild.formats.selection import (
     finite_length_mm,
 )
 from chainbuild.html import html_table
-from chainbuild.shown import compact, two_lines
+from chainbuild.shown import fields_shown, two_lines
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class ParameterRow:
     """One parameter of a kinematic as `info` shows it.
@@ -54,6 +53,8 @@ class ParameterRow:
     span: Span | None = None
     si: float | None = None
     si_unit: str = ""
+
+    __repr__ = fields_shown
 
 
 @dataclass(frozen=True, slots=True)

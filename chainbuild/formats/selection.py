@@ -12,13 +12,12 @@ from typing import Final
 from chainbuild import tolerances
 from chainbuild.closest import listed
 from chainbuild.errors import MachineDataError, Span
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 _ID_DIGITS: Final = 9
 _HUGE_NUMBER: Final = 10**_ID_DIGITS  # beyond any id or channel
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class KinematicEntry:
     """A kinematic that the file configures.
@@ -40,6 +39,8 @@ class KinematicEntry:
     channel: int
     default: bool
     span: Span | None = None
+
+    __repr__ = fields_shown
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from chainbuild import tolerances
 from chainbuild.errors import ChainbuildError
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 
-@compact
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IkOptions:
     """Options of the damped solver.
@@ -38,6 +37,8 @@ class IkOptions:
     seed: int = 0
     compiled: bool = True
     accuracy: NDArray[np.float64] = field(init=False, repr=False, compare=False)
+
+    __repr__ = fields_shown
 
     def __post_init__(self) -> None:
         for name in ("position_tolerance", "rotation_tolerance"):

@@ -15,7 +15,7 @@ import chainbuild
 from chainbuild import Finding, Findings, MapSpec, Robot, Span
 from chainbuild.chain.elements import AxisSum
 from chainbuild.html import html_table, html_text
-from chainbuild.shown import compact, two_lines
+from chainbuild.shown import fields_shown, two_lines
 from tests.surface.annotations import public_things
 
 AXES = [10.0, -80.0, 70.0, 20.0, 40.0, 30.0]
@@ -195,13 +195,14 @@ def test_text_that_is_too_long_is_cut_at_the_second_line() -> None:
     assert shown.endswith(" …>")
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class Example:
     name: str
     size: float = 1.0
     rows: Any = None
     more: tuple[float, ...] = ()
+
+    __repr__ = fields_shown
 
 
 def test_fields_at_their_defaults_are_left_out() -> None:

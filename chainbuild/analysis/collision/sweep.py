@@ -15,7 +15,7 @@ from chainbuild.chain.bodies import shown_limits
 from chainbuild.collision.model import CollisionModel, Pair
 from chainbuild.errors import ChainbuildError
 from chainbuild.progress import Progress, counting
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 # Ends of intervals are found this well (mm or degrees); a tenth of what is promised.
 END: Final = 1e-3
@@ -23,7 +23,6 @@ _SEEDS: Final = 181  # values tried where the last free one is no longer free
 DEFAULT_STEPS: Final = 41
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class FreeInterval:
     """Where an axis is free at one value of the other.
@@ -42,8 +41,9 @@ class FreeInterval:
     lower_pair: Pair | None = None
     upper_pair: Pair | None = None
 
+    __repr__ = fields_shown
 
-@compact
+
 @dataclass(frozen=True, slots=True)
 class Sweep:
     """Free intervals of an axis over another.
@@ -61,6 +61,8 @@ class Sweep:
     unit_moved: str
     unit_over: str
     intervals: tuple[FreeInterval, ...]
+
+    __repr__ = fields_shown
 
 
 def sweep(

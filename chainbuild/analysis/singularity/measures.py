@@ -21,12 +21,11 @@ from chainbuild.chain.fold import drawn
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.screws import joints_between_tips
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 _SMALLEST_LENGTH: Final = 1e-6
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Measures:
     """The Jacobian of a pose in numbers, all scaled by the characteristic length.
@@ -44,6 +43,8 @@ class Measures:
     length: float
     lost: Vector
     runaway: Vector
+
+    __repr__ = fields_shown
 
     @property
     def smallest(self) -> float:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from chainbuild.analysis.singularity.structure import Kind
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class Singularity:
     """A singularity at or close to a position.
@@ -31,3 +30,5 @@ class Singularity:
     condition: str
     sentence: str
     remark: str = ""
+
+    __repr__ = fields_shown

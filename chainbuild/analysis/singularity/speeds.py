@@ -17,7 +17,7 @@ from chainbuild.arrays import Vector
 from chainbuild.chain.elements import Axis
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 from chainbuild.units import si_factor
 
 Motion = Literal["shift", "turn"]
@@ -25,7 +25,6 @@ Motion = Literal["shift", "turn"]
 _LOST: Final = 1e-9  # scaled singular values below this ask for no finite speed
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class AxisSpeed:
     """The speed that an axis needs.
@@ -40,13 +39,14 @@ class AxisSpeed:
     needed: float
     limit: float | None
 
+    __repr__ = fields_shown
+
     @property
     def excessive(self) -> bool:
         """Whether the limit is known and not enough."""
         return self.limit is not None and self.needed > self.limit
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class SpeedReport:
     """Speeds of all axes for one motion of the tool.
@@ -65,6 +65,8 @@ class SpeedReport:
     axes: tuple[AxisSpeed, ...]
     possible: float | None
     alarm: int | None
+
+    __repr__ = fields_shown
 
 
 def speeds(

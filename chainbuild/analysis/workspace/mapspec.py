@@ -13,7 +13,7 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 
 MapKind = Literal["axes", "rz", "xz", "xy", "yz", "volume"]
 
@@ -24,7 +24,6 @@ _MARGIN: Final = 0.03
 _PLANES: Final = {"xz": (0, 2, 1), "xy": (0, 1, 2), "yz": (1, 2, 0)}
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class MapSpec:
     """What a map shows.
@@ -49,12 +48,13 @@ class MapSpec:
     seed: int = 0
     collisions: bool = False
 
+    __repr__ = fields_shown
+
     def data(self) -> dict[str, Any]:
         """Return the values for JSON."""
         return asdict(self)
 
 
-@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Grid:
     """The cells of a map.
@@ -67,6 +67,8 @@ class Grid:
 
     labels: tuple[str, ...]
     edges: tuple[Vector, ...]
+
+    __repr__ = fields_shown
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 from chainbuild.chain.elements import Axis
-from chainbuild.shown import compact
+from chainbuild.shown import fields_shown
 from chainbuild.units import AxisKind, deg_from_raw, mm_from_tenth_um
 
 HdKind = Literal["length", "angle", "flag", "sign", "ratio", "count"]
@@ -20,7 +20,6 @@ Carries = Literal["tool", "workpiece"]
 _UNITS: Mapping[str, str] = {"length": "mm", "angle": "deg"}
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class AxisRow:
     """An axis of a KIN_TYP in channel order.
@@ -37,8 +36,9 @@ class AxisRow:
     carries: Carries
     meaning: str
 
+    __repr__ = fields_shown
 
-@compact
+
 @dataclass(frozen=True, slots=True)
 class HdRow:
     """A row of an HD table: HD n is param[n - 1] of a channel list.
@@ -61,6 +61,8 @@ class HdRow:
     effect: str
     permitted: tuple[float, ...] = ()
 
+    __repr__ = fields_shown
+
     @property
     def unit(self) -> str:
         """Unit of the scaled value: "mm", "deg" or an empty string."""
@@ -73,7 +75,6 @@ class HdRow:
         return deg_from_raw(raw) if self.kind == "angle" else raw
 
 
-@compact
 @dataclass(frozen=True, slots=True)
 class TypeData:
     """What the KIN_TYP manual's tables say of one type.
@@ -97,6 +98,8 @@ class TypeData:
     summary: str
     axes: tuple[AxisRow, ...]
     hd: tuple[HdRow, ...]
+
+    __repr__ = fields_shown
 
     def row(self, key: str | int) -> HdRow:
         """Return an HD row by name or number.
