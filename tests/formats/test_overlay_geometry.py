@@ -76,7 +76,7 @@ def test_radii_reach_the_drawn_bodies(tmp_path: Path) -> None:
         ("[geometry.shapes]\nbase = [{sphere = [0, 0, 0], radius_mm = 5, colour = 1}]", "base", "not colour"),
         ("[geometry.shapes]\nbase = [{capsule = [1, 1, 1, 1, 1, 1], radius_mm = 5}]", "base", "different ends"),
         ("[geometry.shapes]\nbase = [{box = [1, 0, 1]}]", "base", "edges above 0"),
-        ("[geometry.shapes]\nbase = [{hull = 5}]", "base", "name of a file"),
+        ("[geometry.shapes]\nbase = [{hull = 5}]", "base", "the file name of a mesh"),
         ("[geometry.shapes]\nbase = [{mesh = 'a.stl', scale = 0}]", "base", "a scale above 0"),
     ],
 )
