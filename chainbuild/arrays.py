@@ -1,4 +1,4 @@
-"""What arrays are called in signatures; their shapes stand in the docstrings."""
+"""Type aliases of arrays in signatures; the docstrings give their shapes."""
 
 from __future__ import annotations
 

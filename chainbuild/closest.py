@@ -1,4 +1,4 @@
-"""Names in messages: the known ones that a user may have meant, the most alike first; several in one sentence."""
+"""Suggestions for a mistyped name: the known names, the most similar first."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Final
 
 _ALIKE: Final = 0.6  # the cutoff that difflib itself takes
 _SHOWN: Final = 12  # fit on one or two lines of a message
-_LONGEST: Final = 80  # of a name that is compared: what is longer is no slip of the pen
+_LONGEST: Final = 80  # characters of a name that are compared: a longer one is not a typing error
 
 
 def closest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name most like one, or None where none is like it.
+    """Return the known name most similar to a given one, or None where none is similar.
 
-    Case does not count, and a name without its unit is the name.
+    Case is ignored, and a name without its unit matches.
 
     >>> closest("RA1", ["A1", "A2"]), closest("x", ["qx", "x_mm"]), closest("a1", ["A1"]), closest("speed", ["A1"])
     ('A1', 'x_mm', 'A1', None)
@@ -24,7 +24,7 @@ def closest(name: str, known: Iterable[str]) -> str | None:
 
 
 def listed(name: str, known: Sequence[str], shown: int = _SHOWN, *, called: Sequence[str] | None = None) -> str:
-    """Return known names as a list for a message: those most like a name first, then the others, not too many.
+    """Return known names as a list for a message: the most similar to a name first, a limited number.
 
     >>> listed("C", ["A", "B", "c"])
     'c, A, B'
@@ -33,9 +33,9 @@ def listed(name: str, known: Sequence[str], shown: int = _SHOWN, *, called: Sequ
 
     Args:
         name: What was given.
-        known: What there is, as the message shows it.
-        shown: How many at most.
-        called: What each of them is called; None: as it is shown.
+        known: The known names, as the message shows them.
+        shown: Largest number of names.
+        called: The names to compare with, one for each of `known`; None: `known` itself.
     """
     words = known if called is None else called
     alike = [known[n] for word in _by_likeness(name, words) for n, one in enumerate(words) if one == word]

@@ -66,13 +66,13 @@ def conventions() -> Mapping[str, Convention]:
 
 
 def check_choice(name: str, choice: str, span: Span | None = None) -> None:
-    """Refuse an unknown convention or an unknown choice, also where either is no string.
+    """Refuse an unknown convention or choice, also one that is not a string.
 
     Raises:
-        ConventionError: with the list of what is known.
+        ConventionError: with the list of known names.
     """
     if not isinstance(name, str) or not isinstance(choice, str):
-        text = f"convention {name!r} has the choice {choice!r}: both are strings"
+        text = f"convention {name!r} with choice {choice!r}: both must be strings"
         raise ConventionError(text, span=span, permitted="name: choice")
     known = conventions().get(name)
     if known is None:
@@ -88,7 +88,7 @@ def check_choice(name: str, choice: str, span: Span | None = None) -> None:
 
 @dataclass(slots=True)
 class Choices:
-    """The user's choices while a chain is built; remembers which conventions were asked for.
+    """The user's choices while a chain is built; remembers which conventions were used.
 
     Attributes:
         chosen: Convention name → choice named by the user; the others take their defaults.
@@ -113,7 +113,7 @@ class Choices:
         return 1 if self[name] == "plus" else -1
 
     def used(self) -> tuple[UsedConvention, ...]:
-        """Return the conventions asked for so far, in the order of their names."""
+        """Return the conventions used so far, in the order of their names."""
         return tuple(self._used[name] for name in sorted(self._used))
 
     def unused(self) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""The one door for errors: where input is refused, what is permitted, what the controller would say."""
+"""Errors: where input is refused, what is permitted, which alarm the controller raises."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Span:
 
 
 class ChainbuildError(Exception):
-    """Input that chainbuild refuses, with everything needed to mend it.
+    """Input that chainbuild refuses, with everything needed to correct it.
 
     Args:
         message: What is wrong, as a sentence without a trailing full stop.
@@ -122,7 +122,7 @@ class AxisValueError(ChainbuildError):
 
 
 class TableError(ChainbuildError):
-    """A CSV table lacks a column, names an unknown one or holds no number where one is due."""
+    """A CSV table lacks a column, names an unknown one or has a field that is not a number."""
 
 
 class OverlayError(ChainbuildError):
@@ -130,4 +130,4 @@ class OverlayError(ChainbuildError):
 
 
 class ChainError(ChainbuildError):
-    """A chain contradicts itself: a double name, a link without parent, a singular axis map."""
+    """A chain contradicts itself: a duplicate name, a link without parent, a singular axis map."""

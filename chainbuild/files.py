@@ -1,4 +1,4 @@
-"""How files leave the package: all or nothing, and with numbers that read the same on every machine.
+"""Writing files: all or nothing, and with numbers that are the same on every machine.
 
 The last bit of a sine or a matrix product differs between processors and C libraries. Numbers are therefore brought
 to a coarser grid before they are written, and whatever lies within that noise of a short decimal number (a length in
@@ -60,7 +60,7 @@ def write_text(path: Path, text: str) -> None:
     """Write a UTF-8 text file with LF line ends, all or nothing.
 
     Raises:
-        FileAccessError: the file cannot be written; what stood there before still stands.
+        FileAccessError: the file cannot be written; an earlier file of that name is unchanged.
     """
     with open_atomic(path) as stream:
         stream.write(text)
@@ -98,7 +98,7 @@ def open_atomic(path: Path) -> Iterator[TextIO]:
     regular file, such as /dev/null or a pipe, is written to directly.
 
     Raises:
-        FileAccessError: the file cannot be written; what stood there before still stands.
+        FileAccessError: the file cannot be written; an earlier file of that name is unchanged.
     """
     if "\0" in str(path):
         raise FileAccessError("the file cannot be written: its name holds a NUL character", span=Span(str(path)))

@@ -16,7 +16,7 @@ Severity = Literal["info", "warning", "error"]
 
 @dataclass(frozen=True, slots=True)
 class FindingKind:
-    """What a finding's number stands for: severity and a title without particulars."""
+    """Kind of a finding: severity and a title without particulars."""
 
     code: str
     severity: Severity
@@ -52,7 +52,7 @@ def finding_kinds() -> Mapping[str, FindingKind]:
 
 @dataclass(slots=True)
 class Collector:
-    """Gathers findings; the strict door raises at the first error, the lenient one goes on.
+    """Gathers findings; a strict collector raises at the first error, a lenient one continues.
 
     Attributes:
         strict: True: an error is raised. False: it is kept as a finding and reading goes on.
@@ -77,7 +77,7 @@ class Collector:
         """Record a finding under its number; its severity comes from the register.
 
         Raises:
-            ChainbuildError: the class given by `error`, where the number is an error and the door is strict.
+            ChainbuildError: the class given by `error`, where the number is an error and the collector is strict.
         """
         severity = finding_kinds()[code].severity
         if severity == "error" and self.strict:
@@ -85,7 +85,7 @@ class Collector:
         self.findings.append(Finding(code, severity, text, span, hint, parameter, permitted, alarm))
 
     def add_error(self, error: ChainbuildError) -> None:
-        """Record an exception that was caught at the lenient door."""
+        """Record an exception that a lenient caller has caught."""
         self.findings.append(
             Finding(
                 error.code or "CB001",
@@ -101,7 +101,7 @@ class Collector:
 
 
 def refuse_errors(findings: Iterable[Finding]) -> None:
-    """Raise the first error among findings, which a lenient collector has let through.
+    """Raise the first error among findings that a lenient collector has kept.
 
     Raises:
         MachineDataError: with everything that the finding says.

@@ -145,7 +145,7 @@ def f_frame(position: Sequence[float], rpy_deg: Sequence[float]) -> Matrix:
     """Return ROBX's frame F(POS, RPY) = Trans(POS)·Rz(RPY[0])·Ry(RPY[1])·Rx(RPY[2]) (ROBX manual 4.2).
 
     Args:
-        position: x, y, z, in any unit of length; the result carries the same.
+        position: x, y, z, in any unit of length, which the result keeps.
         rpy_deg: Angles A, B, C in degrees.
     """
     return transform(rot_z(rpy_deg[0]) @ rot_y(rpy_deg[1]) @ rot_x(rpy_deg[2]), position)
@@ -320,12 +320,12 @@ def matrix_from_quaternion(quaternion: Sequence[float]) -> Matrix:
 def urdf_rpy(R: Matrix, written: Callable[[float], float] = float) -> tuple[float, float, float]:
     """Return URDF's roll, pitch, yaw in radians: R = Rz(yaw)·Ry(pitch)·Rx(roll), exact also close to pitch ±90°.
 
-    There roll and yaw are badly determined each, but not together. Yaw is therefore taken as it will be written, and
-    pitch and roll are read off what remains: an error of yaw is made good by roll.
+    There roll and yaw are ill-conditioned separately, but not together. Yaw is therefore rounded as it will be written;
+    pitch and roll follow from the remaining rotation, so that roll compensates the rounding of yaw.
 
     Args:
         R: (3, 3) rotation.
-        written: What a file makes of an angle: rounds it to the digits it keeps.
+        written: Rounds an angle to the digits that the file keeps.
     """
     c, s = float(R[0, 0]), float(R[1, 0])
     yaw = written(_half_open_rad(math.atan2(s, c))) if math.hypot(c, s) > tolerances.ANGLE_NOISE else 0.0
@@ -335,5 +335,5 @@ def urdf_rpy(R: Matrix, written: Callable[[float], float] = float) -> tuple[floa
 
 
 def _half_open_rad(angle: float) -> float:
-    """Return pi for an angle that noise alone has put at -pi."""
+    """Return pi for an angle that rounding noise has moved to -pi."""
     return math.pi if angle < tolerances.ANGLE_NOISE - math.pi else angle

@@ -1,4 +1,4 @@
-"""Robot: a mechanism with its inverse kinematics, the roof over the solvers."""
+"""Class Robot: a mechanism with its inverse kinematics."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Robot(Mechanism):
-    """A chain that moves, with forward and inverse kinematics in the controller's axis values.
+    """Forward and inverse kinematics of a chain, in the controller's axis values.
 
     >>> robot = Robot.load("kr6r900")
     >>> T = robot.fk([0, -90, 90, 0, 30, 0])
@@ -31,7 +31,7 @@ class Robot(Mechanism):
     [0, -90, 90, 0, 30, 0]
     """
 
-    # Each method is a signature and one call; solvers are imported there, for forward kinematics needs none of them.
+    # Each method is a signature and one call. Solvers are imported inside, since forward kinematics needs none of them.
 
     @classmethod
     def load(
@@ -50,12 +50,12 @@ class Robot(Mechanism):
             path: A file, or the name of a shipped machine; an existing path wins.
             kinematic: Configured id or name; None: the file's default. See `Machine.chain`.
             channel: Channel; None: the first with a transformation.
-            tool_length_mm: Added to the active tool's length.
+            tool_length_mm: Length added to the active tool's length [mm].
             conventions: Convention name → choice.
-            overlay: An overlay file in place of the one beside the machine file.
+            overlay: An overlay file instead of the one next to the machine file.
 
         Raises:
-            ChainbuildError: the file cannot be read, or holds no machine that could be built.
+            ChainbuildError: the file cannot be read, or describes no machine that can be built.
         """
         from chainbuild.formats.load import load
 
@@ -70,7 +70,7 @@ class Robot(Mechanism):
             tool: Name of the link whose frame is the tool; None: the only link without children.
 
         Raises:
-            ChainbuildError: no URDF, or no such link.
+            ChainbuildError: the file is not a URDF, or there is no such link.
         """
         from chainbuild.formats.urdf import from_urdf
 
@@ -89,28 +89,28 @@ class Robot(Mechanism):
     ) -> IkResult:
         """Find axis values that bring the tool to a pose, inside the limits and verified by forward kinematics.
 
+        ROBX robots with four axes are programmed by position and angle C: A and B of T follow where the robot cannot
+        reach them.
+
         Args:
             T: Tool in the workpiece frame [m]: `pin.SE3` or a (4, 4) array.
             start: Axis values (n_axes,) to start from and stay near; None: zero on machine tools, else near the pose.
             held: Axis name → value to hold, or one value for each input axis (`Axis.held`) in order. Input axes
                 not named are taken from `start`, else 0.
             solver: "damped"; "analytic": a closed form; "controller": the iteration budget of the machine data;
-                "auto": damped, and a closed form where that finds nothing.
-            absolute_c_deg: Angle C over whole turns, on robots where it runs on (`Chain.absolute_c`); it decides where
-                T's orientation does not go with it.
-            prefer: On robots with more axes than the pose needs: "near" the start, in the "middle" of the limits, or
-                "dexterous", away from singular positions. None: whatever the solver finds.
+                "auto": damped, then a closed form if that finds nothing.
+            absolute_c_deg: Angle C including whole turns [degrees], on robots that count them (`Chain.absolute_c`); it
+                takes precedence over T's orientation.
+            prefer: Redundancy resolution on robots with more axes than the pose needs: "near" the start, in the
+                "middle" of the limits, or "dexterous", away from singularities. None: what the solver finds.
             options: Tolerances, weights, restarts and seed of the damped solver.
 
-        ROBX robots of four axes are programmed by position and angle C: where they cannot reach A and B of T, these
-        follow.
-
         Returns:
-            The solution, or the best found with a status that says why it is none.
+            The solution, or the best axis values found with a status that states the reason of failure.
 
         Raises:
-            AxisValueError: start or held of wrong count, unknown name or not finite.
-            ChainbuildError: T is no rigid transform, or the robot has no such solver.
+            AxisValueError: start or held has a wrong number of values, an unknown name or a non-finite value.
+            ChainbuildError: T is not a rigid transform, or the robot has no such solver.
         """
         from chainbuild.ik.solve import solve
 
@@ -125,20 +125,20 @@ class Robot(Mechanism):
         progress: bool = False,
         options: IkOptions | None = None,
     ) -> IkTable:
-        """Find axis values along a path, each pose from the one before and on the nearest branch.
+        """Find axis values along a path, each pose starting at the previous one and on the nearest branch.
+
+        A pose that is not reached keeps its status, and the next one starts at the last that was reached.
 
         Args:
             poses: (N, 4, 4) poses or a sequence of `pin.SE3`, tool in the workpiece frame [m].
-            start: Axis values (n_axes,) where the path begins; None: anywhere.
+            start: Axis values (n_axes,) before the first pose; None: any.
             held: As for `ik`, the same along the path.
             progress: True: a progress bar on standard error.
             options: As for `ik`.
 
-        A pose that is not met keeps its status, and the next one starts at the last that was.
-
         Raises:
-            AxisValueError: start or held of wrong count, unknown name or not finite.
-            ChainbuildError: a pose is no rigid transform.
+            AxisValueError: start or held has a wrong number of values, an unknown name or a non-finite value.
+            ChainbuildError: a pose is not a rigid transform.
         """
         from chainbuild.ik.search.path import solve_path
 
@@ -153,18 +153,18 @@ class Robot(Mechanism):
         *,
         options: IkOptions | None = None,
     ) -> IkTable:
-        """Find axis values for many poses that have nothing to do with each other; on all cores with the extra `fast`.
+        """Find axis values for many independent poses, on all cores with the extra `fast`.
 
         Args:
             poses: (N, 4, 4) poses or a sequence of `pin.SE3`, tool in the workpiece frame [m].
-            starts: Axis values (n_axes,) for all poses or (N, n_axes); None: configurations whose poses are near.
+            starts: Axis values (n_axes,) for all poses or (N, n_axes); None: sampled configurations with nearby poses.
             held: As for `ik`, the same for all poses.
             progress: True: a progress bar on standard error.
             options: As for `ik`.
 
         Raises:
-            AxisValueError: starts or held of wrong count, unknown name or not finite.
-            ChainbuildError: a pose is no rigid transform.
+            AxisValueError: starts or held has a wrong number of values, an unknown name or a non-finite value.
+            ChainbuildError: a pose is not a rigid transform.
         """
         from chainbuild.ik.search.batch import solve_batch
 
@@ -180,17 +180,16 @@ class Robot(Mechanism):
     ) -> Branches:
         """Find every branch of a pose inside the limits, nearest to the start first, verified by forward kinematics.
 
-        Where the plan is complete (`plan`) none is missing; else they are what damped descents from many starts come
-        upon.
+        The result is complete if the plan is (`plan`); else it holds what damped descents from many starts find.
 
         Args:
             T: Tool in the workpiece frame [m]: `pin.SE3` or a (4, 4) array.
-            start: Axis values (n_axes,) the order counts from; axes that a singular pose leaves free keep theirs.
+            start: Axis values (n_axes,) that order the branches; axes that a singular pose leaves free keep theirs.
             held: As for `ik`.
-            windings: True: every whole turn within the limits is a branch of its own, not only the nearest.
+            windings: True: return every whole turn within the limits as a branch; False: only the nearest.
 
         Raises:
-            ChainbuildError: T is no rigid transform, or more axes are free than the pose determines.
+            ChainbuildError: T is not a rigid transform, or more axes are free than the pose determines.
         """
         from chainbuild.ik.branches.every import ik_all
 
@@ -203,25 +202,25 @@ class Robot(Mechanism):
 
         Args:
             poses: (N, 4, 4) poses or a sequence of `pin.SE3`, tool in the workpiece frame [m].
-            limits: False: every branch, whatever the limits.
-            compiled: False: NumPy, even where numba is installed.
+            limits: False: every branch, regardless of limits.
+            compiled: False: NumPy, even if numba is installed.
 
         Raises:
-            ChainbuildError: the robot is no ortho-parallel arm with a spherical wrist, or a pose is no rigid transform.
+            ChainbuildError: the robot is not an ortho-parallel arm with a spherical wrist, or a pose is not rigid.
         """
         from chainbuild.ik.branches.opw.batch import ik_all_batch
 
         return ik_all_batch(self, poses, limits=limits, compiled=compiled)
 
     def plan(self, held: Mapping[str, float] | Iterable[str] = ()) -> SolverPlan:
-        """Return how this robot's poses are solved while some axes are held: by what, why, and whether completely.
+        """Return the solver of this robot's poses while some axes are held, its reason, and whether it is complete.
 
         Args:
-            held: Axis name → value, or names of axes held at 0. A held value can decide: an arm whose fourth axis
-                stands at 0 may be simpler than at 30 degrees.
+            held: Axis name → value, or names of axes held at 0. The value matters: an arm with its fourth axis at 0
+                may be simpler than at 30 degrees.
 
         Raises:
-            AxisValueError: an unknown name, or not finite.
+            AxisValueError: an unknown name, or a value that is not finite.
         """
         from chainbuild.ik.plan import plan_of
 
@@ -235,16 +234,16 @@ class Robot(Mechanism):
         locked: Iterable[str] = (),
         current: Mapping[str, Mapping[str, float] | Sequence[float]] | None = None,
     ) -> Distribution:
-        """Hand a tool position out to the partial kinematics of a composed robot (KIN_TYP 210, `chain.compose`).
+        """Distribute a tool position over the partial kinematics of a composed robot (KIN_TYP 210, `chain.compose`).
 
         Args:
             tcp: X, Y, Z [mm], A, B, C [degrees] of the tool in the workpiece frame, all six or some by letter.
             axes: Directly programmed coordinates: "PARTIAL.X" → value, or PARTIAL → letter → value.
             locked: Coordinates of partials that keep their values, such as "PARTIAL.X".
-            current: PARTIAL → values it has now; without it all are 0.
+            current: PARTIAL → its current values [mm, degrees]; default: all 0.
 
         Returns:
-            Six Cartesian values a partial; its `axes()` are the second step.
+            Six Cartesian values per partial; `axes()` of the result returns the axis values.
 
         Raises:
             AxisValueError: an unknown partial or coordinate, or a freedom that a partial does not have.

@@ -15,12 +15,15 @@ RIGHT_ANGLE_DEG: Final = 1e-12
 # Below this cosine of the middle angle the first and third pose angle cannot be told apart (gimbal lock).
 GIMBAL_LOCK: Final = 1e-9
 
-# Arithmetic noise of an angle [rad] or of a cosine: below it nothing is told apart.
+# Arithmetic noise of an angle [rad] or of a cosine: smaller differences are ignored.
 ANGLE_NOISE: Final = 1e-13
 
-# An axis, or a sum of axes, this far [mm, deg] beyond its limit stands on it, but for rounding: controls count in
-# 1e-4 mm or degrees, and what a micrometre of the pose stands for is more.
+# An axis, or a sum of axes, this little [mm, deg] beyond its limit is taken to be at the limit: controls count in
+# 1e-4 mm or degrees, and a micrometre of the pose corresponds to more.
 LIMIT_SLACK: Final = 1e-6
+
+# An axis value [deg] counts as below zero for status and turn from here on: -2.5e-15 is a zero that was rounded.
+BELOW_ZERO_DEG: Final = 1e-9
 
 # A direction vector shorter than this is taken as zero.
 ZERO_VECTOR: Final = 1e-12
@@ -34,7 +37,7 @@ ROTATION_MATRIX: Final = 1e-6
 # How far a quaternion's norm may be from 1 in a table: files carry rounded digits.
 QUATERNION_NORM: Final = 1e-3
 
-# Pose angles in a table contradict the quaternion beside them where they are farther apart: four decimals of a
+# Pose angles in a table contradict the quaternion beside them where they differ by more: four decimals of a
 # quaternion are 0.01 degrees.
 ANGLES_BESIDE_QUATERNION_DEG: Final = 0.05
 
@@ -48,12 +51,12 @@ ASSUMED_LINEAR_LIMIT_MM: Final = 10_000.0
 # Larger axis values than this are taken as a mistake: the arithmetic could not keep 1e-6 mm.
 HUGE_AXIS_VALUE: Final = 1e9
 
-# Arms whose main lengths part by more than this factor, or that reach less or farther than this, are doubted: most
-# come of a wrong unit. Nothing is refused for it.
+# Arms whose main lengths differ by more than this factor, or whose reach is outside this range, leave a warning: most
+# have a wrong unit. None is refused for it.
 ARM_LENGTH_RATIO: Final = 50.0
 ARM_REACH_MM: Final = (50.0, 50_000.0)
 
-# A count of 1e-4 mm or degrees below this (0.1 mm) that has a fraction is doubted: it looks like a value in mm.
+# A count of 1e-4 mm or degrees below this (0.1 mm) with a fraction leaves a warning: it looks like a value in mm.
 FRACTIONAL_COUNT: Final = 1000.0
 
 # A pose farther away than this [m] is taken as a mistake.

@@ -80,5 +80,5 @@ def unit_of(kind: AxisKind) -> AxisUnit:
 
 
 def si_factor(kind: AxisKind) -> float:
-    """Return what an axis value (mm or degrees) is multiplied with to get SI."""
+    """Return the factor from an axis value (mm or degrees) to SI."""
     return M_PER_MM if kind == "linear" else RAD_PER_DEG

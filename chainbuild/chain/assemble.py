@@ -141,14 +141,14 @@ def assemble(
 
     Args:
         axes: The controller's axes in channel order.
-        tool: Base → tool; the end is frame `tool`. A missing mark "flange" falls on the tool.
+        tool: Base → tool; the end is frame `tool`. Without a mark "flange" the flange is the tool.
         workpiece: Base → workpiece; the end is frame `workpiece`.
         axis_map: A nonlinear map over the joints in the order tool branch, workpiece branch; None: the affine one
-            that the joints' drives describe. The joints of such a map have no drive where it bends or couples them;
-            where one axis alone drives them, they are folded all the same, and the map hands that axis through.
+            that the joints' drives describe. Joints that a nonlinear map couples or bends have no drive; joints that
+            one axis alone drives are folded all the same, and the map passes that axis on.
 
     Raises:
-        ChainError: a drive names an unknown axis, a name is double, or the map is singular.
+        ChainError: a drive names an unknown axis, a name is duplicate, or the map is singular.
     """
     links, joints, marks = [Link(BASE_LINK)], [], [Frame("base", BASE_LINK, np.eye(4))]
     kinds = {axis.name: axis.kind for axis in axes}

@@ -39,7 +39,7 @@ class AxisMap(Protocol):
 
 @runtime_checkable
 class PartialMap(Protocol):
-    """An axis map without joint values (not a number) at some axis values, which can say why."""
+    """An axis map that has no joint values (NaN) at some axis values and can give the reason."""
 
     def refusal(self, axes: Vector) -> ChainbuildError | None:
         """Return why there are no joint values at axis values (n_axes,), or None where there are."""
@@ -47,7 +47,7 @@ class PartialMap(Protocol):
 
 
 def refusal_of(axis_map: AxisMap, axes: Vector) -> ChainbuildError | None:
-    """Return why a map has no joint values at axis values (n_axes,), or None where it does not say."""
+    """Return why a map has no joint values at axis values (n_axes,), or None where it gives no reason."""
     return axis_map.refusal(axes) if isinstance(axis_map, PartialMap) else None
 
 
@@ -58,7 +58,7 @@ class AffineMap:
     Attributes:
         A: (n_q, n_axes), SI by SI.
         b: (n_q,), SI.
-        si_factors: (n_axes,) what axis values are multiplied with to get SI.
+        si_factors: (n_axes,) factors from axis values to SI.
         back: (n_axes, n_q) left inverse of A.
     """
 
@@ -110,7 +110,7 @@ def joint_values(axis_map: AxisMap, axes: Vector) -> Vector:
     """Return the joint values (n_q,) of axis values (n_axes,), mm and degrees.
 
     Raises:
-        ChainbuildError: the map has none there; what it says itself where it knows why.
+        ChainbuildError: the map has none there; its own error where it knows the reason.
     """
     q = axis_map.q(axes)
     if not isinstance(axis_map, AffineMap) and not np.isfinite(q).all():

@@ -33,10 +33,10 @@ _STOUT: Final = 0.055
 _SLENDER: Final = 0.032
 # A machine with long strokes and small heads is drawn as thick as an arm of this share of its stroke.
 _STROKE_SHARE: Final = 0.35
-# Where nobody gave limits: the range drawn and swept, as a share of the machine's size, and in degrees.
+# Without known limits: the range drawn and swept, as a share of the machine's size, and in degrees.
 _ASSUMED_STROKE_SHARE: Final = 0.5
 _ASSUMED_TURN_DEG: Final = 180.0
-# More than one turn either way tells the eye nothing.
+# More than one turn either way shows nothing new.
 _SHOWN_TURN_DEG: Final = 360.0
 
 
@@ -68,7 +68,7 @@ def link_bodies(chain: Chain) -> tuple[Body, ...]:
 
 
 def detail_bodies(chain: Chain) -> tuple[Body, ...]:
-    """Return what makes a drawing readable: joint housings, rails, flange, tool, table and the lever of a rod."""
+    """Return the details of a drawing: joint housings, rails, flange, tool, table and the lever of a rod."""
     drawing = _Drawing(chain)
     bodies = [drawing.joint_body(joint, n) for n, joint in enumerate(drawing.joints)]
     return (*bodies, *drawing.lever_bodies(), *drawing.tip_bodies())
@@ -108,7 +108,7 @@ def _shown(axis: Axis, size_mm: float) -> tuple[float, float]:
 class _Drawing:
     """The rule from chain to bodies, with what it needs to look up.
 
-    Its joints are those that the recipe draws: how an axis counts has no part in what a machine looks like.
+    Its joints are those that the recipe draws: the sign and zero of an axis do not change what a machine looks like.
     """
 
     def __init__(self, chain: Chain) -> None:
@@ -210,7 +210,7 @@ class _Drawing:
         return down if workpiece.link == link else np.zeros(3)
 
     def lever_bodies(self) -> list[Body]:
-        """Return what carries the pin of a parallelogram's rod on the forearm."""
+        """Return the lever that carries the pin of a parallelogram's rod on the forearm."""
         if not has_rods(self.chain):
             return []
         pin = self.chain.frame(ROD_PIN)

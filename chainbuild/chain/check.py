@@ -1,6 +1,6 @@
 """The check of a chain: a tree, unique names, both tips, an axis map of the right shape.
 
-And doubts about the lengths of arms, the same for both dialects: warnings only, for a strange machine is still one.
+Also warnings about implausible arm lengths, the same for both dialects: an unusual machine is not refused.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def check_chain(chain: Chain) -> None:
     """Refuse a chain that contradicts itself.
 
     Raises:
-        ChainError: a double name, a link with no or two parents, a missing frame, a placement that is no rigid
+        ChainError: a duplicate name, a link with no or two parents, a missing frame, a placement that is not a rigid
             transform, a direction not of length 1, or an axis map of the wrong shape.
     """
     _unique("link", (link.name for link in chain.links))
@@ -40,7 +40,7 @@ def check_chain(chain: Chain) -> None:
 def _unique(what: str, names: Iterable[str]) -> None:
     for name, count in Counter(names).items():
         if count > 1:
-            raise ChainError(f"{what} {name} stands {count} times in the chain")
+            raise ChainError(f"{what} {name} occurs {count} times in the chain")
 
 
 def _check_tree(chain: Chain) -> None:
@@ -48,25 +48,25 @@ def _check_tree(chain: Chain) -> None:
     known = {link.name for link in chain.links}
     for joint in chain.joints:
         if joint.parent not in reached:
-            raise ChainError(f"joint {joint.name} hangs on link {joint.parent}, which no earlier joint reaches")
+            raise ChainError(f"joint {joint.name} starts at link {joint.parent}, which no earlier joint moves")
         if joint.child in reached:
             raise ChainError(f"link {joint.child} has two parents; a closed loop is a Loop record, not a joint")
         if joint.child not in known:
             raise ChainError(f"joint {joint.name} moves the unknown link {joint.child}")
         reached.add(joint.child)
     if known - reached:
-        raise ChainError(f"no joint carries link {', '.join(sorted(known - reached))}")
+        raise ChainError(f"no joint moves link {', '.join(sorted(known - reached))}")
     named = {frame.name for frame in chain.frames}
     missing = [name for name in FRAME_NAMES if name not in named]
     if missing:
-        raise ChainError(f"the chain lacks frame {', '.join(missing)}")
+        raise ChainError(f"the chain has no frame {', '.join(missing)}")
     for frame in chain.frames:
         if frame.link not in known:
-            raise ChainError(f"frame {frame.name} sits on the unknown link {frame.link}")
+            raise ChainError(f"frame {frame.name} is fixed to the unknown link {frame.link}")
     for loop in chain.loops:
         for end in (loop.frame_a, loop.frame_b):
             if end not in named:
-                raise ChainError(f"loop {loop.name} ends at the unknown frame {end}")
+                raise ChainError(f"loop {loop.name} closes at the unknown frame {end}")
 
 
 def _check_placements(chain: Chain) -> None:
@@ -77,22 +77,22 @@ def _check_placements(chain: Chain) -> None:
             raise ChainError(f"the placement of {what} is not a finite rigid transform")
     for joint in chain.joints:
         if abs(float(np.linalg.norm(joint.direction)) - 1.0) > 1e-12:
-            raise ChainError(f"the direction of joint {joint.name} is not of length 1")
+            raise ChainError(f"the direction of joint {joint.name} is not a unit vector")
 
 
 def _check_axes(chain: Chain) -> None:
     middle = np.array([(axis.lower + axis.upper) / 2 for axis in chain.axes])
     shape = chain.axis_map.dq_daxes(middle).shape
     if shape != (len(chain.joints), len(chain.axes)):
-        raise ChainError(f"the axis map has shape {shape}, the chain {(len(chain.joints), len(chain.axes))}")
+        raise ChainError(f"expected an axis map of shape {(len(chain.joints), len(chain.axes))}, got {shape}")
     for axis in chain.axes:
         if not axis.lower < axis.upper:
-            raise ChainError(f"axis {axis.name} has the empty range {axis.lower} … {axis.upper}")
+            raise ChainError(f"axis {axis.name} has an empty range: {axis.lower} … {axis.upper}")
 
 
 @dataclass(frozen=True, slots=True)
 class ArmLength:
-    """A length that an arm cannot do without.
+    """A length that an arm needs.
 
     Attributes:
         what: "the upper arm", "the second arm" … .
@@ -108,7 +108,7 @@ class ArmLength:
 
 
 def check_length_magnitudes(lengths: Sequence[ArmLength], collector: Collector) -> None:
-    """Warn of main lengths of an arm that are 0, or far apart from each other."""
+    """Warn of main lengths of an arm that are 0 or differ widely."""
     for one in lengths:
         if one.length_mm == 0.0:
             text = f"{one.what} ({one.parameter}) has length 0: the axes at its ends coincide"
@@ -117,17 +117,17 @@ def check_length_magnitudes(lengths: Sequence[ArmLength], collector: Collector) 
     if len(real) > 1 and real[-1].length_mm > tolerances.ARM_LENGTH_RATIO * real[0].length_mm:
         short, long = real[0], real[-1]
         text = f"{short.what} is {_mm(short.length_mm)} long and {long.what} {_mm(long.length_mm)}"
-        hint = f"is the unit or the index of {short.parameter} or {long.parameter} right?"
+        hint = f"check the unit and the index of {short.parameter} and {long.parameter}"
         collector.add("CB513", text, span=short.span, parameter=short.parameter, hint=hint)
 
 
 def check_reach_magnitude(reach_mm: float, span: Span | None, hint: str, collector: Collector) -> None:
-    """Warn of an arm whose lengths together are too short or too long for a machine; nothing is said of none at all.
+    """Warn of an arm whose lengths together are too short or too long for a machine; a reach of 0 leaves no warning.
 
     Args:
         reach_mm: Sum of its lengths.
         span: Place of a length.
-        hint: What unit may have been mistaken.
+        hint: Which unit may be wrong.
         collector: Takes the finding.
     """
     least, most = tolerances.ARM_REACH_MM

@@ -1,14 +1,13 @@
 """Chains made of chains: one carried by another, or one whose workpiece another carries.
 
-Both are one operation: the tree of a guest, re-rooted at its workpiece frame, is grafted on a link of its host. A guest
-whose workpiece moves is turned round on that way: the joints between its base and its workpiece keep their values and
-point the other way, their placements are inverted as they are drawn. That is exact, and nothing else of the guest
-changes.
+Both are one operation: the tree of a guest, re-rooted at its workpiece frame, is grafted on a link of its host. Where
+the guest's workpiece moves, the path to it is reversed: the joints between base and workpiece keep their values and
+point the other way, their placements are inverted as drawn. That is exact, and nothing else of the guest changes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,12 +15,49 @@ from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import Block, side_by_side
-from chainbuild.chain.carried import carried_c, joined_geometry, padded, padded_constraints
-from chainbuild.chain.elements import Chain, Frame, Joint, Link, Loop, Partial
+from chainbuild.chain.elements import AxisConstraint, AxisSum, Chain, Frame, Joint, Link, Loop, Partial
 from chainbuild.chain.fold import drawn, joint_motion
+from chainbuild.chain.geometry import Geometry
 from chainbuild.chain.names import Names, as_name, free_name
 from chainbuild.chain.poses import path_to
 from chainbuild.frames import inverse
+
+
+def padded_constraints(chain: Chain, before: int, after: int) -> Iterable[AxisConstraint]:
+    """Yield the limits on sums of axes of a chain, with other axes before and after its own."""
+    for constraint in chain.constraints:
+        yield replace(constraint, sum=padded(constraint.sum, before, after))
+
+
+def padded(total: AxisSum, before: int, after: int) -> AxisSum:
+    """Return a sum over more axes, those before and after having no part in it."""
+    return AxisSum((0.0,) * before + total.coefficients + (0.0,) * after, total.offset)
+
+
+def carried_c(lower: Chain, T_offset: Matrix, upper: Chain) -> AxisSum | None:
+    """Return upper's running angle C, which still is one where lower and the offset only shift."""
+    turned = any(joint.kind == "revolute" for joint in lower.joints) or not np.array_equal(T_offset[:3, :3], np.eye(3))
+    if upper.absolute_c is None or turned:
+        return None
+    return padded(upper.absolute_c, len(lower.axes), 0)
+
+
+def joined_geometry(host: Geometry, guest: Geometry, names: Names, moved: Sequence[str]) -> Geometry:
+    """Return what overlays say about the bodies of both.
+
+    Args:
+        host: Of the chain that is grafted on.
+        guest: Of the chain that is grafted.
+        names: The guest's new names.
+        moved: The guest's links whose frames are elsewhere now: their shapes are drawn by rule again.
+    """
+    named = {link: new for link, new in names.links.items() if link not in moved}
+    return replace(
+        host,
+        radii={**{named[link]: r for link, r in guest.radii.items() if link in named}, **host.radii},
+        shapes={**{named[link]: s for link, s in guest.shapes.items() if link in named}, **host.shapes},
+        ignore=(*host.ignore, *((names.links[a], names.links[b]) for a, b in guest.ignore)),
+    )
 
 
 def stack(
@@ -30,14 +66,14 @@ def stack(
     """Return two chains one on top of the other: the pose is lower's · T_offset · upper's.
 
     Axes, constraints, conventions and findings of both are carried over, lower's first. Frames `tool` and `flange` are
-    upper's, `workpiece` is lower's; what they hide stays under prefixed names (`LOWER_tool`, `LOWER_flange`,
+    upper's, `workpiece` is lower's; the frames they hide keep prefixed names (`LOWER_tool`, `LOWER_flange`,
     `UPPER_base`).
 
     Args:
         lower: The chain whose tool frame carries the other.
         T_offset: (4, 4) upper's workpiece frame in lower's tool frame [m].
         upper: The carried chain.
-        lower_name: Prefix of lower's hidden frames; None: the name of what stands on top of it.
+        lower_name: Prefix of lower's hidden frames; None: the name of its topmost partial.
         upper_name: Prefix of upper's names that lower has already; None: its name.
     """
     tool = lower.frame("tool")
@@ -59,13 +95,13 @@ def stack(
 def follow(chain: Chain, *, workpiece_of: Chain, name: str | None = None, other_name: str | None = None) -> Chain:
     """Return a chain whose workpiece frame rides on the tool frame of another: the pose is other's⁻¹ · chain's.
 
-    Both count from one coordinate system: the workpiece frame of `chain` and that of the other.
+    Both refer to one coordinate system: the workpiece frame of `chain` and that of the other.
 
     Args:
         chain: The chain that carries the tool.
         workpiece_of: The chain that carries the workpiece.
         name: Name of `chain` among the partials; None: its own.
-        other_name: Prefix of the other's names that `chain` has already; None: the name of what stands on top of it.
+        other_name: Prefix of the other's names that `chain` has already; None: the name of its topmost partial.
     """
     other = workpiece_of
     place = chain.frame("workpiece")
@@ -88,9 +124,9 @@ def follow(chain: Chain, *, workpiece_of: Chain, name: str | None = None, other_
 
 
 def beside(chain: Chain, other: Chain, *, name: str | None = None, other_name: str | None = None) -> Chain:
-    """Return a chain with another beside it that neither carries its tool nor its workpiece.
+    """Return a chain with another beside it that carries neither its tool nor its workpiece.
 
-    The other's tips stay as frames `OTHER_tool` and `OTHER_flange`; the pose does not depend on its axes.
+    The other's tips remain as frames `OTHER_tool` and `OTHER_flange`; the pose does not depend on its axes.
     """
     own, prefix = as_name(name or chain.name), as_name(other_name or _top(other))
     place = chain.frame("workpiece")
@@ -116,7 +152,7 @@ def _with_new_group(chain: Chain, own: str, other: Chain, prefix: str) -> tuple[
 
 
 def displaced(chain: Chain, T: Matrix, *, name: str | None = None) -> Chain:
-    """Return a chain that counts from elsewhere: the pose is T · the chain's.
+    """Return a chain with a displaced workpiece frame: the pose is T · the chain's.
 
     Args:
         chain: The chain.
@@ -141,7 +177,7 @@ class _Rerooted:
         root: Link that takes the place of the base.
         joints: Joints, parents first.
         order: Index of each of them in the chain.
-        placements: Link → (4, 4) what its old placements are multiplied with from the left.
+        placements: Link → (4, 4) left factor of its old placements.
     """
 
     root: str
@@ -151,14 +187,14 @@ class _Rerooted:
 
 
 def _reroot(chain: Chain, root: Frame) -> _Rerooted:
-    """Turn the joints between the base and a frame round, so that the frame's link leads."""
+    """Reverse the joints between the base and a frame, so that the frame's link becomes the root."""
     path = path_to(chain, root.link)
     T = inverse(root.T_link_frame)
     placements = {root.link: T}
     turned: dict[str, Joint] = {}
     for joint in reversed(path):
         back = replace(joint, parent=joint.child, child=joint.parent, direction=-joint.direction + 0.0)
-        # T is where the joint stands as drawn; its zero is laid into the placement again.
+        # T is the joint's placement as drawn; its zero is folded into the placement again.
         placement = T @ joint_motion(back, -joint.zero) if joint.zero else T
         turned[joint.name] = replace(back, T_parent_joint=placement)
         # The frame of the former parent link is now the joint's own, moved.
@@ -229,7 +265,7 @@ def _loop(loop: Loop, names: Names) -> Loop:
 
 def _blocks(host: Chain, guest: Chain, order: NDArray[np.intp]) -> tuple[Block, Block]:
     n_axes, n_q = len(host.axes), len(host.joints)
-    # order says which old joint stands at each new place; the map needs the new place of each old joint.
+    # order says which old joint is at each new place; the map needs the new place of each old joint.
     places = np.empty_like(order)
     places[order] = np.arange(len(order))
     return (
@@ -249,7 +285,7 @@ def _renamed(frames: Iterable[Frame], names: dict[str, str]) -> tuple[Frame, ...
 
 
 def _hidden(chain: Chain, prefix: str, *names: str) -> tuple[Frame, ...]:
-    """Return the frames with some of them under prefixed names that nothing else bears."""
+    """Return the frames with some of them under prefixed names that are not in use."""
     taken = [frame.name for frame in chain.frames]
     new = {name: free_name(f"{prefix}_{name}", taken) for name in names}
     return _renamed(chain.frames, new)
@@ -265,7 +301,7 @@ def _partials(chain: Chain, name: str) -> tuple[Partial, ...]:
 
 
 def _numbered(partials: tuple[Partial, ...]) -> tuple[Partial, ...]:
-    """Return partials of which no two bear the same name."""
+    """Return partials, each with a name of its own."""
     names: list[str] = []
     for partial in partials:
         names.append(free_name(partial.name, names))

@@ -37,9 +37,9 @@ class Link:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Joint:
-    """One freedom between two links.
+    """One degree of freedom between two links.
 
-    Where one axis alone drives it, with factor ±1, its value is the axis value in SI: `fold` has laid the sign and the
+    Where one axis alone drives it, with factor ±1, its value is the axis value in SI: `fold` has put the sign and the
     zero of the axis into placement and direction.
 
     Attributes:
@@ -49,8 +49,8 @@ class Joint:
         child: Name of the link it moves.
         T_parent_joint: (4, 4) placement at joint value 0 [m].
         direction: (3,) unit vector of the joint axis in the joint's own frame.
-        zero: Joint value [m, rad] at which it stands as its recipe draws it.
-        reversed: True where it moves against the direction that its recipe draws.
+        zero: Joint value [m, rad] of the position in which its recipe draws it.
+        reversed: True where it moves against the direction drawn in its recipe.
     """
 
     name: str
@@ -119,7 +119,7 @@ class Axis:
 
     @classmethod
     def unlimited(cls, name: str, kind: AxisKind, carries: Literal["tool", "workpiece"] = "tool") -> Axis:
-        """Build an axis whose limits nobody gave."""
+        """Build an axis without known limits."""
         from chainbuild import tolerances
 
         bound = tolerances.ASSUMED_LINEAR_LIMIT_MM if kind == "linear" else tolerances.ASSUMED_ROTARY_LIMIT_DEG
@@ -203,12 +203,12 @@ class ControllerSolver:
 
 @dataclass(frozen=True, slots=True)
 class SingularityWatch:
-    """What a control itself watches near singularities (ROBX manual 10).
+    """How a control monitors singularities (ROBX manual 10).
 
     Attributes:
         threshold: SD41670: at and below it a position is singular; None where the file does not give it.
-        clearance: SD41671: between the two a position is looked at more closely; None as well.
-        speed_alarm: Alarm where an axis would have to be too quick.
+        clearance: SD41671: between the two a position is examined more closely; None likewise.
+        speed_alarm: Alarm where an axis would exceed its speed.
     """
 
     threshold: float | None
@@ -218,7 +218,7 @@ class SingularityWatch:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Partial:
-    """One of the kinematics that a composed chain was made of, for those who have to move it by itself.
+    """One of the kinematics of a composed chain, for moving it separately.
 
     Attributes:
         name: Its name among the others.
@@ -227,7 +227,7 @@ class Partial:
             in the workpiece frame of the whole.
         first_axis: Index of its first axis in the composed chain.
         group: 0: carries the tool; 1, 2, …: other branches, the workpiece's among them.
-        rank: Place in the order in which a motion of the tool is handed out; None: as it is stacked.
+        rank: Rank in the distribution of a tool motion; None: by its place in the stack.
         locked: Coordinates ("X" … "C") that a motion of the tool does not move.
     """
 
@@ -256,16 +256,16 @@ class Chain:
         axis_map: From axis values to joint values.
         angle_mode: Name in `frames.ANGLE_MODES` of the pose angles A, B, C.
         loops: Closures; empty for a tree.
-        task: What inverse kinematics solves for; "auto" finds out from the Jacobian.
-        conventions: What shaped the chain although the manuals leave it open.
+        task: What inverse kinematics solves for; "auto" decides by the Jacobian.
+        conventions: The conventions that shaped the chain, for what the manuals leave open.
         findings: Findings of the file and of the translation.
         constraints: Limits on sums of axes.
-        absolute_c: What the controller shows as pose angle C in place of the angle of the pose, where it runs on.
+        absolute_c: What the controller shows as pose angle C where C continues over whole turns.
         tool_axis: Axis of the tool frame that is the tool direction: what a 5-axis chain can point.
         partials: What a composed chain was made of, in the order of the axes; empty for a single kinematic.
         follows_c: True where position and pose angle C are programmed and A and B follow (ROBX robots of four axes).
         controller_solver: Budget of the control's own iterative inverse, where its data are known.
-        singularity_watch: What the control watches near singularities, where that is known.
+        singularity_watch: How the control monitors singularities, where that is known.
         geometry: What the overlay says about its bodies.
     """
 

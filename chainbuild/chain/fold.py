@@ -4,8 +4,8 @@ A recipe draws a joint and says how an axis moves it: θ = sign·a + offset. Fol
 
     T·M(d, sign·a + offset) = T·M(d, offset) · M(sign·d, a)
 
-What it moves stands where it stood before, and so does every frame on it. What is a matter of drawing (bodies, sizes,
-the sense of a crank) is asked of the joint as its recipe draws it, so that the way an axis counts changes none of it.
+Links and frames keep their poses. Whatever depends on the drawing (bodies, sizes, the sense of a crank) uses the joint
+as its recipe draws it, so that the sign and zero of an axis do not change it.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def folded(joint: Joint, sign: float, offset: float) -> Joint:
 
 
 def drawn(joint: Joint) -> Joint:
-    """Return the joint as its recipe draws it: where it stands at `zero`, moving in the direction drawn."""
+    """Return the joint as its recipe draws it: placed as at `zero`, moving in the direction drawn."""
     return replace(
         joint,
         T_parent_joint=joint.T_parent_joint @ joint_motion(joint, joint.zero) if joint.zero else joint.T_parent_joint,
@@ -76,7 +76,7 @@ def drawn_bounds(joints: Sequence[Joint], low: Vector, high: Vector) -> tuple[Ve
 
 
 def reach(chain: Chain, low: Vector, high: Vector) -> float:
-    """Return a bound on the distance between tool and workpiece [m]: all offsets and strokes put in one line.
+    """Return a bound on the distance between tool and workpiece [m]: the sum of all offsets and strokes.
 
     Args:
         chain: The chain.

@@ -22,7 +22,7 @@ class Shape:
         size: Edges of the box along x, y, z [m].
         place: Box, hull and mesh: x, y, z [m] in the link's frame, then A, B, C [deg] of Rz(A)·Ry(B)·Rx(C).
         file: Hull and mesh: the file, STL, OBJ or whatever else the mesh reader knows.
-        scale: Hull and mesh: metres a unit of the file.
+        scale: Hull and mesh: metres per unit of the file.
     """
 
     kind: ShapeKind

@@ -134,8 +134,8 @@ class _Reader:
     def _from_file(self, link: str, kind: ShapeKind, entry: Mapping[str, object], place: Numbers) -> Shape:
         name = entry[kind]
         if not isinstance(name, str):
-            raise self.refuse(link, "the name of a file of a mesh")
+            raise self.refuse(link, "the file name of a mesh")
         scale = self.number(link, entry.get("scale", _MESH_UNIT))
         if scale <= 0.0:
-            raise self.refuse(link, "a scale above 0, metres a unit of the file")
+            raise self.refuse(link, "a scale above 0, metres per unit of the file")
         return Shape(kind, place=place, file=self.folder / name, scale=scale)

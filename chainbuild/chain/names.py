@@ -19,7 +19,7 @@ def as_name(text: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Names:
-    """What the guest's names become: old name → new name."""
+    """New names of the guest: old name → new name."""
 
     links: Mapping[str, str]
     joints: Mapping[str, str]
@@ -34,12 +34,12 @@ class Names:
         Args:
             host: The chain that is grafted on.
             guest: The chain that is grafted.
-            prefix: What stands before a name that the host has.
+            prefix: Put before a name that the host has already.
             link: The host's link that the guest's root link becomes one with.
             root: The guest's root link.
         """
         taken_links = {entry.name for entry in host.links} | {frame.name for frame in host.frames}
-        # A base that moves is no longer one; as a link it must not bear the name of the guest's frame `base`.
+        # A base that moves is no longer one; as a link it must not have the name of the guest's frame `base`.
         own = [f"{prefix}_{BASE_LINK}_link" if e.name == BASE_LINK else e.name for e in guest.links]
         links = dict(zip((entry.name for entry in guest.links), _free(own, prefix, taken_links).values(), strict=True))
         links[root] = link

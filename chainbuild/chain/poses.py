@@ -1,4 +1,4 @@
-"""Where the frames of a chain stand, in NumPy alone: for what is worked out while chains are still being built."""
+"""Placements of the frames of a chain, in NumPy alone: for use while chains are still being built."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def rotation_vector(R: Matrix) -> Vector:
 
 
 def angle_rates(mode: str, angles_deg: Sequence[float]) -> Matrix:
-    """Return (3, 3): the angular velocities that the angles A, B, C of a mode make at unit speed, outer axes."""
+    """Return the angular velocities (3, 3) of the angles A, B, C of a mode at unit speed, in the outer axes."""
     by_letter = dict(zip("ABC", angles_deg, strict=True))
     rates, R = np.zeros((3, 3)), np.eye(3)
     for axis, letter, sign in ANGLE_MODES[mode].factors:
@@ -77,7 +77,7 @@ def angle_rates(mode: str, angles_deg: Sequence[float]) -> Matrix:
 
 
 def _column(joint: Joint, links: dict[str, Matrix], tip: Vector) -> Vector:
-    """Return the velocity of the tip and the angular velocity, in the base, a joint makes at unit speed."""
+    """Return the velocity of the tip and the angular velocity, in the base, of a joint at unit speed."""
     T = links[joint.parent] @ joint.T_parent_joint
     direction = T[:3, :3] @ joint.direction
     if joint.kind == "prismatic":

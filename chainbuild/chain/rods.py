@@ -12,7 +12,7 @@ Side view; the crank turns with the forearm, the rod stays parallel to the upper
 Crank and forearm are parallel, so are rod and upper arm: with equal lengths the rod's end falls on the forearm's pin
 at every angle. An arm whose elbow angle is a joint of its own carries the crank on its upper arm: the crank turns by
 the elbow's angle, the rod back by it. An arm with a level flange gets level links without mass at shoulder and elbow;
-what hangs on them turns by one angle each, and the head is kept level by the forearm's own angle. Every joint of a rod
+what they carry turns by one angle each, and the head is kept level by the forearm's own angle. Every joint of a rod
 therefore follows one other joint.
 """
 
@@ -54,7 +54,7 @@ class _Row:
 
 
 def with_rods(chain: Chain, data: RodData) -> Chain:
-    """Return the chain with the rods of its parallelogram; its poses and axes stay the same, its joints are more.
+    """Return the chain with the rods of its parallelogram; poses and axes stay the same, joints are added.
 
     Args:
         chain: A chain whose second and third rotary joints are parallel and follow one another.
@@ -64,7 +64,7 @@ def with_rods(chain: Chain, data: RodData) -> Chain:
         ChainError: there is no such pair of joints, the axis map is not affine, or the arm has no length.
     """
     if not isinstance(chain.axis_map, AffineMap):
-        raise ChainError("rods need an axis map that is affine")
+        raise ChainError("rods need an affine axis map")
     rows = [_Row(*row) for row in zip(chain.joints, chain.axis_map.A, chain.axis_map.b.tolist(), strict=True)]
     shoulder, elbow = _parallel_pair(rows)
     pin = _pin(chain, drawn(elbow.joint), data)
@@ -123,7 +123,7 @@ def rod_masters(chain: Chain) -> dict[str, tuple[str, float, float]]:
 
 
 def _followers_of_level(chain: Chain) -> list[str]:
-    """Return the names of joints that no axis bears: the one that keeps the head level."""
+    """Return the names of the joints without an axis of their own: the one that keeps the head level."""
     axes = {axis.name for axis in chain.axes}
     return [joint.name for joint in chain.joints if joint.name not in axes]
 
@@ -158,7 +158,7 @@ def _with_fold(row: _Row, axes: Sequence[Axis]) -> _Row:
 def _pin(chain: Chain, elbow: Joint, data: RodData) -> Vector:
     """Return where the rod meets the forearm, in the forearm's frame, and the crank, in the crank's [m].
 
-    Angle and side count about the elbow as the recipe draws it, whichever way its axis counts.
+    Angle and side count about the elbow as the recipe draws it, whatever the sign of its axis.
     """
     d = elbow.direction
     ahead = _forearm(chain, elbow)
@@ -166,7 +166,7 @@ def _pin(chain: Chain, elbow: Joint, data: RodData) -> Vector:
     arm = elbow.T_parent_joint[:3, 3]
     length = float(np.linalg.norm(arm))
     if np.linalg.norm(across) < _PARALLEL or length < _PARALLEL:
-        raise ChainError("rods need an upper arm and a forearm of some length")
+        raise ChainError("rods need an upper arm and a forearm longer than 0")
     x = unit(across)
     angle = np.radians(data.angle_deg)
     turned = np.cos(angle) * x + np.sin(angle) * np.cross(d, x)

@@ -9,19 +9,21 @@ from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, UsageE
 def as_universal(file: str, /, *, output_file: Output = None, options: MachineOptions = DEFAULT_OPTIONS) -> int:
     """Write a machine as a parameter list of KIN_TYP 91, the universal kinematic.
 
-    The list gives the same poses, up to the constant shift that its head says. Every axis has a direction and a point
-    of its own there, which can be corrected where the machine is out of true. Machines with three linear axes and up
-    to three rotary ones can be written.
+    The list gives the same poses, up to a constant shift that its header states. In it every axis has its own
+    direction and point, which can be corrected where the machine deviates from its drawing. Machines with three linear
+    axes and up to three rotary axes can be written.
+
+    Example: `chainbuild as-universal bed_mill_kin1 -o universal.lis`
 
     Args:
         file: A machine file, or the name of a shipped machine.
-        output_file: List to write. Without it: stdout.
+        output_file: Parameter list to write. Default: stdout.
         options: Which kinematic.
     """
     from chainbuild.formats.twincat.universal.as_universal import as_universal as universal_list
 
     if options.tool_length:
-        raise UsageError("--tool-length: the tool is no part of the list; it acts on both kinematics alike")
+        raise UsageError("--tool-length does not apply: the list does not contain the tool")
     text = universal_list(options.machine(file), options.kinematic, options.channel, options.choices())
     with output(output_file) as stream:
         stream.write(text)

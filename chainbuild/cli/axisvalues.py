@@ -23,18 +23,18 @@ def values_of(robot: Robot, text: str) -> NDArray[np.float64]:
     """Return axis values (n_axes,) given as numbers separated by commas.
 
     Raises:
-        UsageError: not numbers.
-        AxisValueError: wrong count or not finite.
+        UsageError: the text is not a list of numbers.
+        AxisValueError: wrong number of values, or a value that is not finite.
     """
     try:
         numbers = [float(word) for word in text.split(",")]
     except ValueError:
-        raise UsageError(f"--at {text}: numbers separated by commas are due") from None
+        raise UsageError(f"--at {text}: expected numbers separated by commas, such as 0,-90,90") from None
     return robot.axis_values(numbers)
 
 
 def given_rows(robot: Robot, at: tuple[str, ...], axes: Path | None) -> NDArray[np.float64]:
-    """Return the rows (N, n_axes) that options give: positions first, then those of a table."""
+    """Return the axis values (N, n_axes) of --at, then those of the table."""
     import numpy as np
 
     from chainbuild.tables import AxisTable

@@ -11,8 +11,10 @@ from chainbuild.findings import Collector, Finding
 def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT_OPTIONS) -> int:
     """List every finding of a machine file, errors included.
 
-    The file is read to its end and every kinematic in it is translated. Ends with 0 where the machine can be built,
-    also with warnings, and with 1 where the file is refused.
+    Reads the whole file and translates every kinematic in it. The exit code is 0 if the machine can be built, even with
+    warnings, and 1 if the file is refused.
+
+    Example: `chainbuild check kr6r900`
 
     Args:
         file: A machine file, or the name of a shipped machine.
@@ -37,7 +39,7 @@ def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT
 
 
 def _with_selection(file: str, options: MachineOptions, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
-    """Return the findings together with those of the kinematic, tool and conventions that the options mean."""
+    """Return the findings and those of the kinematic, tool and conventions that the options select."""
     collector = Collector(strict=False, findings=list(findings))
     try:
         machine = options.machine(file)

@@ -1,4 +1,4 @@
-"""`chainbuild collide`: does the robot touch itself."""
+"""`chainbuild collide`: self-collisions."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ _COLLIDES: Final = 3  # exit code of a verdict against the user
 @Parameter(name="*", group="Pairs")
 @dataclass(frozen=True, slots=True)
 class PairOptions:
-    """Which pairs of links can collide at all.
+    """Which pairs of links can collide.
 
     Attributes:
         pairs: List the pairs of links that never, always or sometimes collide, by sampling.
-        samples: Positions to sample for that.
+        samples: Number of random positions that --pairs and --srdf sample.
         srdf: Folder to write the SRDF to, as FOLDER/NAME/NAME.srdf.
     """
 
@@ -51,16 +51,18 @@ def collide(
     sampling: PairOptions = DEFAULT_PAIRS,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
-    """Find self-collisions at axis values, or along a path without missing any between its rows.
+    """Find self-collisions at axis values, or along a path, including between its rows.
 
-    Bodies are capsules along the links, as drawn by rule; the overlay's table [geometry] gives radii, shapes, hulls and
-    meshes. The command ends with 3 where something collides.
+    Bodies are capsules along the links unless the overlay's table [geometry] gives radii, shapes, hulls or meshes. The
+    exit code is 3 if bodies collide.
+
+    Example: `chainbuild collide kr6r900 --at 0,-90,90,0,0,0`
 
     Args:
         file: A machine file, or the name of a shipped machine.
         at: Axis values in channel order, mm and degrees, separated by commas; may be repeated.
-        axes: CSV table of axis values: a path, straight lines of the axes between the rows.
-        clearance: Millimetres that bodies must stay apart.
+        axes: CSV table of axis values: a path, linear in the axes between rows.
+        clearance: Smallest permitted distance between bodies in mm.
         picture: SVG file to write: the smallest distance over the rows.
         json: Print JSON.
         sampling: Which pairs can collide.
@@ -72,7 +74,7 @@ def collide(
     rows = given_rows(robot, at, axes)
     asked = sampling.pairs or sampling.srdf is not None
     if not (len(rows) or asked):
-        raise UsageError("--at, --axes, --pairs or --srdf is due")
+        raise UsageError("expected --at, --axes, --pairs or --srdf")
     model = CollisionModel(robot)
     data: dict[str, Any] = {"bodies": [solid.name for solid in model.solids]}
     if asked:
@@ -134,7 +136,7 @@ class _Found:
         console().print(shown)
         for contact in self.contacts:
             values = ", ".join(f"{n} {v:.4g}" for n, v in zip(self.names, contact.axes.tolist(), strict=True))
-            between = f"row {contact.row + 1}" if contact.share == 0.0 else f"behind row {contact.row + 1}"
+            between = f"row {contact.row + 1}" if contact.share == 0.0 else f"after row {contact.row + 1}"
             print(f"{between}: {' and '.join(contact.pair)} touch at {values}")
         if not self.contacts:
             print("no collision")
@@ -163,7 +165,7 @@ def _sample(model: CollisionModel, sampling: PairOptions, as_json: bool) -> dict
         for pair in found.pairs:
             shown.add_row(" – ".join(pair.links), pair.verdict, str(pair.hits))
         console().print(shown)
-        print(f"never: with {found.confidence:.0%} confidence at less than {found.bound:.2g} of all positions")
+        print(f"never: with {found.confidence:.0%} confidence, at less than a share {found.bound:.2g} of all positions")
     return {
         "samples": found.samples,
         "confidence": found.confidence,

@@ -1,4 +1,4 @@
-"""`chainbuild couple`: a tool position handed out to the partial kinematics of a coupling."""
+"""`chainbuild couple`: a tool motion distributed over the partial kinematics of a coupling."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 OptionWords = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
 _LETTERS = "XYZABC"
-_DIGITS: Final = 9  # of mm and degrees: the last ones are noise
+_DIGITS: Final = 9  # of mm and degrees: further ones are noise
 
 
 def couple(
@@ -31,19 +31,21 @@ def couple(
     json: Json = False,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
-    """Hand a tool position out to the partial kinematics of a coupling, KIN_TYP 210.
+    """Distribute a tool position over the partial kinematics of a coupling, KIN_TYP 210.
 
-    In the order of their priorities each partial takes all of the motion that its Cartesian freedoms allow. Shown are
-    six Cartesian values a partial; those it cannot move by itself stay empty.
+    In order of priority, each partial takes as much of the motion as its Cartesian freedoms allow. The table shows six
+    Cartesian values per partial; coordinates that the partial cannot move are empty.
+
+    Example: `chainbuild couple robot_xy_unit_kin210 --tcp X=700 --tcp Y=100`
 
     Args:
         file: A machine file, or the name of a shipped machine.
-        tcp: LETTER=VALUE: a coordinate of the tool in the workpiece frame, in mm or degrees; may be repeated. Those not
-            named stay as they are.
-        program: PARTIAL.LETTER=VALUE: a coordinate of a partial that is programmed directly; may be repeated.
-        lock: PARTIAL.LETTER: a coordinate that a motion of the tool does not move; may be repeated.
-        current: PARTIAL.LETTER=VALUE: where a partial stands; may be repeated. Without it: 0.
-        axes: Also compute the axis values: every partial brought to its Cartesian values.
+        tcp: LETTER=VALUE: a coordinate of the tool in the workpiece frame, in mm or degrees; may be repeated.
+            Coordinates not named keep their values.
+        program: PARTIAL.LETTER=VALUE: a coordinate of a partial programmed directly, mm or degrees; may be repeated.
+        lock: PARTIAL.LETTER: a coordinate that keeps its value; may be repeated.
+        current: PARTIAL.LETTER=VALUE: a current coordinate of a partial, mm or degrees; may be repeated. Default: 0.
+        axes: Also compute the axis values that bring every partial to its Cartesian values.
         json: Print JSON.
         options: Which kinematic.
     """
@@ -63,7 +65,7 @@ def couple(
 
 
 def _pairs(option: str, words: Iterable[str]) -> list[tuple[str, float]]:
-    """Return NAME=VALUE words, also several joined by commas, as pairs."""
+    """Return NAME=VALUE words, or several joined by commas, as pairs."""
     found = []
     for word in (part for text in words for part in text.split(",")):
         name, equals, value = word.partition("=")
@@ -72,7 +74,7 @@ def _pairs(option: str, words: Iterable[str]) -> list[tuple[str, float]]:
         except ValueError:
             equals = ""
         if not (name.strip() and equals):
-            raise UsageError(f"{option} {word}: NAME=VALUE is due")
+            raise UsageError(f"{option} {word}: expected NAME=VALUE with a number as VALUE")
     return found
 
 
@@ -81,7 +83,7 @@ def _by_partial(pairs: Iterable[tuple[str, float]]) -> dict[str, dict[str, float
     for name, value in pairs:
         partial, dot, letter = name.rpartition(".")
         if not dot:
-            raise UsageError(f"--current {name}: PARTIAL.LETTER=VALUE is due")
+            raise UsageError(f"--current {name}: expected PARTIAL.LETTER=VALUE")
         found.setdefault(partial, {})[letter] = value
     return found
 

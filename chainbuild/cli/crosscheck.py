@@ -27,11 +27,11 @@ class PoseOptions:
     """Which poses are compared, and when they agree.
 
     Attributes:
-        count: Number of poses to compare at.
-        samples: Kind of poses: random, grid, singular; may be repeated. Without it: all three.
+        count: Number of poses to compare.
+        samples: Kind of poses: random, grid, singular; may be repeated. Default: all three.
         seed: Seed of the poses.
-        position_tolerance: Millimetres within which poses agree. Without it: 0.001, for recordings 0.01.
-        rotation_tolerance: Degrees within which they agree. Without it: 6e-5, for recordings 0.006.
+        position_tolerance: Largest permitted distance in mm. Default: 0.001, for recordings 0.01.
+        rotation_tolerance: Largest permitted angle in degrees. Default: 6e-5, for recordings 0.006.
     """
 
     count: int = 300
@@ -72,24 +72,26 @@ def crosscheck(
 ) -> int:
     """Compare the model with another solver, or with poses recorded on the controller, and name what differs.
 
-    A recording has one column an axis and x_mm, y_mm, z_mm with qx, qy, qz, qw, or a_deg, b_deg, c_deg, or tool_x,
-    tool_y, tool_z. Where poses differ, an error with structure is named (a constant offset, a flipped axis, two
-    swapped ones, a wrong zero, another angle convention), and every choice of the machine's conventions is tried. The
-    command ends with 3 where something differs.
+    A recording has one column per axis and x_mm, y_mm, z_mm with qx, qy, qz, qw, or a_deg, b_deg, c_deg, or tool_x,
+    tool_y, tool_z. If poses differ, the command looks for a systematic cause (a constant offset, a reversed axis, two
+    swapped axes, a wrong zero, another angle convention), tries every choice of the machine's conventions, and ends
+    with exit code 3.
+
+    Example: `chainbuild crosscheck kr6r900 --recording poses.csv --html crosscheck.html`
 
     Args:
         file: A machine file, or the name of a shipped machine.
         solver: eaik, opw, roboticstoolbox, or MODULE:FUNCTION: axis values in mm and degrees to a 4×4 pose in metres,
             or such a pose to rows of axis values.
         recording: CSV table of axis values and poses.
-        kind: What the function computes; auto: told by what it returns.
+        kind: What the function computes; auto: decided by what it returns.
         html: HTML page with plots to write.
         json: Print JSON.
         poses: Which poses.
         options: Which kinematic.
     """
     if (solver is None) == (recording is None):
-        raise UsageError("either --solver or --recording is due")
+        raise UsageError("expected either --solver or --recording")
     check = _compare(file, recording or solver or "", poses.check_options(kind), options)
     if html:
         from chainbuild.writers.report_html import write_crosscheck_page

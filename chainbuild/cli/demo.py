@@ -24,7 +24,9 @@ _LOOK: Final = (
 def demo(
     file: str | None = None, /, *, folder: Folder = Path("urdf_out"), options: MachineOptions = DEFAULT_OPTIONS
 ) -> int:
-    """Build the shipped machines, write their URDF and say how to look at them.
+    """Build the shipped machines, write their URDF and print commands to view them.
+
+    Example: `chainbuild demo kr6r900`
 
     Args:
         file: Build only this machine: a file, or the name of a shipped machine.
@@ -54,14 +56,14 @@ def demo(
     if warnings:
         total, where = counted_findings(sum(warnings.values())), ", ".join(warnings)
         out.print(f"{total} in {where}; {command} check NAME lists them", soft_wrap=True)
-    out.print(f"What to look at, here for {example}:", highlight=False)
+    out.print(f"To view {example}:", highlight=False)
     for arguments, what in _LOOK:
         out.print(f"  {command} {arguments.format(example)}", f"    {what}", sep="\n", soft_wrap=True, highlight=False)
     return 0
 
 
 def command_name() -> str:
-    """Return how this command is called from here: its bare name where the shell finds it, else its path."""
+    """Return how to call this command: by its name if the shell finds it, else by its path."""
     called = Path(sys.argv[0])
     if called.name != "chainbuild" or shutil.which("chainbuild") == str(called.resolve()):
         return "chainbuild"

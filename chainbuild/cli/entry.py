@@ -1,7 +1,8 @@
 """Where the command starts and where every error ends: one message on stderr and an exit code.
 
-Exit codes: 0 done, also with warnings; 1 input refused; 2 wrong usage; 3 some rows failed; 130 interrupted;
-141 the reader of the output has gone. Other signals end the process as they do without a handler.
+Exit codes: 0 done, also with warnings; 1 input refused; 2 wrong usage; 3 rows failed, poses differ or
+bodies collide; 130 interrupted; 141 the reader of the output has closed it. Other signals end the process as they do
+without a handler.
 """
 
 from __future__ import annotations
@@ -60,12 +61,14 @@ _COMMANDS = (
     demo,
     types,
 )
-_HELP = """From the machine data of a CNC to a kinematic model.
+_HELP = """Build kinematic models from CNC machine data.
 
 Reads SINUMERIK ROBX machine data and TwinCAT CNC parameter lists. FILE is a path, or the name of a machine shipped
-with chainbuild.
+with chainbuild. `chainbuild COMMAND --help` shows the options of a command and an example.
+
+Example: `chainbuild fk kr6r900 --at 0,-90,90,0,0,0`
 """
-_EPILOGUE = "Exit codes: 0 done, 1 input refused, 2 wrong usage, 3 some rows failed."
+_EPILOGUE = "Exit codes: 0 done, 1 input refused, 2 wrong usage, 3 rows failed, poses differ or bodies collide."
 
 
 def build_app() -> App:
@@ -89,7 +92,7 @@ def main(tokens: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code.
 
     Args:
-        tokens: Words of the command line; None: those the program was called with.
+        tokens: Words of the command line; None: those of the process.
     """
     words = list(sys.argv[1:] if tokens is None else tokens)
     with standard_streams(), signals():
@@ -106,7 +109,7 @@ def _run(words: list[str]) -> int:
         sys.stdout.flush()
     except (CycloptsError, UsageError) as error:
         return _fail(
-            f"chainbuild: {_usage_text(error)}\nchainbuild {_command_of(words)}--help explains the usage", WRONG_USAGE
+            f"chainbuild: {_usage_text(error)}\nchainbuild {_command_of(words)}--help shows the usage", WRONG_USAGE
         )
     except ChainbuildError as error:
         return _fail(message_of(error), REFUSED)
@@ -120,12 +123,12 @@ def _run(words: list[str]) -> int:
 
 
 def _usage_text(error: CycloptsError | UsageError) -> str:
-    """Return what is wrong with a command line; for words that nothing takes also how several values are given."""
+    """Return what is wrong with a command line; for surplus numbers, also how to write several values."""
     if not isinstance(error, UnusedCliTokensError) or not error.unused_tokens:
         return str(error)
     numbers = all(_is_number(word) for word in error.unused_tokens)
-    hint = "; several values are one word with commas and no spaces: 0,-90,90" if numbers else ""
-    return f"nothing takes {shlex.join(error.unused_tokens)}{hint}"
+    hint = "; write several values as one word with commas and no spaces: 0,-90,90" if numbers else ""
+    return f"unexpected argument {shlex.join(error.unused_tokens)}{hint}"
 
 
 def _is_number(word: str) -> bool:
@@ -149,7 +152,7 @@ def _command_of(words: Sequence[str]) -> str:
 
 
 def _accept_any_text() -> None:
-    """Let no letter of a title or path stop the output where the locale knows ASCII only."""
+    """Escape characters that the locale's encoding lacks instead of failing."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
@@ -162,7 +165,7 @@ def _fail(message: str, code: int) -> int:
 
 
 def _silence_stdout() -> None:
-    """Point stdout at nothing, so that the interpreter does not fail once more when it ends."""
+    """Redirect stdout to the null device, so that the interpreter does not fail again at exit."""
     with suppress(OSError, ValueError):
         nothing = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nothing, sys.stdout.fileno())

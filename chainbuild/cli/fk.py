@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from chainbuild.cli.axisvalues import At, values_of
 from chainbuild.cli.show import note, output, with_progress
-from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, UsageError, held_axes, pointed_axis
+from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, UsageError, held_axes
 from chainbuild.errors import ChainbuildError, Span
 
 if TYPE_CHECKING:
@@ -34,24 +34,26 @@ def fk(
 ) -> int:
     """Compute the pose of the tool in the workpiece frame for axis values.
 
-    The table has one column an axis, named like the controller's axes, in mm and degrees. The poses are written with
-    position in mm, quaternion, tool vector and the angles A, B, C of the controller; where C runs on over whole turns
-    c_deg does so, too. Values outside the limits are computed and counted; on a machine with limits on sums of axes,
-    such as the angle of a parallelogram, the column violations names what a row violates. Axes that `ik` holds, such as
-    a track, follow in columns of their own, so that `ik` finds them there.
+    The table has one column per axis, named like the controller's axes, in mm and degrees. Each pose is written with
+    position in mm, quaternion, tool vector and the controller's angles A, B, C; where C counts whole turns, so does
+    c_deg. Rows outside the limits are computed and counted; on a machine with limits on sums of axes, such as the angle
+    of a parallelogram, the column violations names what a row violates. Axes that `ik` holds, such as a track, follow
+    in columns of their own, where `ik` reads them.
+
+    Example: `chainbuild fk kr6r900 --at 0,-90,90,0,0,0 -o poses.csv`
 
     Args:
         file: A machine file, or the name of a shipped machine.
         axes: CSV table of axis values.
-        at: Axis values in channel order, mm and degrees, separated by commas; may be repeated. They come before those
-            of a table.
-        output_file: CSV table of poses to write. Without it: stdout.
+        at: Axis values in channel order, mm and degrees, separated by commas; may be repeated. They come before the
+            rows of the table.
+        output_file: CSV table of poses to write. Default: stdout.
         options: Which kinematic.
     """
     from chainbuild.tables import AxisTable, PoseWriter
 
     if axes is None and not at:
-        raise UsageError("--axes or --at is due")
+        raise UsageError("expected --axes or --at")
     robot = options.robot(file)
     outside: Counter[tuple[str, str]] = Counter()
     with ExitStack() as stack:
@@ -61,7 +63,7 @@ def fk(
         coupled = bool(robot.chain.constraints)
         held = held_axes(robot)
         writer = PoseWriter(
-            stream, robot.chain.angle_mode, tool_axis=pointed_axis(robot), held=list(held), violations=coupled
+            stream, robot.chain.angle_mode, tool_axis=robot.chain.tool_axis, held=list(held), violations=coupled
         )
         for span, values in _rows(given, table):
             violated = robot.violated_limits(values)
@@ -78,7 +80,7 @@ def fk(
 
 
 def _rows(given: Sequence[NDArray[np.float64]], table: AxisTable | None) -> Iterator[tuple[Span, NDArray[np.float64]]]:
-    """Yield axis values (n_axes,) and where they stand: those of the command line, then those of the table."""
+    """Yield axis values (n_axes,) and their place in the input: those of the command line, then those of the table."""
     for values in given:
         yield Span(_AT), values
     if table is not None:
@@ -87,5 +89,5 @@ def _rows(given: Sequence[NDArray[np.float64]], table: AxisTable | None) -> Iter
 
 
 def _shown_angles(robot: Robot, axes: NDArray[np.float64]) -> tuple[float, float, float] | None:
-    """Return A, B, C where the controller shows others than those of the pose."""
+    """Return A, B, C where the controller shows angles other than the pose's, else None."""
     return robot.pose_angles(axes) if robot.chain.absolute_c else None

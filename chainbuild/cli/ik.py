@@ -15,7 +15,7 @@ from cyclopts import Parameter
 
 from chainbuild import tolerances
 from chainbuild.cli.show import note, output, with_progress
-from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, held_axes, pointed_axis
+from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, held_axes
 from chainbuild.errors import ChainbuildError, Span, TableError
 from chainbuild.ik.rules import Solver
 from chainbuild.units import deg_from_rad, mm_from_m
@@ -39,17 +39,17 @@ _PATIENCE_S: Final = 2.0  # seconds: compiled code that is kept loads in less
 def solutions(
     robot: Robot, table: PoseTable, starts: AxisTable | None, solver: Solver, *, follow: bool
 ) -> Iterator[PoseAndResult]:
-    """Solve the rows of a table; without start values each begins where the last solution ended.
+    """Solve the rows of a table; without start values each row starts at the last solution.
 
     Args:
         robot: The robot.
         table: The poses.
-        starts: Axis values to start from: one row, or one a pose.
+        starts: Axis values to start from: one row, or one per pose.
         solver: As for `Robot.ik`.
         follow: True: the poses are a path, and the table of starts has one row.
 
     Raises:
-        TableError: a row holds no pose, or the starts are not as many as they should be.
+        TableError: a row holds no pose, or the number of starts does not match.
     """
     given = _Starts(starts, table.file, only_one=follow) if starts else None
     with _compilation_notice():
@@ -88,7 +88,7 @@ def _followed(robot: Robot, table: PoseTable, last: Vector | None, solver: Solve
 
 
 def _beside(row: PoseRow) -> tuple[bool, tuple[tuple[str, float], ...]]:
-    """Return what a row asks for beside its pose."""
+    """Return what a row specifies besides its pose."""
     return row.c_deg is None, tuple((row.held or {}).items())
 
 
@@ -103,10 +103,10 @@ def _solved(robot: Robot, table: PoseTable, row: PoseRow, begin: Vector | None, 
 
 @contextmanager
 def _compilation_notice() -> Iterator[None]:
-    """Say what takes so long: with numba the solver is compiled at its first use and cached from then on."""
+    """Note on stderr that numba compiles the solver at its first use; the result is cached."""
     from chainbuild.ik.search.compiled import packing as compiled
 
-    timer = Timer(_PATIENCE_S, note, ["compiling the solver; this happens once"])
+    timer = Timer(_PATIENCE_S, note, ["compiling the solver (only once)"])
     timer.daemon = True
     if compiled.available():
         timer.start()
@@ -117,7 +117,7 @@ def _compilation_notice() -> Iterator[None]:
 
 
 def _agreeing(robot: Robot, T: Matrix, result: IkResult) -> IkResult:
-    """Return a result, failed where c_deg has led to another orientation than the quaternion beside it."""
+    """Return a result, as a failure if c_deg led to another orientation than the quaternion of its row."""
     from chainbuild.kinematics.inputs import as_pose
 
     if not result.success:
@@ -125,20 +125,20 @@ def _agreeing(robot: Robot, T: Matrix, result: IkResult) -> IkResult:
     angle = robot.kinematics.errors(result.axes * robot.kinematics.si_factors, as_pose(T), "pose")[1]
     if angle <= tolerances.IK_ROTATION_RAD:
         return result
-    reason = "the angle C given does not go with the quaternion"
+    reason = "c_deg contradicts the quaternion of the row"
     return replace(result, success=False, status="unreachable", rotation_error=angle, reason=reason)
 
 
 class _Starts:
-    """Start values: the only row of a table again and again, or row by row.
+    """Start values: the single row of a table for every pose, or one row per pose.
 
     Args:
         starts: The table.
         poses: Name of the table of poses, for messages.
-        only_one: Whether a second row is one too many.
+        only_one: Whether a second row is an error.
 
     Raises:
-        TableError: the table has no row, or one too many.
+        TableError: the table has no row, or too many.
     """
 
     def __init__(self, starts: AxisTable, poses: str, *, only_one: bool = False) -> None:
@@ -146,9 +146,11 @@ class _Starts:
         rows = (values for _, values in starts.rows())
         ahead = list(islice(rows, 2))
         if not ahead:
-            raise TableError("the table of start values has no row", span=Span(self._file))
+            raise TableError("the table of start values has no rows", span=Span(self._file))
         if only_one and len(ahead) > 1:
-            raise TableError("--follow starts at one place", span=Span(self._file), permitted="one row")
+            raise TableError(
+                "--follow: expected one row of start values, got more", span=Span(self._file), permitted="one row"
+            )
         self._only = ahead[0] if len(ahead) == 1 else None
         self._rows = chain(ahead, rows)
 
@@ -170,13 +172,13 @@ class _Starts:
         return TableError(
             f"the table of start values has {comparison} rows than {self._poses}",
             span=Span(self._file),
-            permitted="one row, or one row a pose",
+            permitted="one row, or one row per pose",
         )
 
 
 _ROWS_FAILED: Final = 3  # exit code of a verdict against the user
 _REASONS_SHOWN: Final = 10  # fit on a screen; the others are counted
-# An arm whose poses are all nearer than this to its base got them in metres; a mill may well cut a part this small.
+# Poses of an arm that are all nearer than this to its base are likely in metres; on a mill they are plausible.
 _SMALL_MM: Final = 10.0
 
 
@@ -193,28 +195,29 @@ def ik(
 ) -> int:
     """Compute axis values that bring the tool to poses, inside the limits.
 
-    The table has x_mm, y_mm, z_mm and an orientation: qx, qy, qz, qw, or a_deg, b_deg, c_deg in the angles of the
-    controller; for machines of fewer than six axes also tool_x, tool_y, tool_z. Every answer is verified by forward
-    kinematics. A row without solution keeps its status and no axis values; the command then ends with 3, and stderr
-    says why: each reason once, with the first row it holds for.
+    The table has x_mm, y_mm, z_mm and an orientation: qx, qy, qz, qw, or the controller's angles a_deg, b_deg, c_deg,
+    or, for machines with fewer than six axes, tool_x, tool_y, tool_z. Every solution is verified by forward kinematics.
+    A row without solution has a status and no axis values; the exit code is then 3, and stderr states each reason once,
+    with the first row it applies to.
 
-    ROBX robots of four axes are programmed by position and c_deg: where a row's A and B cannot be reached they follow,
-    and c_deg may stand alone. Where C runs on over whole turns, c_deg says which turn is meant, also beside a
-    quaternion.
+    ROBX robots with four axes are programmed by position and c_deg: A and B follow where the robot cannot reach them,
+    and may be omitted. Where C counts whole turns, c_deg selects the turn, even next to a quaternion.
 
-    Axes that are programmed beside the pose, such as a track or a rotary table (`info`: held by ik), are held, not
-    solved for: at the value of a column of their name, as `fk` writes it, else at that of --start, else at 0.
+    Axes programmed in addition to the pose, such as a track or a rotary table (`info`: held by ik), are held, not
+    solved for: at the value in the column of their name, as `fk` writes it, else in --start, else at 0.
+
+    Example: `chainbuild ik kr6r900 --poses poses.csv -o axes.csv`
 
     Args:
         file: A machine file, or the name of a shipped machine.
         poses: CSV table of poses.
-        start: CSV table of axis values to start from: one row that every pose starts from, or one a pose. Without it:
-            the solution before.
-        follow: The poses are a path: it begins at the only row of --start, and each pose is reached from the one before
-            on the nearest branch, a few poses looked ahead.
-        solver: damped; analytic: a closed form; controller: within the iterations that the machine data grant; auto:
-            damped, and a closed form where that finds nothing.
-        output_file: CSV table of axis values to write. Without it: stdout.
+        start: CSV table of axis values to start from: one row for all poses, or one row per pose. Default: the
+            previous solution.
+        follow: Treat the poses as a path: it begins at the single row of --start, and each pose is reached from the
+            previous one on the nearest branch, looking a few poses ahead.
+        solver: damped: damped least squares; analytic: closed form; controller: the iteration limit of the machine
+            data; auto: damped, then closed form if that finds nothing.
+        output_file: CSV table of axis values to write. Default: stdout.
         options: Which kinematic.
     """
     from chainbuild.tables import AxisTable, IkWriter
@@ -238,7 +241,7 @@ def ik(
 
 @dataclass(slots=True)
 class _Group:
-    """Rows that failed for the same reason: how many, and the first one's line number and own words."""
+    """Rows that failed for the same reason: their number, and line and text of the first."""
 
     line: int
     words: str
@@ -246,7 +249,7 @@ class _Group:
 
 
 class _Report:
-    """Says on stderr how many rows failed and why, and what was not taken as the table says it.
+    """Reports on stderr how many rows failed and why, and which values of the table were not used.
 
     Args:
         file: Name of the table of poses.
@@ -262,7 +265,7 @@ class _Report:
         self._farthest_mm = 0.0
 
     def tell_held(self, names: Sequence[str]) -> None:
-        """Say which input axes stand at 0 because nothing gives their values."""
+        """Name the input axes that are held at 0 because the input gives no value for them."""
         if names:
             note(f"{', '.join(names)} held at 0: neither {self._file} nor --start gives a value")
 
@@ -280,11 +283,11 @@ class _Report:
             self._groups.setdefault(kind_of(words), _Group(row.line, words)).count += 1
 
     def finish(self) -> int:
-        """Print what there is to say and return how many rows failed."""
+        """Print the report and return how many rows failed."""
         if self._contradictory:
             more = f" ({self._contradictory} rows in all)" if self._contradictory > 1 else ""
             first = f"{self._file}:{self._first_contradictory}"
-            note(f"{first}: a_deg, b_deg, c_deg contradict the quaternion, which counts{more}")
+            note(f"{first}: a_deg, b_deg, c_deg contradict the quaternion, which is used{more}")
         self._tell_reasons()
         failed = self._statuses.total() - self._statuses["ok"]
         if failed:
@@ -295,7 +298,7 @@ class _Report:
         return failed
 
     def _tell_reasons(self) -> None:
-        """Print each reason once, at the first row it holds for; the most frequent before the others."""
+        """Print each reason once, at the first row it applies to, the most frequent first."""
         groups = sorted(self._groups.values(), key=lambda group: (-group.count, group.line))
         for group in groups[:_REASONS_SHOWN]:
             more = f" ({group.count} rows like this)" if group.count > 1 else ""
@@ -316,6 +319,6 @@ def _pose_table(robot: Robot, poses: Path) -> PoseTable:
         robot.task,
         follows_c=chain.follows_c,
         running_c=chain.absolute_c is not None,
-        tool_axis=pointed_axis(robot),
+        tool_axis=robot.chain.tool_axis,
         held=list(held_axes(robot)),
     )

@@ -1,4 +1,4 @@
-"""`chainbuild info`: what a machine file says and what was made of it."""
+"""`chainbuild info`: the contents of a machine file and the chain built from it."""
 
 from __future__ import annotations
 
@@ -34,14 +34,16 @@ def info(
     json: Json = False,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
-    """Show what was read from a machine file and what was made of it.
+    """Show what was read from a machine file and the chain built from it.
 
-    Kinematics, axes with limits, parameters with meaning and source, the conventions that shaped the chain although
-    the manuals leave them open, and findings.
+    Prints kinematics, axes with limits, parameters with meaning and source, the conventions used where the manuals are
+    open, and findings.
+
+    Example: `chainbuild info kr6r900`
 
     Args:
         file: A machine file, or the name of a shipped machine.
-        defaults: Also show parameters that the file does not give.
+        defaults: Also show parameters that the file does not set.
         json: Print JSON, with all parameters.
         options: Which kinematic.
     """
@@ -59,12 +61,12 @@ def info(
 
 
 def _chain(machine: Machine, options: MachineOptions) -> tuple[Chain | None, ChainbuildError | None]:
-    """Return the chain, or why the file gives none: what was read is shown all the same."""
+    """Return the chain, or the error that prevents it; what was read is shown in either case."""
     try:
         return options.chain(machine), None
     except ChainbuildError as error:
         if options.selects:
-            raise  # the fault may lie in the options; the file as such is not in question
+            raise  # the options may be wrong, not the file
         return None, error
 
 
@@ -87,7 +89,7 @@ def _print(machine: Machine, chain: Chain | None, options: MachineOptions, defau
     chosen = [row for row in rows if row.given or defaults]
     out.print(parameters_table(chosen, out.width))
     if len(chosen) < len(rows):
-        out.print(f"{len(rows) - len(chosen)} more parameters stand at their defaults: --defaults shows them.\n")
+        out.print(f"{len(rows) - len(chosen)} more parameters have their default values: --defaults shows them.\n")
     if chain and chain.conventions:
         conventions_shown(out, chain.conventions)
     findings = all_findings(machine, chain)

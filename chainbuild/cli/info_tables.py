@@ -1,4 +1,4 @@
-"""The tables of `chainbuild info`, readable from 80 columns on."""
+"""The tables of `chainbuild info`, for terminals of 80 columns and more."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from chainbuild.formats.machine import Machine, ParameterRow
     from chainbuild.formats.selection import KinematicEntry
 
-_WIDE: Final = 120  # columns of a screen on which long texts stand side by side
+_WIDE: Final = 120  # columns of a terminal on which long texts fit side by side
 
 
 def kinematics_table(entries: Sequence[KinematicEntry]) -> Table:
@@ -29,7 +29,7 @@ def kinematics_table(entries: Sequence[KinematicEntry]) -> Table:
     taken: set[tuple[int, int]] = set()
     for entry in entries:
         key = (entry.channel, entry.id)
-        # What shares its id with another can be told by its name alone.
+        # Kinematics that share an id are selected by name.
         id_shown = "" if key in taken and entry.name else str(entry.id)
         taken.add(key)
         chosen = f"--kinematic {id_shown or entry.name}"
@@ -40,7 +40,7 @@ def kinematics_table(entries: Sequence[KinematicEntry]) -> Table:
 
 
 def axes_table(machine: Machine, chain: Chain) -> Table:
-    """Return the axes with their limits; columns that say nothing of any axis are left out."""
+    """Return the axes with their limits; columns that are empty for every axis are left out."""
     meanings = axis_meanings(chain)
     remarks = [_remarks(axis) for axis in chain.axes]
     optional: dict[str, list[str]] = {
@@ -66,7 +66,7 @@ def limits_source(machine: Machine, axis: Axis) -> str:
 
 
 def axis_meanings(chain: Chain) -> list[str]:
-    """Return what each axis does, where the chain is one KIN_TYP whose table says so; else an empty list."""
+    """Return the meaning of each axis if the chain is one KIN_TYP whose table states it, else an empty list."""
     from chainbuild.formats.twincat.lists.hdtable import type_data
 
     number_text = chain.kinematic.removeprefix("KIN_TYP ")
@@ -82,7 +82,7 @@ def _remarks(axis: Axis) -> str:
 
 
 def parameters_table(rows: Sequence[ParameterRow], width: int) -> Table:
-    """Return parameters with meaning and line, arrays in one row each; their source only on a wide screen."""
+    """Return parameters with meaning and line, each array in one row; on a wide terminal with their source."""
     wide = width >= _WIDE
     columns = ("Symbol", "Name", "Value", "Unit", "Meaning", "Source", "Line")
     shown = empty_table("Parameters", *(columns if wide else ("Symbol, name", "Value", "Meaning", "Line")))
@@ -104,7 +104,7 @@ def parameters_table(rows: Sequence[ParameterRow], width: int) -> Table:
 
 
 def _in_si(group: Sequence[ParameterRow]) -> str:
-    """Return the values of an array in SI units where the file counts otherwise."""
+    """Return the values of an array in SI units if the file uses others."""
     if not group[0].si_unit:
         return ""
     return f" In SI: {', '.join(f'{row.si:.6g}' for row in group)} {group[0].si_unit}."
@@ -124,13 +124,13 @@ def _lines(group: Sequence[ParameterRow]) -> str:
 
 
 def line_of(span: Span | None) -> int | None:
-    """Return the line of a place in a file, None where there is none."""
+    """Return the line of a span, or None."""
     return span.line or None if span else None
 
 
 def conventions_shown(out: Console, used: Sequence[UsedConvention]) -> None:
-    """Print the conventions of a chain: a table on a wide screen, else a paragraph each."""
-    title = "Conventions: open in the manuals ([I] inferred, [?] open); --convention NAME=CHOICE switches one"
+    """Print the conventions of a chain: as a table on a wide terminal, else one paragraph each."""
+    title = "Conventions: open in the manuals ([I] inferred, [?] open); --convention NAME=CHOICE changes one"
     if out.width < _WIDE:
         out.print(title, style="bold")
         for one in used:

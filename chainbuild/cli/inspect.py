@@ -1,4 +1,4 @@
-"""`chainbuild inspect`: a page to look at a robot."""
+"""`chainbuild inspect`: an HTML page that shows a robot."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions
 
 
 def inspect(file: str, /, *, export: Path, options: MachineOptions = DEFAULT_OPTIONS) -> int:
-    """Write a page that shows the robot, its frames and a sweep of each axis.
+    """Write an HTML page that shows the robot, its frames and a sweep of each axis.
 
-    The page is one file without references to others: open it in any browser, or send it.
+    The page is a single self-contained HTML file for any browser.
+
+    Example: `chainbuild inspect kr6r900 --export page.html`
 
     Args:
         file: A machine file, or the name of a shipped machine.

@@ -1,4 +1,4 @@
-"""`chainbuild limits`: limits of one axis that hang on another, and those of a parallelogram."""
+"""`chainbuild limits`: limits of one axis that depend on another, and those of a parallelogram."""
 
 from __future__ import annotations
 
@@ -31,27 +31,28 @@ def limits(
     json: Json = False,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
-    """Sweep one axis over another and find where the robot does not touch itself, to a hundredth of a degree.
+    """Find the collision-free interval of one axis over another, to a hundredth of a degree.
 
-    Without --axis: the limit angles of a ROBX parallelogram (MD62964), with a verdict on the file's values and a
-    proposal to paste.
+    Without --axis: check the limit angles of a ROBX parallelogram (MD62964) in the file and propose values.
+
+    Example: `chainbuild limits kr6r900 --axis A3 --over A2`
 
     Args:
         file: A machine file, or the name of a shipped machine.
-        axis: Axis whose free interval is sought.
-        over: Axis that is swept.
-        at: Values of all axes that the sweep begins with, separated by commas. Without it: the middle of the limits.
-        steps: Values of the swept axis.
-        picture: SVG file to write: the free interval over the swept axis.
+        axis: Axis whose collision-free interval is computed.
+        over: Axis that is swept over its limits.
+        at: Values of all axes at the start of the sweep, separated by commas. Default: the middle of the limits.
+        steps: Number of values of the swept axis.
+        picture: SVG file to write: the collision-free interval over the swept axis.
         json: Print JSON.
         options: Which kinematic.
     """
     if (axis is None) != (over is None):
-        raise UsageError("--axis and --over go together")
+        raise UsageError("--axis and --over must be given together")
     robot = options.robot(file)
     if axis is None or over is None:
         if at:
-            raise UsageError("--at goes with --axis and --over")
+            raise UsageError("--at requires --axis and --over")
         _parallelogram(robot, steps, picture, json)
     else:
         _sweep(robot, axis, over, at, steps, picture, json)
@@ -71,7 +72,7 @@ def _sweep(
     index = axis_index(model, over)
     low, high = (float(bound[index]) for bound in shown_limits(robot.chain))
     if steps < 1:
-        raise UsageError("--steps: at least 1")
+        raise UsageError(f"--steps {steps}: expected at least 1")
     begin = values_of(robot, at[-1]) if at else None
     with counted("positions", steps) as done:
         found: Sweep = sweep(model, axis, over, begin, np.linspace(low, high, steps).tolist(), done=done)
@@ -100,7 +101,7 @@ def _parallelogram(robot: Robot, steps: int, picture: Path | None, as_json: bool
     for verdict in found.verdicts:
         print(verdict)
     if found.drawn:
-        print("all bodies are drawn by rule: an estimate; [geometry] of the overlay gives their dimensions")
+        print("all bodies have default dimensions: an estimate; set their dimensions in [geometry] of the overlay")
     for line in found.machine_data():
         print(line)
 
@@ -121,7 +122,7 @@ def _print(intervals: Sequence[FreeInterval], title: str, labels: tuple[str, str
     shown = empty_table(title, labels[0], "From", "To", "Below", "Above")
     for one in intervals:
         if one.lower is None or one.upper is None:
-            shown.add_row(f"{one.over:.6g}", "–", "–", "nothing is free", "")
+            shown.add_row(f"{one.over:.6g}", "–", "–", "no free position", "")
             continue
         ends = [" – ".join(pair) if pair else "end of the range" for pair in (one.lower_pair, one.upper_pair)]
         shown.add_row(f"{one.over:.6g}", f"{one.lower:.2f}", f"{one.upper:.2f}", *ends)

@@ -1,4 +1,4 @@
-"""Conventions as paragraphs: what is open, what is chosen, what else there is, how to verify it."""
+"""Conventions as paragraphs: open point, choice, alternatives, how to verify."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ def print_convention(out: Console, convention: Convention, choice: str, remark: 
     """Print one convention.
 
     Args:
-        out: Where to.
-        convention: What is open.
+        out: The console.
+        convention: The convention.
         choice: The choice in force.
-        remark: What is said of the choice: "default", "chosen".
+        remark: Origin of the choice: "default" or "chosen".
     """
     out.print(f"{convention.name}={choice} [{convention.mark}] ({remark})", style="bold")
     others = [f"or {name}: {meaning}" for name, meaning in convention.choices.items() if name != choice]

@@ -1,4 +1,4 @@
-"""What the command needs of its process: streams that may be missing, and signals that end it in good order."""
+"""Standard streams that may be missing, and signals that end the process cleanly."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _ENDING: Final = ("SIGTERM", "SIGHUP")  # the second is unknown on Windows
 
 
 class _NoStream(io.TextIOBase):
-    """Stands for a stream that was closed before the program began: nothing can be written to it."""
+    """Replaces a stream that was closed before the program began; every write fails."""
 
     def write(self, _text: str) -> int:
         """Fail as a closed descriptor does."""
@@ -29,7 +29,7 @@ class _NoStream(io.TextIOBase):
 
 @contextmanager
 def standard_streams() -> Iterator[None]:
-    """Stand in for a missing stdout or stderr, whose descriptors no file opened later may take."""
+    """Replace a missing stdout or stderr and keep its descriptor from files opened later."""
     before = sys.stdout, sys.stderr
     if None not in before:
         yield
@@ -50,7 +50,7 @@ _interrupted = False
 
 @contextmanager
 def signals() -> Iterator[None]:
-    """Let signals that end the process take half-written files with them, and let no interrupt be lost."""
+    """Remove half-written files when a signal ends the process, and record every interrupt."""
     global _interrupted  # noqa: PLW0603 - signals belong to the process
     _interrupted = False
     if threading.current_thread() is not threading.main_thread():
@@ -71,7 +71,7 @@ def signals() -> Iterator[None]:
 
 
 def check_interrupt() -> None:
-    """Raise KeyboardInterrupt where one has come and was lost: C++ code drops what is raised while it calls Python."""
+    """Raise KeyboardInterrupt if an interrupt was lost: C++ code drops exceptions of the Python it calls."""
     if _interrupted:
         raise KeyboardInterrupt
 

@@ -1,4 +1,4 @@
-"""Progress of work that is counted in steps, on stderr where that is a terminal."""
+"""Progress of work in steps, on stderr if that is a terminal."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rich.console import Console
 
 @contextmanager
 def counted(what: str, total: int) -> Iterator[Callable[[int], None]]:
-    """Yield a function that is told how many steps are done.
+    """Yield a function that takes the number of steps done.
 
     Args:
         what: What is being done.

@@ -26,20 +26,20 @@ Item = TypeVar("Item")
 
 _WIDTH_WITHOUT_TERMINAL: Final = 200  # characters: rows of a log file are not folded
 _ROWS_BETWEEN_UPDATES: Final = 256  # a bar redrawn at every row would cost more than the row
-# Findings that a channel, tool or kinematic was taken, or none, where the file has several: they change every result.
+# Findings on the choice of channel, tool or kinematic among several: it changes every result.
 CHOICES: Final = frozenset({"CB246", "CB337", "CB340", "CB406", "CB411"})
 _COLOURS: Final = {"error": "bold red", "warning": "yellow", "info": "dim"}
 
 
 def console(stream: TextIO | None = None) -> Console:
-    """Return a console that takes text as it is: brackets in machine data are no markup."""
+    """Return a console that prints text literally: brackets in machine data are not markup."""
     target = stream or sys.stdout
     wide = None if target.isatty() or "COLUMNS" in os.environ else _WIDTH_WITHOUT_TERMINAL
     return Console(file=target, width=wide, markup=False, highlight=False, emoji=False)
 
 
 def empty_table(title: str, *columns: str) -> RichTable:
-    """Return an empty table whose long cells fold."""
+    """Return an empty table that wraps long cells."""
     result = RichTable(
         title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0)
     )
@@ -49,7 +49,7 @@ def empty_table(title: str, *columns: str) -> RichTable:
 
 
 def shown_number(value: float | str | None) -> str:
-    """Return a value of machine data as people write it."""
+    """Return a value of machine data as text."""
     if value is None:
         return "–"
     return f"{value:.10g}" if isinstance(value, float) else str(value)
@@ -86,7 +86,7 @@ def error_data(error: ChainbuildError) -> dict[str, Any]:
 
 @contextmanager
 def refusal_as_json(file: str, wanted: bool) -> Iterator[None]:
-    """Print an error that ends a command as JSON on stdout, too, where JSON is wanted."""
+    """Also print an error that ends a command as JSON on stdout if JSON is wanted."""
     try:
         yield
     except ChainbuildError as error:
@@ -96,7 +96,7 @@ def refusal_as_json(file: str, wanted: bool) -> Iterator[None]:
 
 
 def print_findings(findings: Iterable[Finding]) -> None:
-    """Print findings on stdout, one a line."""
+    """Print findings on stdout, one per line."""
     out = console()
     for finding in findings:
         more = f"; permitted: {finding.permitted}" if finding.permitted else ""
@@ -104,7 +104,7 @@ def print_findings(findings: Iterable[Finding]) -> None:
 
 
 def announce(findings: Iterable[Finding], check: str) -> None:
-    """Print on stderr which of several was taken, and in one line that there are warnings.
+    """Print on stderr which of several was chosen and, in one line, the number of warnings.
 
     Args:
         findings: What was found.
@@ -132,7 +132,7 @@ def note(text: str) -> None:
 
 @contextmanager
 def output(path: Path | None) -> Iterator[TextIO]:
-    """Open the output of a command: a file that appears only when all went well, or stdout."""
+    """Open the output of a command: a file that appears only on success, or stdout."""
     if path is None:
         yield sys.stdout
         return
@@ -141,7 +141,7 @@ def output(path: Path | None) -> Iterator[TextIO]:
 
 
 def with_progress(items: Iterable[Item], source: Table, what: str) -> Iterator[Item]:
-    """Yield the rows of a table and show on stderr how much of it is read, if that is a terminal.
+    """Yield the rows of a table and show the progress on stderr, if that is a terminal.
 
     Args:
         items: The rows.

@@ -22,19 +22,19 @@ if TYPE_CHECKING:
     from chainbuild.robot import Robot
 
 _LEVELS = {"singular": "singular", "watched": "watched", "clear": "above its thresholds"}
-_DIGITS: Final = 6  # of mm/s and deg/s: the last ones are noise
+_DIGITS: Final = 6  # of mm/s and deg/s: further ones are noise
 
 
 @Parameter(name="*", group="Singularity")
 @dataclass(frozen=True, slots=True)
 class MeasureOptions:
-    """How a position is measured and what is said about it.
+    """How a position is measured and what is reported.
 
     Attributes:
-        speed: Speed of the tool in mm/s (deg/s where only turns are lost) that axis speeds are given for.
-        length: Characteristic length in mm that makes lengths and angles comparable. Without it: the length of the
-            chain from its first joint to the tips.
-        nearest: Also search the nearest singularity.
+        speed: Tool speed for which axis speeds are reported, in mm/s (deg/s where only rotations are lost).
+        length: Characteristic length in mm that makes lengths and angles comparable. Default: the length of the chain
+            from its first joint to the tips.
+        nearest: Also search for the nearest singularity.
     """
 
     speed: float = 10.0
@@ -56,12 +56,14 @@ def singularity(
     measures: MeasureOptions = DEFAULT_MEASURES,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
-    """Say how close axis values are to a singularity: measures, names in words, axis speeds.
+    """Report how close axis values are to a singularity: measures, names, axis speeds.
+
+    Example: `chainbuild singularity kr6r900 --at 0,-90,90,0,2,0 --nearest`
 
     Args:
         file: A machine file, or the name of a shipped machine.
         at: Axis values in channel order, mm and degrees, separated by commas; may be repeated.
-        axes: CSV table of axis values: a path, of which the rows at or close to a singularity are named.
+        axes: CSV table of axis values: a path; the rows at or near a singularity are reported.
         picture: SVG file to write: the smallest singular value over the rows.
         json: Print JSON.
         measures: How to measure.
@@ -72,7 +74,7 @@ def singularity(
     robot = options.robot(file)
     rows = given_rows(robot, at, axes)
     if not len(rows):
-        raise UsageError("--at or --axes is due")
+        raise UsageError("expected --at or --axes")
     limits = thresholds_of(robot.chain)
     shown = _Shown(robot, rows, limits, measures)
     if picture:
@@ -87,7 +89,7 @@ def singularity(
 
 
 class _Shown:
-    """One position or path with all that is said about it."""
+    """One position or path with its measures and judgements."""
 
     def __init__(self, robot: Robot, rows: Any, limits: Thresholds | None, measures: MeasureOptions) -> None:
         from chainbuild.analysis.singularity.measures import measure_batch
@@ -181,7 +183,7 @@ class _Shown:
             shown.add_row(row.axis.name, needed, f"{shown_number(row.limit)} {unit}" if row.limit is not None else "–")
         console().print(shown)
         if report.speed.alarm:
-            print(f"an axis would be too quick: alarm {report.speed.alarm} in JOG")
+            print(f"an axis exceeds its speed limit: alarm {report.speed.alarm} in JOG")
 
     def print_path(self) -> None:
         shown = empty_table("Close to singularities", "Row", "Smallest", "Kind", "What")
@@ -210,7 +212,7 @@ def _print_singularity(found: Singularity) -> None:
 
 def _print_nearest(nearest: Nearest, robot: Robot) -> None:
     if not nearest.found:
-        print("no singularity found by the descent from here")
+        print("the descent from this position finds no singularity")
         return
     moves = [
         f"{axis.name} {change:+.4g}{'°' if axis.unit == 'deg' else ' mm'}"

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 # Types that are a list of axes or of kinematics, without a table of head offsets: family, orientation, source.
 _LISTED: Final = {
-    91: ("universal", "rtcp", "P-CHAN-00292", "The list gives direction and point of every axis."),
+    91: ("universal", "rtcp", "P-CHAN-00292", "The list gives the direction and a point of every axis."),
     210: ("coupling", "complete", "Couple kinematics 3.1", "The list names the kinematics that carry each other."),
 }
 
@@ -24,8 +24,10 @@ _LISTED: Final = {
 def types(kin_typ: int | None = None, /, *, json: Json = False) -> int:
     """List the TwinCAT kinematics that can be built, by KIN_TYP, or show one with its parameters.
 
+    Example: `chainbuild types 9`
+
     Args:
-        kin_typ: Number of one type: its axes, its table of head offsets (HD) and what the manuals leave open about it.
+        kin_typ: Number of one type: show its axes, head offsets (HD) and the points that the manuals leave open.
         json: Print JSON, with the table of parameters of every type.
     """
     from chainbuild.formats.twincat.types.catalogue import catalogue
@@ -51,7 +53,7 @@ def _one(kin_typ: int, json: bool) -> int:
     """Show one type.
 
     Raises:
-        UnsupportedKinematicError: it is unknown or not built.
+        UnsupportedKinematicError: the type is unknown or not supported.
     """
     from chainbuild.convention import applying_to
     from chainbuild.formats.twincat.types.catalogue import kin_type
@@ -112,7 +114,7 @@ def _listed(kin_typ: int) -> dict[str, Any]:
         "family": family,
         "orientation": orientation,
         "manual": manual,
-        "summary": f"{summary} docs/coupling.md says how it is read.",
+        "summary": f"{summary} See docs/coupling.md.",
         "axes": [],
         "parameters": [],
         "conventions": [convention.name for convention in applying_to(["KIN", f"KIN {kin_typ}"])],

@@ -23,8 +23,10 @@ def urdf(
 ) -> int:
     """Write a machine as URDF.
 
-    The file is FOLDER/NAME/NAME.urdf. Its joint values are Pinocchio's; its head says how they follow from the
+    The file is FOLDER/NAME/NAME.urdf. Its joint values are Pinocchio's; its header states how they follow from the
     controller's axis values, which conventions were used and what the file cannot express.
+
+    Example: `chainbuild urdf kr6r900 -o urdf_out`
 
     Args:
         file: A machine file, or the name of a shipped machine.

@@ -1,4 +1,4 @@
-"""Options that commands share, and the way from them to a machine, a chain and a robot."""
+"""Options that commands share, and the machine, chain and robot they select."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
@@ -22,22 +22,22 @@ Output = Annotated[Path | None, Parameter(name=["--output", "-o"])]
 
 
 class UsageError(Exception):
-    """A command line that cannot be understood, beyond what the parser sees."""
+    """A wrong command line that the parser accepts."""
 
 
 @Parameter(name="*", group="Machine")
 @dataclass(frozen=True, slots=True)
 class MachineOptions:
-    """Which kinematic of a machine file is meant, and with which tool and conventions.
+    """Which kinematic of a machine file to build, with which tool and conventions.
 
     Attributes:
-        kinematic: Configured id or name of the kinematic; for ROBX the number of the transformation. Without it: the
+        kinematic: Configured id or name of the kinematic; for ROBX the number of the transformation. Default: the
             file's default.
-        channel: Channel whose kinematic is meant. Without it: the first that has one.
-        tool_length: Millimetres added to the active tool's length.
-        convention: NAME=CHOICE: decides what the manuals leave open; may be repeated. `chainbuild info` lists what
-            a machine uses.
-        overlay: Overlay file (TOML) in place of NAME.chainbuild.toml beside the machine file.
+        channel: Channel of the kinematic. Default: the first that has one.
+        tool_length: Length in mm that is added to the active tool's length.
+        convention: NAME=CHOICE: decides a point that the manuals leave open; may be repeated. `chainbuild info` lists
+            those of a machine.
+        overlay: Overlay file (TOML), instead of NAME.chainbuild.toml next to the machine file.
     """
 
     kinematic: str | None = None
@@ -48,7 +48,7 @@ class MachineOptions:
 
     @property
     def selects(self) -> bool:
-        """Whether anything but the overlay is given."""
+        """Whether any option except the overlay is given."""
         return self != MachineOptions(overlay=self.overlay)
 
     def choices(self) -> dict[str, str]:
@@ -61,7 +61,7 @@ class MachineOptions:
         for text in self.convention:
             name, equals, choice = text.partition("=")
             if not (name and equals and choice):
-                raise UsageError(f"--convention {text}: NAME=CHOICE is due")
+                raise UsageError(f"--convention {text}: expected NAME=CHOICE")
             chosen[name.strip()] = choice.strip()
         return chosen
 
@@ -73,11 +73,11 @@ class MachineOptions:
         return load(file, overlay=self.overlay)
 
     def chain(self, machine: Machine) -> Chain:
-        """Translate the kinematic that the options mean."""
+        """Translate the kinematic that the options select."""
         return machine.chain(self.kinematic, self.channel, self.tool_length, self.choices())
 
     def robot(self, file: str) -> Robot:
-        """Read a machine file and build the robot; stderr says that there are warnings."""
+        """Read a machine file and build the robot; warnings are announced on stderr."""
         return self.built(file)[1]
 
     def built(self, file: str) -> tuple[Machine, Robot]:
@@ -90,7 +90,7 @@ class MachineOptions:
         return machine, Robot(chain)
 
     def announce(self, file: str, machine: Machine, chain: Chain) -> None:
-        """Say on stderr what was chosen among several, what has no effect, and that there are warnings."""
+        """Print on stderr what was chosen among several, which options have no effect, and the number of warnings."""
         from chainbuild.cli.show import announce, note
 
         used = [one.convention.name for one in chain.conventions]
@@ -111,16 +111,8 @@ class MachineOptions:
 DEFAULT_OPTIONS = MachineOptions()
 
 
-def pointed_axis(robot: Robot) -> Literal["x", "z"]:
-    """Return the axis of the tool frame that the columns tool_x, tool_y, tool_z hold.
-
-    Z, but for machines that are programmed by the tool direction their own: on ROBX robots of five axes that is X.
-    """
-    return robot.chain.tool_axis if robot.task == "direction" else "z"
-
-
 def held_axes(robot: Robot) -> dict[str, int]:
-    """Return the axes that inverse kinematics does not move: name → place among the axes."""
+    """Return the axes that inverse kinematics does not move: name → index of the axis."""
     return {axis.name: n for n, axis in enumerate(robot.axes) if axis.held}
 
 

@@ -28,13 +28,13 @@ class MapOptions:
 
     Attributes:
         section: rz: distance from the z axis and height; xz, xy, yz: a slab through the origin; volume: all of space.
-        over: Axis across and axis up: a map over two axes in place of a section; give it twice.
-        at: Values of the other axes for a map over two axes, all axes separated by commas.
-        cells: Cells along each side.
-        samples: Positions drawn evenly from the axis limits.
+        over: Axis shown across or up; give it twice for a map over two axes instead of a section.
+        at: Values of all axes for a map over two axes, separated by commas; those of --over do not count.
+        cells: Number of cells along each side.
+        samples: Number of positions, drawn uniformly from the axis limits.
         seed: Seed of the positions.
         collisions: Leave out positions at which the robot collides with itself.
-        workers: Processes. Without it: one for each core.
+        workers: Number of processes. Default: one per core.
     """
 
     section: MapPlane = "rz"
@@ -51,7 +51,7 @@ class MapOptions:
         from chainbuild.analysis.workspace.mapspec import MapSpec
 
         if self.at and not self.over:
-            raise UsageError("--at goes with --over")
+            raise UsageError("--at requires --over")
         at = tuple(values_of(robot, self.at[-1]).tolist()) if self.at else ()
         kind = "axes" if self.over else self.section
         return MapSpec(kind, self.over, at, self.cells, self.samples, self.seed, self.collisions)
@@ -70,14 +70,16 @@ def workspace(
     chart: MapOptions = DEFAULT_MAP,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
-    """Map where the tool reaches, and how close to singularities it is there.
+    """Map where the tool reaches and how close it is to singularities there.
 
-    Each cell holds the largest of the smallest scaled singular values found in it. A run that was stopped goes on where
-    it was when started again with the same output.
+    Each cell holds the largest value of the smallest scaled singular value found in it. A run that was stopped resumes
+    when it is started again with the same output.
+
+    Example: `chainbuild workspace kr6r900 --samples 100000 --picture map.svg`
 
     Args:
         file: A machine file, or the name of a shipped machine.
-        output_file: NPZ file to keep the map in.
+        output_file: NPZ file to write the map to.
         picture: SVG file to write.
         json: Print JSON.
         chart: What the map shows.
@@ -88,7 +90,7 @@ def workspace(
     robot = options.robot(file)
     spec = chart.spec(robot)
     if chart.workers is not None and chart.workers < 1:
-        raise UsageError("--workers: at least 1")
+        raise UsageError(f"--workers {chart.workers}: expected at least 1")
     total = spec.cells**2 if spec.kind == "axes" else spec.samples
     with counted("map", -(-total // PART)) as done:
         found = make_map(robot, spec, output_file, chart.workers, lambda count, _: done(count))
@@ -132,7 +134,7 @@ def _print(found: Map, as_json: bool) -> None:
     shown.add_row("positions", str(data["positions"]))
     if found.spec.collisions:
         shown.add_row("left out for self-collision", str(found.collided))
-    shown.add_row(f"cells nowhere above {NEAR}", str(data["singular_cells"]))
+    shown.add_row(f"cells with no value above {NEAR}", str(data["singular_cells"]))
     shown.add_row("largest smallest singular value", "–" if data["best"] is None else f"{data['best']:.4g}")
     console().print(shown)
 

@@ -1,1 +1,4 @@
-"""Room."""
+"""Self-collision by coal.
+
+In reading order: `solids`, `model`.
+"""

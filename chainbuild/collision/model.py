@@ -1,6 +1,6 @@
 """Self-collision of a robot on coal: booleans, pairs, distances with witness points.
 
-The only place that knows coal's queries. Links that a joint connects never count as colliding, nor do pairs that touch
+The only module that queries coal. Links that a joint connects never count as colliding, nor do pairs that touch
 at every position: the bodies are drawn so that they overlap there.
 """
 
@@ -47,11 +47,11 @@ class Distance:
 
 
 class _Scratch(local):
-    """What coal and Pinocchio compute in, each thread's own.
+    """Working memory of coal and Pinocchio, one for each thread.
 
     Attributes:
         found: The results of the last query.
-        parts: What a query is called with: model, data, bodies, results.
+        parts: Arguments of a query: model, data, bodies, results.
     """
 
     def __init__(self, model: pin.Model, bodies: pin.GeometryModel) -> None:
@@ -60,11 +60,11 @@ class _Scratch(local):
 
 
 class CollisionModel:
-    """The bodies of a robot and the pairs that are watched. Threads may share it; it pickles as its robot and pairs.
+    """The bodies of a robot and the watched pairs. Threads may share it; it pickles as its robot and pairs.
 
     Args:
         robot: The robot.
-        watched: Pairs of links that are looked at; None: all but links that a joint connects, those that the overlay
+        watched: Pairs of links to check; None: all but links that a joint connects, those that the overlay
             ignores, and those that touch at every position.
 
     Attributes:
@@ -125,7 +125,7 @@ class CollisionModel:
         return self._distance(int(best))
 
     def smallest_at(self, q: Vector) -> float:
-        """Return the smallest distance [m] at joint values (n_q,), SI: the quickest query; inf where no pair is."""
+        """Return the smallest distance [m] at joint values (n_q,), SI: the fastest query; inf without a pair."""
         if not self.pairs:
             return math.inf
         scratch = self._scratch
@@ -146,7 +146,7 @@ class CollisionModel:
     def _q(self, axes: ArrayLike) -> Vector:
         values = np.asarray(axes, dtype=float)
         if values.shape != self._shape or not math.isfinite(values.sum()):
-            return self.robot.q(axes)  # which says what is wrong
+            return self.robot.q(axes)  # raises the reason
         return self.robot.chain.axis_map.q(values)
 
     def _names(self, n: int) -> LinkPair:
@@ -192,7 +192,7 @@ class CollisionModel:
     def _drawn_slides(self) -> set[frozenset[str]]:
         """Return the pairs of one branch of a machine on three slides whose bodies are both drawn by rule.
 
-        The rule draws lumps for slides and rams, which say nothing about how they pass one another.
+        The rule draws blocks for slides and rams, which do not show how they pass one another.
         """
         chain = self.robot.chain
         if sum(joint.kind == "prismatic" for joint in chain.joints) < _SLIDES:

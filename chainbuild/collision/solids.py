@@ -54,7 +54,7 @@ def solids_of(chain: Chain) -> tuple[Solid, ...]:
     shapes = chain.geometry.shapes
     found: list[Solid] = []
     for body in (*link_bodies(chain), *detail_bodies(chain)):
-        # A level link stands for an angle and has no body.
+        # A level link represents an angle and has no body.
         if body.link in shapes or body.link in LEVEL_LINKS or (body.part != "link" and body.part not in _SOLID):
             continue
         found.append(_drawn(body))
@@ -105,7 +105,7 @@ def _mesh(file: str, scale: float, hull: bool) -> Any:
     try:
         mesh = coal.MeshLoader().load(file, np.full(3, scale))
     except ValueError:
-        raise FileAccessError("the mesh cannot be read", span=Span(file)) from None
+        raise FileAccessError("the mesh cannot be read (missing, or not STL, OBJ or DAE)", span=Span(file)) from None
     if not hull:
         return mesh
     mesh.buildConvexHull(True, "Qt")

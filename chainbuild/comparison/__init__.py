@@ -1,1 +1,4 @@
-"""Cross-check: another solver or a recording beside the model, and what their difference says."""
+"""Cross-check: another solver or a recording beside the model, and what their difference says.
+
+In reading order: `crosscheck`, `samples`, `judges`, `comparison`, `offsets`, `diagnosis`, `convention_trials`.
+"""

@@ -1,4 +1,4 @@
-"""How far poses and branches of two solvers are apart."""
+"""Differences between poses and branches of two solvers."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def pose_errors(ours: Matrices, theirs: Matrices, compared: Task, column: int = 
 
 
 def forward_poses(robot: Mechanism, axes: Vector) -> Matrices:
-    """Return the poses (n, 4, 4) [m] of axis values (n, n_axes); not a number where there is none."""
+    """Return the poses (n, 4, 4) [m] of axis values (n, n_axes); NaN where there is none."""
     kinematics = robot.kinematics
     axis_map = robot.chain.axis_map
     return np.array([kinematics.pose(axis_map.q(row)).homogeneous for row in axes]).reshape(-1, 4, 4)
@@ -62,8 +62,8 @@ class Forward:
     Attributes:
         samples: Axis values.
         ours: (n, 4, 4) chainbuild's poses [m].
-        theirs: (n, 4, 4) the other solver's; not a number where it gave none.
-        compared: What was compared.
+        theirs: (n, 4, 4) the other solver's; NaN where it gave none.
+        judged: What was compared.
         position_error: (n,) [m]; infinite where the other solver gave none.
         rotation_error: (n,) [rad].
         position_tolerance: [m].
@@ -110,7 +110,7 @@ def compare_forward(
     Args:
         robot: The robot.
         samples: Axis values.
-        theirs: (n, 4, 4) [m]; not a number where there is no pose.
+        theirs: (n, 4, 4) [m]; NaN where there is no pose.
         compared: What to compare.
         tolerance: Metres and radians within which poses agree.
     """
@@ -125,19 +125,19 @@ class Inverse:
     """Inverse kinematics compared, branch by branch.
 
     Attributes:
-        samples: Axis values whose poses were asked for.
+        samples: Axis values of the poses.
         ours: Branches that chainbuild found inside the limits.
         theirs: Answers of the other solver.
         wrong: Answers that miss the pose.
         outside: Right answers that no whole turn brings inside the limits.
-        missing: Branches that the other solver does not know.
-        extra: Right answers inside the limits that chainbuild does not know.
+        missing: Branches that the other solver did not find.
+        extra: Right answers inside the limits that chainbuild did not find.
         unanswered: Poses to which the other solver gave no right answer.
-        singular: Poses where an axis is free: branches are not told apart there.
+        singular: Poses where an axis is free, so that branches cannot be matched.
         worst_position_error: Of all answers [m].
         worst_rotation_error: Of all answers [rad].
         pairs: Answers with the poses they were given for, wrong ones first: (n, n_axes) and (n, 4, 4).
-        complete: False where the other solver gives one answer only, so that none counts as missing.
+        complete: False if the other solver gives one answer only, so that none counts as missing.
     """
 
     samples: Samples
@@ -186,7 +186,7 @@ def compare_inverse(
 
     Args:
         robot: The robot.
-        samples: Axis values whose poses are asked for.
+        samples: Axis values of the poses.
         reference: A solver with an inverse.
         tolerance: Metres and radians within which an answer is right.
     """

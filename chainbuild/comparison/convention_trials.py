@@ -1,4 +1,4 @@
-"""Which choice of the conventions would make a recording agree: every open one is tried."""
+"""Trials of conventions: which choices would make a recording agree."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _MAX_POSES: Final = 200  # more of them tell nothing new about a choice
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """Which kinematic of a machine is meant; see `Machine.chain`."""
+    """Selected kinematic of a machine; see `Machine.chain`."""
 
     kinematic: int | str | None = None
     channel: int | None = None
@@ -35,11 +35,11 @@ class Selection:
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """Choices of conventions and what they lead to.
+    """Choices of conventions and the resulting errors.
 
     Attributes:
         choices: Convention name → choice; empty for those in force.
-        position_error: Worst distance [m]; infinite where the chain cannot be built.
+        position_error: Worst distance [m]; infinite if the chain cannot be built.
         rotation_error: Worst angle [rad].
         agrees: Whether all poses are within tolerance.
     """
@@ -59,9 +59,9 @@ def try_conventions(
     compared: Task,
     tolerance: tuple[float, float],
 ) -> tuple[Trial, ...]:
-    """Return what each other choice of the machine's conventions leads to, the best first.
+    """Return the errors for each other choice of the machine's conventions, the best first.
 
-    Where no single choice makes the poses agree, pairs are tried.
+    If no single choice makes the poses agree, pairs are tried.
 
     Args:
         machine: The machine.
@@ -69,7 +69,7 @@ def try_conventions(
         chosen: Choices made by the user.
         axes: (n, n_axes) axis values, mm and degrees.
         theirs: (n, 4, 4) poses [m].
-        compared: What of the poses counts.
+        compared: Part of the poses that is compared.
         tolerance: Metres and radians within which poses agree.
     """
     some = np.unique(np.linspace(0, len(axes) - 1, min(len(axes), _MAX_POSES)).astype(int))
@@ -83,7 +83,7 @@ def try_conventions(
 
 @dataclass(frozen=True, slots=True)
 class _TrialRun:
-    """What every trial has in common."""
+    """Data that all trials share."""
 
     machine: Machine
     selection: Selection
@@ -114,7 +114,7 @@ class _TrialRun:
         return self.machine.chain(s.kinematic, s.channel, s.tool_length_mm, {**self.chosen, **choices})
 
     def trial(self, choices: Mapping[str, str]) -> Trial:
-        """Return what a set of choices leads to."""
+        """Return the trial of a set of choices."""
         try:
             robot = Mechanism(self._chain(choices))
             ours = forward_poses(robot, self.axes)

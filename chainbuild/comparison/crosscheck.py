@@ -43,19 +43,19 @@ _MAX_TRIALS: Final = 8  # of those that do not agree, in the result
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CrossCheck:
-    """What a cross-check found.
+    """Result of a cross-check.
 
     Attributes:
         title: The machine.
         kinematic: "ROBX NR", "KIN_TYP 45", … .
         axes: Axis names.
-        reference: Name of the other solver or recording.
-        note: What it was built from.
+        judge: Name of the other solver or recording.
+        note: Its source.
         forward: Forward kinematics compared, or None.
         inverse: Inverse kinematics compared, or None.
         complete: Whether chainbuild's own branches come from a closed form.
         explanation: Structure of the error, or None.
-        trials: Conventions tried, the best first; empty where nothing was to be decided.
+        trials: Conventions tried, the best first; empty if none was open.
         conventions: Name → choice in force.
     """
 
@@ -90,7 +90,7 @@ class CheckOptions:
     Attributes:
         count: Number of poses, shared among the kinds.
         samples: Of "random", "grid", "singular".
-        seed: Seed of what is drawn.
+        seed: Seed of the samples.
         position_tolerance: [m]; None: 1e-6, for recordings 1e-5.
         rotation_tolerance: [rad]; None: 1e-6, for recordings 1e-4.
         kind: What a callable is: "fk", "ik" or "auto".
@@ -107,7 +107,7 @@ class CheckOptions:
         """Return metres and radians within which poses agree.
 
         Raises:
-            ChainbuildError: one of them is no positive number.
+            ChainbuildError: a tolerance is not a positive number.
         """
         defaults = (
             (_RECORDED_POSITION_M, _RECORDED_ROTATION_RAD)
@@ -117,7 +117,7 @@ class CheckOptions:
         given = (self.position_tolerance, self.rotation_tolerance)
         distance, angle = (default if g is None else g for g, default in zip(given, defaults, strict=True))
         if not (0.0 < distance < 1.0 and 0.0 < angle < 1.0):
-            raise ChainbuildError("a tolerance is no positive number", permitted="more than 0, less than 1 m or rad")
+            raise ChainbuildError("a tolerance is out of range", permitted="more than 0, less than 1 m or rad")
         return distance, angle
 
 
@@ -130,19 +130,19 @@ def crosscheck(
     selection: Selection | None = None,
     conventions: Mapping[str, str] | None = None,
 ) -> CrossCheck:
-    """Compare a robot with another solver or with a recording, and name the structure of what differs.
+    """Compare a robot with another solver or with a recording, and diagnose differences.
 
     Args:
         robot: The robot.
         solver: "eaik", "opw", "roboticstoolbox", "module:function", a function (axis values (n,) in mm and degrees →
             pose (4, 4) in metres, or pose → rows of axis values), or a `Recording`.
         options: Samples and tolerances.
-        machine: The machine the robot was built from: its conventions are tried where poses differ.
+        machine: The machine the robot was built from; its conventions are tried if poses differ.
         selection: Which kinematic of it.
         conventions: Choices made by the user when the robot was built.
 
     Raises:
-        ChainbuildError: the solver is unknown, not installed, not made for this kinematic, or returns nonsense.
+        ChainbuildError: the solver is unknown, not installed, unfit for this kinematic, or returns invalid values.
     """
     options = options or CheckOptions()
     if isinstance(solver, Recording):
@@ -164,7 +164,7 @@ def crosscheck(
 
 def _recorded_samples(robot: Mechanism, recording: Recording) -> Samples:
     if len(recording.axes) == 0:
-        raise ChainbuildError("the recording has no row", parameter=recording.name)
+        raise ChainbuildError("the recording has no rows", parameter=recording.name)
     for row in recording.axes:
         robot.axis_values(row)
     kinds: list[SampleKind] = ["recorded" for _ in recording.axes]
@@ -196,7 +196,7 @@ def _result(
     selection: Selection | None,
     conventions: Mapping[str, str] | None,
 ) -> CrossCheck:
-    """Return the result with the structure of what differs, and the conventions that would mend it."""
+    """Return the result with the diagnosis of differences, and the conventions that would resolve them."""
     evidence = _evidence(robot, forward, inverse)
     explanation: Explanation | None = None
     trials: tuple[Trial, ...] = ()
@@ -227,7 +227,7 @@ def _result(
 def _evidence(
     robot: Mechanism, forward: Forward | None, inverse: Inverse | None
 ) -> tuple[Vector, Matrices, Task, tuple[float, float]] | None:
-    """Return axis values and foreign poses that disagree, or None where there are none."""
+    """Return axis values and poses of the other solver that disagree, or None if there are none."""
     if forward is not None:
         if forward.agrees.all():
             return None
@@ -235,6 +235,6 @@ def _evidence(
         return forward.samples.axes, forward.theirs, forward.compared, tolerance
     if inverse is None or not inverse.wrong:
         return None
-    # Wrong answers come first; right ones would only blur what they have in common.
+    # Wrong answers come first; right ones would only hide their common error.
     axes, poses = (part[: inverse.wrong] for part in inverse.pairs)
     return axes, poses, robot.task, (POSITION_TOLERANCE_M, ROTATION_TOLERANCE_RAD)

@@ -1,8 +1,8 @@
-"""The structure of an error: what single change, or pair of changes, would make two solvers agree.
+"""Diagnosis of a systematic error: the single change, or pair of changes, that makes two solvers agree.
 
-Tried are another reading of the axes (signs, two of them swapped), another reading of the poses (transposed rotation,
-inverse pose, other angle convention, other unit), and then what a constant could explain: a tool offset, a base offset,
-a wrong zero of one axis. The simplest explanation that leaves next to nothing is named, and what it leaves.
+It tries other readings of the axes (signs, two of them swapped), other readings of the poses (transposed rotation,
+inverse pose, other angle convention, other unit), and constants: a tool offset, a base offset, a wrong zero of one
+axis. The result is the simplest explanation with a small residual, and that residual.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _MAX_OTHERS: Final = 4  # explanations named beside the best
 _ZERO_STEPS: Final = 8  # Gauss-Newton in one variable: converges in a few
 _ZERO_STARTS_DEG: Final = (0.0, 90.0, -90.0, 180.0)  # from one of them Gauss-Newton reaches any zero
 _NOTHING: Final = 1e-9  # mm, degrees or slopes: rounding
-# Factor → mistake. A solver gives metres, a recording mm: either may have been taken for the other.
+# Factor → mistake. A solver gives metres, a recording mm: they may be confused.
 _LENGTH_UNITS: Final = (
     (1e-3, "millimetres taken for metres"),
     (1e3, "metres taken for millimetres"),
@@ -45,17 +45,17 @@ _LENGTH_UNITS: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """A structure that an error has.
+    """A systematic error.
 
     Attributes:
         kind: "tool offset", "base offset", "flipped axis", "swapped axes", "axis zero", "angle convention",
             "transposed rotation", "inverse pose", "unit of length", "unit of angle", joined by " + "
             where two are needed.
-        text: The structure in words, with numbers.
+        text: The error as text, with numbers.
         axes: Names of the axes it concerns.
         remaining_position_error: Worst distance that it leaves [m].
         remaining_rotation_error: Worst angle that it leaves [rad].
-        others: Other structures, in words, that these poses cannot tell from it.
+        others: Other errors, as text, that these poses do not distinguish from it.
     """
 
     kind: str
@@ -90,13 +90,13 @@ class _ConstantOffset:
 def explain(
     robot: Mechanism, axes: Vector, theirs: Matrices, compared: Task, tolerance: tuple[float, float]
 ) -> Explanation | None:
-    """Return the simplest structure that explains the differences, or None.
+    """Return the simplest systematic error that explains the differences, or None.
 
     Args:
         robot: The robot.
         axes: (n, n_axes) axis values, mm and degrees.
         theirs: (n, 4, 4) poses of the other solver at these values [m].
-        compared: What of the poses counts.
+        compared: Part of the poses that is compared.
         tolerance: Metres and radians within which poses agree.
     """
     finite = np.isfinite(theirs).all(axis=(1, 2))
@@ -130,7 +130,7 @@ class _Diagnosis:
         for level in levels:
             fitting = sorted((one for one in level() if self._left(one) <= limit), key=self._left)
             if fitting:
-                # A linear axis' zero and an offset along it, say: what leaves as little is as true.
+                # Such as a linear axis' zero and an offset along it: equal residuals are equally plausible.
                 close = [one.text for one in fitting[1:] if self._left(one) <= max(1.0, self._left(fitting[0]))]
                 return replace(fitting[0], others=tuple(close[:_MAX_OTHERS]))
         return None
@@ -199,7 +199,7 @@ class _Diagnosis:
         yield _Reinterpretation("inverse pose", "the workpiece seen from the tool", axes, backwards)
         used = self.robot.chain.angle_mode
         angles = [angles_from_matrix(used, T[:3, :3]) for T in theirs]
-        # Angles given in radians are small enough that the matrix has kept them all.
+        # Angles given in radians are small enough for the matrix to preserve them.
         larger = theirs.copy()
         larger[:, :3, :3] = [matrix_from_angles(used, [math.degrees(angle) for angle in triple]) for triple in angles]
         yield _Reinterpretation("unit of angle", "pose angles: radians taken for degrees", axes, larger)
@@ -236,7 +236,7 @@ class _Diagnosis:
         return _ConstantOffset("base offset", text, offset @ ours)
 
     def _shifts(self, ours: Matrices, theirs: Matrices) -> Iterator[_ConstantOffset]:
-        """Yield constant shifts where rotations are not known as a whole."""
+        """Yield constant shifts, for poses without a whole rotation."""
         difference = theirs[:, :3, 3] - ours[:, :3, 3]
         moved = ours.copy()
         moved[:, :3, 3] += difference.mean(axis=0)

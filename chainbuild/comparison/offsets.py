@@ -1,4 +1,4 @@
-"""Constant offsets: their mean over many poses, and words for them."""
+"""Constant offsets: their mean over many poses, and their text."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def mm_text(vector: Vector) -> str:
 
 
 def transform_text(T: NDArray[np.float64]) -> str:
-    """Return a transform's shift and the size of its turn."""
+    """Return a transform's shift and rotation angle as text."""
     vector = T[:3, 3]
     sine = math.sqrt(max(0.0, float(((T[:3, :3] - np.eye(3)) ** 2).sum()))) / math.sqrt(8.0)
     angle = deg_from_rad(2.0 * math.asin(min(1.0, sine)))

@@ -33,11 +33,11 @@ class OtherSolver:
     """A solver to compare with; axis values in mm and degrees, poses (4, 4) in metres.
 
     Attributes:
-        name: Name for people.
+        name: Display name.
         fk: Axis values → pose, or None.
         ik: Pose → answers, or None.
         complete: Whether `ik` claims to return every branch.
-        note: What it is built from.
+        note: Its source.
     """
 
     name: str
@@ -48,22 +48,22 @@ class OtherSolver:
 
 
 def other_solver_by_name(robot: Mechanism, solver: str, kind: CallableKind = "auto") -> OtherSolver:
-    """Return the solver that a name means: "eaik", "opw", "roboticstoolbox" or "module:function".
+    """Return the solver of a name: "eaik", "opw", "roboticstoolbox" or "module:function".
 
     Raises:
-        ChainbuildError: unknown, not installed, or not made for this kinematic.
+        ChainbuildError: the solver is unknown, not installed, or does not support this kinematic.
     """
     if ":" in solver:
         return other_solver_from_function(robot, _import(solver), solver, kind)
     maker = _BY_NAME.get(solver.lower())
     if maker is None:
         permitted = f"{', '.join(_BY_NAME)}, module:function, or a CSV recording"
-        raise ChainbuildError(f"there is no solver '{solver}'", parameter="solver", permitted=permitted)
+        raise ChainbuildError(f"unknown solver '{solver}'", parameter="solver", permitted=permitted)
     return maker(robot)
 
 
 def _import(spec: str) -> Callable[..., Any]:
-    """Return the callable of "module:function"; modules of the working folder are found, too."""
+    """Return the callable of "module:function"; modules in the working folder are found, too."""
     name, _, attribute = spec.partition(":")
     here = str(Path.cwd())
     if here not in sys.path:
@@ -75,7 +75,7 @@ def _import(spec: str) -> Callable[..., Any]:
     except (ImportError, AttributeError, ValueError) as error:
         raise ChainbuildError(f"'{spec}' cannot be imported: {error}", parameter="solver") from None
     if not callable(found):
-        raise ChainbuildError(f"'{spec}' is no function", parameter="solver", permitted="module:function")
+        raise ChainbuildError(f"'{spec}' is not a function", parameter="solver", permitted="module:function")
     result: Callable[..., Any] = found
     return result
 
@@ -86,13 +86,13 @@ def other_solver_from_function(
     """Return a callable as a solver.
 
     Args:
-        robot: The robot, whose axis count tells the two kinds apart.
+        robot: The robot; its number of axes distinguishes the two kinds.
         function: Axis values (n,) in mm and degrees → pose (4, 4) in metres, or pose → sequence of axis values.
-        name: Name for people.
-        kind: "auto": by what it returns for the middle of the limits.
+        name: Display name.
+        kind: "auto": decided by its return value for the middle of the limits.
 
     Raises:
-        ChainbuildError: it returns neither a pose nor axis values.
+        ChainbuildError: the function returns neither a pose nor axis values.
     """
     name = name or getattr(function, "__name__", "callable")
     middle = np.array([0.0 if axis.lower <= 0.0 <= axis.upper else axis.lower for axis in robot.axes])
@@ -122,7 +122,7 @@ def _returns_pose(function: Callable[..., Any], axes: Vector, *, strict: bool) -
     except Exception:
         if strict:
             raise
-        return False  # made for poses: axis values of another shape break it
+        return False  # it expects poses: axis values of another shape raise
     return shape == (4, 4)
 
 
@@ -181,7 +181,7 @@ def _eaik(robot: Mechanism) -> OtherSolver:
     query, serial = _serial(robot)
     model = eaik_robot(serial)
     if model is None:
-        raise ChainbuildError("EAIK does not know this kinematic", parameter="solver", permitted="six rotary axes")
+        raise ChainbuildError("EAIK does not support this kinematic", parameter="solver", permitted="six rotary axes")
     R_zero = serial.M[:3, :3]
 
     def fk(axes: Vector) -> Matrix:
@@ -203,7 +203,7 @@ def _opw(robot: Mechanism) -> OtherSolver:
     arm = opw_arm(serial)
     if arm is None:
         raise ChainbuildError(
-            "py-opw-kinematics does not know this kinematic",
+            "py-opw-kinematics does not support this kinematic",
             parameter="solver",
             permitted="an ortho-parallel arm with a spherical wrist at right angles",
         )

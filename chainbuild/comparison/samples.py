@@ -1,4 +1,4 @@
-"""Axis values to compare at: random ones, a grid, and those where arms and heads are singular on purpose."""
+"""Axis values for a comparison: random, on a grid, and at singularities of arms and heads."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 SampleKind = Literal["random", "grid", "singular", "recorded"]
 MADE_KINDS: Final = tuple(kind for kind in get_args(SampleKind) if kind != "recorded")
 
-_WIDEST_LINEAR_MM: Final = 500.0  # of axes whose limits nobody gave
+_WIDEST_LINEAR_MM: Final = 500.0  # of axes without given limits
 _WIDEST_ROTARY_DEG: Final = 180.0  # one turn shows all poses
 _SPECIAL_DEG: Final = (0.0, 90.0, -90.0, 180.0, -180.0)  # where solvers divide by zero or take the other branch
 
@@ -29,7 +29,7 @@ class Samples:
 
     Attributes:
         axes: (n, n_axes) mm and degrees.
-        kinds: (n,) what each was drawn for.
+        kinds: (n,) the kind of each.
     """
 
     axes: Vector
@@ -44,16 +44,16 @@ def make_samples(robot: Mechanism, count: int, kinds: Sequence[str] = MADE_KINDS
 
     Args:
         robot: The robot.
-        count: How many in all, at least one a kind.
+        count: Number in all, at least one per kind.
         kinds: Of "random", "grid", "singular".
-        seed: Seed of what is drawn.
+        seed: Seed of the samples.
 
     Raises:
         ChainbuildError: an unknown kind, or a count below 1.
     """
     unknown = [kind for kind in kinds if kind not in MADE_KINDS]
     if unknown or not kinds or count < 1:
-        what = f"there are no samples '{unknown[0]}'" if unknown else "no samples are asked for"
+        what = f"unknown samples '{unknown[0]}'" if unknown else "no samples requested: expected at least 1"
         raise ChainbuildError(what, parameter="samples", permitted=", ".join(MADE_KINDS))
     rng = np.random.default_rng(seed)
     share = max(1, count // len(kinds))
@@ -76,7 +76,7 @@ def _with_pose(robot: Mechanism, axes: Vector) -> Vector:
 
 
 def _range(robot: Mechanism) -> tuple[Vector, Vector]:
-    """Return where samples are drawn from: the limits, or a usual range where nobody gave any."""
+    """Return the range of samples: the limits, or a usual range if there are none."""
     lower, upper = [], []
     for axis in robot.axes:
         wide = _WIDEST_LINEAR_MM if axis.kind == "linear" else _WIDEST_ROTARY_DEG
@@ -87,7 +87,7 @@ def _range(robot: Mechanism) -> tuple[Vector, Vector]:
 
 
 def random_samples(robot: Mechanism, count: int, rng: np.random.Generator) -> Vector:
-    """Return axis values drawn evenly from the limits."""
+    """Return axis values drawn uniformly from the limits."""
     lower, upper = _range(robot)
     values: Vector = lower + (upper - lower) * rng.random((count, len(lower)))
     return values

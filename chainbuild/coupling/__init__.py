@@ -1,1 +1,4 @@
-"""Room."""
+"""A motion distributed over partial kinematics (KIN_TYP 210, composed chains).
+
+In reading order: `partial_state`, `distribution`.
+"""

@@ -1,10 +1,10 @@
-"""A motion of the tool handed out to the partial kinematics of a composed robot, in Cartesian coordinates.
+"""Distribution of a tool motion over the partial kinematics of a composed robot, in Cartesian coordinates.
 
-In the order of their ranks each partial takes all of the motion that its Cartesian freedoms allow and hands on the
-rest: first its angles, so that as little rotation as possible is left, then its position, the nearest that its linear
-freedoms reach. Coordinates that are programmed directly, and locked ones, keep their values. What nobody has
-programmed starts at 0: the split depends on the target alone, not on where the partials stand. Limits of the workspace
-are not looked at; the axes of each partial are a second step (Couple kinematics 3.4, 4.1 to 4.4).
+In order of rank, each partial takes as much of the motion as its Cartesian freedoms allow and passes on the rest: first
+its angles, so that as little rotation as possible remains, then its position, the nearest that its linear freedoms
+reach. Coordinates that are programmed directly, and locked ones, keep their values. Others start at 0: the distribution
+depends on the target alone, not on the current values. Workspace limits are not checked; the axes of each partial are a
+second step (Couple kinematics 3.4, 4.1 to 4.4).
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ PoseValues = Mapping[str, float] | Sequence[float]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartialPose:
-    """What a partial is to do.
+    """Target of a partial.
 
     Attributes:
         name: The partial's name.
@@ -51,11 +51,11 @@ class PartialPose:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Distribution:
-    """A motion handed out.
+    """A distributed motion.
 
     Attributes:
         tcp: (6,) X, Y, Z [mm], A, B, C [degrees] of the tool in the workpiece frame.
-        partials: What each partial is to do, in the order of the axes.
+        partials: Target of each partial, in the order of the axes.
         robot: The composed robot.
     """
 
@@ -70,7 +70,7 @@ class Distribution:
             start: Axis values to start from; None: each partial's own default.
 
         Raises:
-            ChainbuildError: a partial cannot reach what it was given; its name and the reason are said.
+            ChainbuildError: a partial cannot reach its target; the message gives its name and the reason.
         """
         found = np.zeros(len(self.robot.axes))
         begin = None if start is None else self.robot.axis_values(start)
@@ -92,20 +92,20 @@ def distribute(
     locked: Iterable[str] = (),
     current: Mapping[str, PoseValues] | None = None,
 ) -> Distribution:
-    """Hand a tool position out to the partials of a robot.
+    """Distribute a tool position over the partials of a robot.
 
     Args:
         robot: A composed robot.
         tcp: X, Y, Z [mm], A, B, C [degrees] of the tool in the workpiece frame, all six or some by letter; letters
-            not named stay as they are with `current`, also where `axes` moves the workpiece. None: the partials keep
-            their values, and the tool goes where they take it.
+            not named keep their values at `current`, even if `axes` moves the workpiece. None: the partials keep
+            their values, and the tool follows them.
         axes: Directly programmed coordinates: "PARTIAL.X" → value, or PARTIAL → letter → value.
-        locked: Coordinates that keep their values: "PARTIAL.X"; those that the chain locks are locked, too.
-        current: PARTIAL → values it has now, all six or some by letter; the others count as 0.
+        locked: Coordinates that keep their values: "PARTIAL.X"; in addition to those that the chain locks.
+        current: PARTIAL → its current values, all six or some by letter; the others are 0.
 
     Raises:
         AxisValueError: an unknown partial or letter, a freedom that a partial does not have, or not a finite number.
-        ChainbuildError: the free coordinates cannot make the motion; what is left over is said.
+        ChainbuildError: the free coordinates cannot make the motion; the message gives the residual.
     """
     states = [State.of(partial) for partial in _partials(robot.chain)]
     by_name = {state.partial.name: state for state in states}
@@ -129,7 +129,7 @@ def distribute(
 
 @dataclass(slots=True, eq=False)
 class _Split:
-    """A motion while it is handed out."""
+    """A motion while it is distributed."""
 
     chain: Chain
     states: list[State]
@@ -165,7 +165,7 @@ class _Split:
         states = self.tool_side
         ranks = [n if state.partial.rank is None else state.partial.rank for n, state in enumerate(states)]
         order = sorted(range(len(states)), key=lambda n: ranks[n])
-        # A partial that turns may move what an earlier one has placed; then another round follows.
+        # A rotating partial may move what an earlier one has placed; then another round follows.
         for _ in range(_PASSES):
             for n in order:
                 self._assign(states, n, T, target)
@@ -232,10 +232,12 @@ def _values(mode: str, T: Matrix) -> Vector:
 
 
 def _six(values: PoseValues) -> dict[str, float]:
-    """Return values by letter, checked."""
+    """Return checked values by letter."""
     pairs = dict(values) if isinstance(values, Mapping) else dict(zip(LETTERS, values, strict=False))
     if not isinstance(values, Mapping) and len(values) != len(LETTERS):
-        raise AxisValueError(f"{len(values)} values are given", permitted="six: X, Y, Z in mm, A, B, C in degrees")
+        raise AxisValueError(
+            f"expected 6 values, got {len(values)}", permitted="six: X, Y, Z in mm, A, B, C in degrees"
+        )
     for letter, value in pairs.items():
         if letter not in LETTERS:
             raise AxisValueError(f"there is no coordinate {letter}", permitted=", ".join(LETTERS))
@@ -261,7 +263,7 @@ def _number(name: str, value: object) -> float:
 def _split(text: str) -> tuple[str, str]:
     name, dot, letter = text.rpartition(".")
     if not (dot and name and letter):
-        raise AxisValueError(f"{text} names no coordinate of a partial", permitted="PARTIAL.LETTER, such as ROBOT.X")
+        raise AxisValueError(f"{text} is not a coordinate of a partial", permitted="PARTIAL.LETTER, such as ROBOT.X")
     return name, letter
 
 

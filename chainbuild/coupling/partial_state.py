@@ -1,4 +1,4 @@
-"""A partial kinematic while a motion of the tool is handed out: what it can do, what it holds, where it is."""
+"""State of a partial kinematic during distribution: freedoms, held coordinates, current values."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ TURNS: Final = slice(3, 6)
 _SHIFTS: Final = slice(0, 3)
 _STEPS: Final = 30  # Newton steps on up to three angles: converges in a few
 _SAME_DEG: Final = 1e-9  # angles closer than this are the same, but for rounding
-# Freedoms are looked for off the middle of the limits: an arm stretched out, or a head on end, has lost some.
+# Freedoms are determined off the middle of the limits: a stretched arm, or an upright head, has lost some.
 _GENERIC: Final = (0.537, 0.461, 0.523, 0.444, 0.571, 0.489)
 _RANK: Final = 1e-7  # share of the largest singular value: below is rounding, freedoms are far above
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartialFreedoms:
-    """What the tool frame of a partial can do by itself, in the coordinates of its own system.
+    """Freedoms of the tool frame of a partial, in the coordinates of its own system.
 
     Attributes:
         chain: The partial.
@@ -41,7 +41,7 @@ class PartialFreedoms:
 
     @classmethod
     def of(cls, chain: Chain) -> PartialFreedoms:
-        """Find the freedoms of a chain where it stands in no special position."""
+        """Determine the freedoms of a chain in a generic position."""
         shares = np.resize(_GENERIC, len(chain.axes))
         axes = np.array([a.lower + s * (a.upper - a.lower) for a, s in zip(chain.axes, shares, strict=True)])
         U, values, _ = np.linalg.svd(pose_jacobian(chain, axes))
@@ -58,7 +58,7 @@ class PartialFreedoms:
         return cls(chain, "".join(letter for letter, yes in zip(LETTERS, free, strict=True) if yes), directions)
 
     def directions_without(self, held: Iterable[str]) -> Matrix:
-        """Return (3, k) the orthonormal directions that leave some of X, Y, Z alone."""
+        """Return (3, k) the orthonormal directions that keep some of X, Y, Z."""
         rows = [LETTERS.index(letter) for letter in held if letter in "XYZ"]
         if not rows or not self.directions.size:
             return self.directions
@@ -67,7 +67,7 @@ class PartialFreedoms:
         return result
 
     def at_rest(self, axes: Mapping[str, float]) -> Vector:
-        """Return the six values where all axes are 0 but those named; free coordinates are 0."""
+        """Return the six values with all axes at 0 except those named; free coordinates are 0."""
         values = np.array([axes.get(axis.name, 0.0) for axis in self.chain.axes])
         T = pose(self.chain, values)
         angles = frames.angles_from_matrix(self.chain.angle_mode, T[:3, :3])
@@ -91,14 +91,14 @@ def as_transform(mode: str, values: Vector) -> Matrix:
 
 @dataclass(slots=True, eq=False)
 class State:
-    """A partial while a motion is handed out.
+    """A partial during distribution.
 
     Attributes:
         partial: The partial.
-        freedoms: What it can do.
+        freedoms: Its freedoms.
         now: (6,) its values, mm and degrees.
         held: Letters that keep their values.
-        rest: Axis name → value of axes that are programmed although they are no Cartesian freedom.
+        rest: Axis name → value of programmed axes that are not Cartesian freedoms.
     """
 
     partial: Partial
@@ -117,7 +117,7 @@ class State:
         """Give a coordinate a value that the distribution does not touch.
 
         Raises:
-            AxisValueError: the partial cannot be moved in it.
+            AxisValueError: the partial cannot move in it.
         """
         if letter in self.freedoms.letters:
             self.now[LETTERS.index(letter)] = value
@@ -126,7 +126,7 @@ class State:
         if letter not in {axis.name for axis in self.partial.chain.axes}:
             text = f"{self.partial.name} cannot be moved in {letter} by itself"
             raise AxisValueError(text, parameter=f"{self.partial.name}.{letter}", permitted=self.permitted())
-        # An axis whose motion is no freedom of the tool frame: everything that is not free follows it.
+        # An axis whose motion is not a freedom of the tool frame: all coordinates that are not free follow it.
         self.rest[letter] = value
         fixed = [n for n, known in enumerate(LETTERS) if known not in self.freedoms.letters]
         self.now[fixed] = self.freedoms.at_rest(self.rest)[fixed]
@@ -164,8 +164,8 @@ class State:
         """Take as much of a rotation as the free angles allow.
 
         Args:
-            R: The rotation wanted.
-            angles: The same as angles, where they are known exactly.
+            R: The requested rotation.
+            angles: The same as angles, if known exactly.
         """
         mode = self.partial.chain.angle_mode
         free = [n for n in range(3) if "ABC"[n] in self.freedoms.letters and "ABC"[n] not in self.held]

@@ -1,1 +1,6 @@
-"""Room."""
+"""From a file to a `Machine`, and from a machine to its chain.
+
+In reading order: `load`, `text`, `overlay`, `selection`, `machine`, `urdf`.
+
+The dialects have rooms of their own: `sinumerik`, `twincat`.
+"""

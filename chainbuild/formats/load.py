@@ -1,4 +1,4 @@
-"""The front door: from a path or a shipped machine's name to a Machine."""
+"""Loading: from a path or a shipped machine's name to a Machine."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from chainbuild.machines import shipped, shipped_path
 
 
 def load(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None = None) -> Machine:
-    """Read a machine file of either dialect; the dialect is told by its content.
+    """Read a machine file of either dialect; the dialect is detected by its content.
 
     Args:
         path: A file, or the name of a shipped machine; an existing path wins.
@@ -82,7 +82,7 @@ def _note_assumed(machine: Machine, chain: Chain | None, collector: Collector) -
     """Note which axes of the default kinematic have no limits of their own."""
     names = [axis.name for axis in chain.axes if axis.assumed and not axis.endless] if chain is not None else []
     if names:
-        text = f"limits assumed for {', '.join(names)}: the file does not give both sides"
+        text = f"limits assumed for {', '.join(names)}: the file does not give both limits"
         hint = "give them in the overlay: [limits] " + f"{names[0]} = [lower, upper]"
         collector.add("CB501", text, span=Span(str(machine.path)), hint=hint)
 
@@ -90,7 +90,7 @@ def _note_assumed(machine: Machine, chain: Chain | None, collector: Collector) -
 def _try_chain(
     machine: Machine, kinematic: int | str | None, channel: int | None, collector: Collector
 ) -> Chain | None:
-    """Translate a kinematic; what is refused becomes a finding, and None is returned."""
+    """Translate a kinematic; an error becomes a finding, and None is returned."""
     try:
         chain = machine.chain(kinematic=kinematic, channel=channel)
         collector.findings.extend(chain.findings)
@@ -120,7 +120,7 @@ def _read(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None, 
 
         return read_sinumerik(source, file, beside, collector)
     raise ParseError(
-        "neither SINUMERIK machine data nor a TwinCAT channel list",
+        "the file holds neither SINUMERIK machine data nor a TwinCAT channel list",
         span=_first_line(source),
         permitted="lines like '$MC_ROBX_…=…' or 'trafo[0].param[6] 8300000'",
     )
@@ -160,16 +160,16 @@ def find_machine(path: str | os.PathLike[str]) -> Path:
 
 
 def _no_machine(file: Path, given: str) -> FileAccessError:
-    """Return the error for a name that means nothing: what looks like a path is not answered by shipped machines."""
+    """Return the error for an unknown name; where it looks like a path, shipped machines are not listed."""
     if not (file.suffix or file.parent != Path()):
         known = listed(file.stem, shipped())
-        return FileAccessError("no such file, nor a shipped machine of that name", span=Span(given), permitted=known)
+        return FileAccessError("no such file, and no shipped machine of that name", span=Span(given), permitted=known)
     if file.stem in shipped():
         return FileAccessError("no such file", span=Span(given), hint=f"the shipped machine is called {file.stem}")
     try:
         entries = sorted(entry for entry in file.parent.iterdir() if entry.is_file())
     except OSError:
-        text = "no such file" if file.parent.exists() else "no such file: there is no such folder"
+        text = "no such file" if file.parent.exists() else "no such file: the folder does not exist"
         return FileAccessError(text, span=Span(given))
     near = closest(file.name, [one.name for one in entries if one.suffix == file.suffix or one.stem == file.stem])
     hint = f"did you mean {file.parent / near}?" if near else None

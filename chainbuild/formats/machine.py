@@ -55,7 +55,7 @@ class ParameterRow:
 
 @dataclass(frozen=True, slots=True)
 class _Outcome:
-    """What a translation led to: a chain or an error, and what it found on its way."""
+    """Result of a translation: a chain or an error, and its findings."""
 
     findings: tuple[Finding, ...]
     chain: Chain | None = None
@@ -66,8 +66,8 @@ class Machine(ABC):
     """A machine file, read and typed.
 
     A machine that `load` has read is strict: reading and translation raise the first error they find. One that is
-    read leniently, as `check` does it, goes on past errors as far as there is something to judge and keeps them in
-    `findings`. Neither hands out a chain in which, or in whose file, an error was found.
+    read leniently, as `check` does it, continues past errors where it can and keeps them in `findings`. Neither
+    returns a chain if an error was found in it or in its file.
 
     Attributes:
         file: Name of the machine file for messages.
@@ -79,7 +79,7 @@ class Machine(ABC):
     dialect: str
 
     def __init__(self, file: str, path: Path, overlay: Overlay, collector: Collector) -> None:
-        """Take over what was read; the collector holds the findings of reading, which every chain begins with."""
+        """Store what was read; the collector holds the findings of reading, which every chain starts with."""
         self.file = file
         self.path = path
         self.overlay = overlay
@@ -125,8 +125,8 @@ class Machine(ABC):
     ) -> Chain:
         """Translate a kinematic into a chain.
 
-        What was translated with the overlay's conventions and without another tool length is kept with the machine:
-        asking again costs nothing.
+        A chain translated with the overlay's conventions and without another tool length is kept with the machine and
+        returned again.
 
         Args:
             kinematic: Configured id or name; for ROBX the transformation number, or "gripper" for gripper-referred
@@ -136,7 +136,7 @@ class Machine(ABC):
             conventions: Convention name → choice; wins over the overlay.
 
         Raises:
-            MachineDataError: the data cannot be a machine, or the kinematic or channel does not exist.
+            MachineDataError: the data describe no machine, or the kinematic or channel does not exist.
             UnsupportedKinematicError: the kinematic is not built by this version.
             ConventionError: an unknown convention or choice.
             ChainError: the chain contradicts itself.
@@ -164,7 +164,7 @@ class Machine(ABC):
 
     @abstractmethod
     def _channel(self, wanted: int | None, collector: Collector) -> int:
-        """Return the channel that is wanted; None: the first with a kinematic, and a finding where there are several.
+        """Return the requested channel; None: the first with a kinematic, and a finding where there are several.
 
         Raises:
             MachineDataError: there is no such channel, or none at all.
@@ -176,8 +176,8 @@ class Machine(ABC):
 
         Args:
             selected: The kinematic.
-            tool_length_mm: Added to the active tool's length, the overlay's share among it.
-            choose: Conventions; remembers which were asked for.
+            tool_length_mm: Added to the active tool's length; includes the overlay's share.
+            choose: Conventions; remembers which were used.
             collector: Takes the findings of the translation.
         """
 
@@ -187,26 +187,26 @@ class Machine(ABC):
 
         Args:
             names: Their names.
-            asked: Those chosen for this very chain; the others are the overlay's.
+            asked: Those chosen for this chain; the others are the overlay's.
             collector: Takes the finding.
         """
 
     def _named(self, wanted: int | str | None, entries: Sequence[KinematicEntry]) -> KinematicEntry:
-        """Return which of a channel's kinematics is wanted; None: the default."""
+        """Return the requested one of a channel's kinematics; None: the default."""
         return choose_kinematic(entries, wanted, self.file)
 
     def _second(self, entry: KinematicEntry, wanted: int | str | None, collector: Collector) -> KinematicEntry | None:
-        """Return what stands on a kinematic in a second transformation step, which not every dialect has."""
+        """Return the kinematic of a second transformation step on another, which not every dialect has."""
         return None
 
     def _is_main(self, selected: Selected) -> bool:
-        """Tell whether the overlay's bodies are meant for a kinematic."""
+        """Tell whether the overlay's bodies apply to a kinematic."""
         return True
 
     def _select(self, kinematic: int | str | None, channel: int | None, collector: Collector) -> Selected:
         """Return the kinematic that an id or name means in a channel; None: the overlay's, else the file's default."""
         if not self.kinematics():
-            refuse_errors(self._reading)  # what reading refused may be all there is
+            refuse_errors(self._reading)  # a refused line may have configured the only kinematic
         number = self._channel(channel, collector)
         wanted = self.overlay.kinematic if kinematic is None else kinematic
         try:
@@ -219,9 +219,9 @@ class Machine(ABC):
     def _translated(
         self, selected: Selected, tool_length_mm: float, chosen: Mapping[str, str], collector: Collector
     ) -> Chain:
-        """Return the chain of a kinematic, the one kept where the same was translated before.
+        """Return the chain of a kinematic, from the cache where it was translated before.
 
-        Only the overlay's own choices are kept: there are as many as kinematics, of the others any number.
+        Only chains with the overlay's own choices are cached: there is one for each kinematic.
         """
         usual = tool_length_mm == 0.0 and chosen == self.overlay.conventions
         outcome = self._kept.get(selected) if usual else None
@@ -236,7 +236,7 @@ class Machine(ABC):
         return outcome.chain
 
     def _outcome(self, selected: Selected, tool_length_mm: float, chosen: Mapping[str, str]) -> _Outcome:
-        """Translate a kinematic; a strict machine raises what a lenient one keeps."""
+        """Translate a kinematic; a strict machine raises the error that a lenient one keeps."""
         collector = Collector(self._collector.strict)
         choose = Choices(chosen)
         try:
@@ -252,6 +252,6 @@ class Machine(ABC):
         return _Outcome(tuple(collector.findings), replace(chain, conventions=choose.used()))
 
     def _note(self, findings: Iterable[Finding]) -> None:
-        """Add to the machine's findings what is not among them."""
+        """Add the findings that are new to the machine's."""
         known = set(self._collector.findings)
         self._collector.findings.extend(one for one in dict.fromkeys(findings) if one not in known)

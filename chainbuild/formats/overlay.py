@@ -1,4 +1,4 @@
-"""The overlay `NAME.chainbuild.toml` beside a machine file: what machine data cannot say."""
+"""The overlay `NAME.chainbuild.toml` beside a machine file: what machine data do not contain."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _DEEP_KEY = re.compile(r"""(?:\.[ \t]*["']?[\w-]+["']?[ \t]*){50}""")
 
 @dataclass(frozen=True, slots=True)
 class Overlay:
-    """What an overlay may say; every key is optional.
+    """Contents of an overlay; every key is optional.
 
     Attributes:
         path: The overlay's file, None where there is none.
@@ -101,7 +101,7 @@ class Overlay:
         return replace(axis, endless=axis.endless or axis.name in self.endless)
 
     def span(self, *keys: str) -> Span | None:
-        """Return where a key stands in the file, such as ("limits", "A1"); None where there is no file."""
+        """Return the place of a key in the file, such as ("limits", "A1"); None where there is no file."""
         return None if self.path is None else _span(self.path, *keys)
 
     def at_key(self, error: MachineDataError, key: str) -> MachineDataError:
@@ -133,7 +133,7 @@ def read_overlay(path: Path) -> Overlay:
     """Read an overlay.
 
     Raises:
-        FileAccessError: the file cannot be read; an empty one is an overlay that says nothing.
+        FileAccessError: the file cannot be read; an empty one is permitted.
         OverlayError: TOML syntax, an unknown key (the known ones are listed), or a value of the wrong kind.
     """
     text = read_source(path, may_be_empty=True).text
@@ -153,16 +153,16 @@ def _toml(path: Path, text: str) -> dict[str, Any]:
     deep = _DEEP_KEY.search(text)  # tomllib takes seconds for thousands of dots
     if deep is not None:
         line = text.count("\n", 0, deep.start()) + 1
-        raise OverlayError("no valid overlay: a key is nested too deeply", span=Span(str(path), line))
+        raise OverlayError("not a valid overlay: a key is nested too deeply", span=Span(str(path), line))
     try:
         return tomllib.loads(text)
     except RecursionError:
-        raise OverlayError("no valid TOML: nested too deeply", span=Span(str(path))) from None
+        raise OverlayError("not valid TOML: nested too deeply", span=Span(str(path))) from None
     except tomllib.TOMLDecodeError as error:
         found = re.search(r"line (\d+)", str(error))
-        raise OverlayError(f"no valid TOML: {error}", span=Span(str(path), int(found[1]) if found else 0)) from None
+        raise OverlayError(f"not valid TOML: {error}", span=Span(str(path), int(found[1]) if found else 0)) from None
     except ValueError:  # from int()
-        raise OverlayError("no valid TOML: a number has thousands of digits", span=Span(str(path))) from None
+        raise OverlayError("not valid TOML: a number has thousands of digits", span=Span(str(path))) from None
 
 
 def find_overlay(machine_file: Path, named: Path | None = None) -> Overlay:
@@ -173,13 +173,13 @@ def find_overlay(machine_file: Path, named: Path | None = None) -> Overlay:
     try:
         present = beside.is_file()
     except OSError as error:
-        raise FileAccessError(f"the overlay cannot be looked for: {error}", span=Span(str(beside))) from None
+        raise FileAccessError(f"cannot look for the overlay: {error}", span=Span(str(beside))) from None
     return read_overlay(beside) if present else Overlay()
 
 
 def _refuse(path: Path, key: str, permitted: str, text: str = "") -> OverlayError:
     """Return the error of a value; `key` has its table before a dot."""
-    text = text or f"the value of '{key}' has the wrong kind"
+    text = text or f"the value of '{key}' has the wrong type"
     table, _, name = key.partition(".")
     return OverlayError(text, span=_span(path, table, *([name] if name else [])), parameter=key, permitted=permitted)
 
@@ -266,7 +266,7 @@ def _geometry(path: Path, key: str, value: object) -> Geometry:
     table = _table(path, key, value)
 
     def refuse(name: str, permitted: str) -> OverlayError:
-        text = f"the value of '{name}' has the wrong kind"
+        text = f"the value of '{name}' has the wrong type"
         return OverlayError(text, span=_span(path, key, name), parameter=name, permitted=permitted)
 
     return geometry_from_table(table, path.parent, refuse)

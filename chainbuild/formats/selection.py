@@ -46,7 +46,7 @@ class Selected:
 
     Attributes:
         entry: The kinematic.
-        second: What stands on it in a second transformation step, or None.
+        second: The kinematic of the second transformation step, or None.
     """
 
     entry: KinematicEntry
@@ -83,14 +83,14 @@ def checked_kinematic(value: object) -> int | str | None:
     """Return what names a kinematic: an id, a name, or None.
 
     Raises:
-        MachineDataError: anything else, True and "" among it.
+        MachineDataError: anything else, including True and "".
     """
     if value is None or (isinstance(value, str) and value):
         return value
     number = _as_int(value)
     if number is None or abs(number) >= _HUGE_NUMBER:
         shown = "a huge number" if number else f"{value!r:.40}"
-        raise MachineDataError(f"{shown} names no kinematic", parameter="kinematic", permitted="an id, a name or None")
+        raise MachineDataError(f"{shown} is not a kinematic", parameter="kinematic", permitted="an id, a name or None")
     return number
 
 
@@ -103,12 +103,12 @@ def checked_channel(value: object) -> int | None:
     number = _as_int(value)
     if (number is None and value is not None) or abs(number or 0) >= _HUGE_NUMBER:
         shown = "a huge number" if number else f"{value!r:.40}"
-        raise MachineDataError(f"{shown} names no channel", parameter="channel", permitted="a whole number or None")
+        raise MachineDataError(f"{shown} is not a channel", parameter="channel", permitted="a whole number or None")
     return number
 
 
 def _as_int(value: object) -> int | None:
-    """Return a whole number of any kind, numpy's among them, as int; None where it is none."""
+    """Return a whole number of any type, also numpy's, as int; None for anything else."""
     if value is None or isinstance(value, bool):
         return None
     try:
@@ -120,21 +120,21 @@ def _as_int(value: object) -> int | None:
 def name_right_channel(
     error: MachineDataError, entries: Sequence[KinematicEntry], wanted: int | str | None, channel: int
 ) -> None:
-    """Let an error on a kinematic that a channel lacks say which other channel has it."""
+    """Add to an error on a kinematic that a channel lacks which other channel has it."""
     matches = [e for e in entries if e.channel != channel and (wanted == e.name or matching_id([e], wanted))]
     if wanted is not None and matches:
         channels = " and ".join(dict.fromkeys(str(entry.channel) for entry in matches))
         error.message = f"channel {channel} configures no kinematic {wanted!r}"
-        error.hint = f"channel {channels} has it: choose the channel, too"
+        error.hint = f"it is in channel {channels}: choose that channel"
 
 
 def choose_kinematic(entries: Sequence[KinematicEntry], wanted: int | str | None, file: str) -> KinematicEntry:
     """Return the entry that `wanted` names by id or name; None: the one marked default.
 
-    An id that stands for several means the one without a name, which no name could tell, else the first.
+    Of several with the same id the one without a name is taken, which no name could select, else the first.
 
     Raises:
-        MachineDataError: nothing is configured, or `wanted` is not among it.
+        MachineDataError: no kinematic is configured, or none is `wanted`.
     """
     if not entries:
         raise MachineDataError("the file configures no kinematic", span=Span(file))

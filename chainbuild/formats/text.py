@@ -1,6 +1,6 @@
 """Text of machine files: encodings, bounds and line ends, the same for both dialects; and which dialect it is.
 
-The dialect is told by content alone, without a look at either one's own code.
+The dialect is detected by content alone, without the code of either one.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class SourceText:
     Attributes:
         file: Name for messages, as the user gave it.
         text: Content with LF line ends, without byte order mark.
-        encoding: "utf-8", "latin-1" or a UTF-16 told by its mark.
+        encoding: "utf-8", "latin-1" or a UTF-16 detected by its mark.
     """
 
     file: str
@@ -43,7 +43,7 @@ def read_source(path: Path, *, may_be_empty: bool = False) -> SourceText:
 
     Args:
         path: The file.
-        may_be_empty: True where a file without content says something, too.
+        may_be_empty: True where an empty file is permitted.
 
     Raises:
         FileAccessError: missing, a directory or not permitted.
@@ -111,7 +111,7 @@ def _read_bytes(path: Path) -> bytes:
         raise FileAccessError("this is a folder, not a machine file", span=Span(name))
     try:
         with path.open("rb") as stream:
-            # What is read counts, not what the file system says: a device or a pipe has the size 0 and may never end.
+            # The bytes read decide, not the size on the file system: a device or a pipe has size 0 and may never end.
             raw = stream.read(tolerances.MAX_FILE_BYTES + 1)
         if len(raw) > tolerances.MAX_FILE_BYTES:
             raise FileContentError(
@@ -138,7 +138,7 @@ def _decode(raw: bytes) -> tuple[str, str]:
         return raw.decode("latin-1"), "latin-1"
 
 
-# Structures of a TwinCAT list that say something about kinematics, tools or axes; what else there is, is ignored.
+# Structures of a TwinCAT list that say something about kinematics, tools or axes; all others are ignored.
 TWINCAT_ROOTS: Final = frozenset(
     {
         "trafo", "kin_step", "kinematik", "trafo_pcs", "wz", "gruppe", "kenngr", "kopf", "kinematik_id",

@@ -72,7 +72,7 @@ def from_urdf(path: str | os.PathLike[str], tool: str | None = None) -> Chain:
 
     Raises:
         FileAccessError: the file cannot be read.
-        ParseError: no URDF, a number that is none, or a joint type other than revolute, continuous, prismatic, fixed.
+        ParseError: no URDF, a bad number, or a joint type other than revolute, continuous, prismatic, fixed.
         ChainbuildError: the tool link does not exist or is not the only candidate.
     """
     file = Path(path)
@@ -103,7 +103,7 @@ def _parse(text: str, file: str) -> _Node:
         opened.append(node)
 
     def refuse_doctype(*_: object) -> None:
-        raise ParseError("a document type is not read", span=Span(file, parser.CurrentLineNumber))
+        raise ParseError("a document type declaration is not permitted", span=Span(file, parser.CurrentLineNumber))
 
     parser.StartElementHandler = start
     parser.EndElementHandler = lambda _: opened.pop()
@@ -143,7 +143,7 @@ def _way_to(tool: str | None, joints: list[_Node], file: Span) -> list[_Node]:
     way: list[_Node] = []
     while link in by_child:
         if by_child[link] in way:
-            raise ParseError(f"link {link} hangs on itself", span=by_child[link].span)
+            raise ParseError(f"link {link} is its own ancestor", span=by_child[link].span)
         way.insert(0, by_child[link])
         link = _link(by_child[link], "parent")
     return way
@@ -193,7 +193,7 @@ def _move(joint: _Node) -> Move:
     axis = joint.child("axis")
     direction = (1.0, 0.0, 0.0) if axis is None else axis.numbers("xyz", (1.0, 0.0, 0.0))
     if not any(direction):
-        raise ParseError(f"the axis of joint {joint.text('name')} is zero", span=joint.span)
+        raise ParseError(f"the axis of joint {joint.text('name')} is the zero vector", span=joint.span)
     mimic = joint.child("mimic")
     name, kind = joint.text("name"), _KINDS[joint.text("type")]
     drive = {name: 1.0} if mimic is None else {mimic.text("joint"): mimic.numbers("multiplier", (1.0,))[0]}

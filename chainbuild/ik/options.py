@@ -1,4 +1,4 @@
-"""What a user may ask of the damped solver."""
+"""Options of the damped solver."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ class IkOptions:
     """Options of the damped solver.
 
     Attributes:
-        position_tolerance: Distance by which an answer may miss the pose [m].
-        rotation_tolerance: Angle by which it may [rad].
+        position_tolerance: Largest permitted distance between answer and pose [m].
+        rotation_tolerance: Largest permitted angle between them [rad].
         weights: Six weights of the error in the tool frame: x, y, z [1/m], then about x, y, z [1/rad]. They decide
-            what counts where a pose cannot be met exactly; 0 frees a direction for good. Of the turns either none,
-            one (what remains is the direction of that axis) or all three may be free.
-        max_restarts: Starts after the first before the search gives up.
+            what counts if a pose cannot be met exactly; 0 frees a direction. None, one (the direction of that axis
+            remains) or all three of the rotations may be free.
+        max_restarts: Number of starts after the first.
         seed: Seed of the starts.
-        compiled: False: use the plain path even where the compiled one is installed.
-        accuracy: (4,) follows: squared error [m², rad²] at which an iteration ends, three digits better than what is
-            verified; the tolerances; how far a rotation may be from one.
+        compiled: False: use the plain path even if the compiled one is installed.
+        accuracy: (4,) derived: squared error [m², rad²] at which an iteration ends, three digits better than what is
+            verified; the tolerances; permitted deviation of a matrix from a rotation.
     """
 
     position_tolerance: float = tolerances.IK_POSITION_M
@@ -42,12 +42,12 @@ class IkOptions:
             if not (1e-12 <= getattr(self, name) <= 1.0):
                 raise ChainbuildError(f"{name} is {getattr(self, name)}", parameter=name, permitted="1e-12 … 1")
         if len(self.weights) != 6 or not all(math.isfinite(w) and w >= 0.0 for w in self.weights):
-            raise ChainbuildError("bad weights", parameter="weights", permitted="six finite numbers, none negative")
+            raise ChainbuildError("wrong weights", parameter="weights", permitted="six finite numbers, none negative")
         if sum(w == 0.0 for w in self.weights[3:]) == 2 or not any(self.weights):
             raise ChainbuildError(
-                "these weights leave no task",
+                "the weights define no task",
                 parameter="weights",
-                permitted="none, one or three free turns, and something to do",
+                permitted="none, one or three free rotations, and at least one weight above 0",
             )
         if self.max_restarts < 0:
             raise ChainbuildError("max_restarts is negative", parameter="max_restarts", permitted="0, 1, …")

@@ -1,4 +1,4 @@
-"""How the poses of a mechanism are solved while some axes are held: by what, why, and whether completely."""
+"""The solver of a mechanism's poses while some axes are held: its name, reason and completeness."""
 
 from __future__ import annotations
 
@@ -29,24 +29,24 @@ PlanName = ArmName | Literal["direct", "EAIK", "elimination", "search"]
 
 TASK_ROWS: Final[Mapping[Task, int]] = {"pose": 6, "direction": 5, "position": 3}  # freedoms that a task determines
 _MAX_VIRTUAL_JOINTS: Final = 2  # chains of fewer than four joints are left to EAIK or to the search
-_MAX_PREPARED: Final = 64  # a held axis makes a chain of its own for every value
+_MAX_PREPARED: Final = 64  # every value of a held axis makes another chain
 _REASONS: Final[Mapping[str, str]] = {
     **ARMS,
-    "direct": "three independent linear axes: the rotary ones give the orientation, the linear ones the position",
+    "direct": "three independent linear axes: the rotary axes give the orientation, the linear ones the position",
     "EAIK": "six joints whose wrist is not spherical, decomposed into subproblems by EAIK",
-    "elimination": "joints without a known structure: all at once, as the eigenvalues of one matrix",
+    "elimination": "six joints without a special structure: all solutions as eigenvalues of one matrix",
 }
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SolverPlan:
-    """What finds every branch of a pose, chosen once for each set of held axes.
+    """The solver that finds every branch of a pose, chosen once for each set of held axes.
 
     Attributes:
         name: "direct", "spherical wrist", "single wrist axis", "parallel arm", "position", "EAIK", "elimination", or
             "search": damped descents from many starts.
         reason: Why, in words.
-        complete: True where no branch is missing; False where branches are only searched for.
+        complete: True if no branch can be missing; False if branches are only searched for.
     """
 
     name: PlanName
@@ -92,12 +92,12 @@ def _chosen(query: BranchQuery, serial: Serial) -> SolverPlan:
         return found
     free = len(query.structure.free)
     if free > TASK_ROWS[task]:
-        return _searched(f"{free} axes are free and the task determines {TASK_ROWS[task]}")
+        return _searched(f"{free} axes are free but the task determines only {TASK_ROWS[task]}")
     return _searched(f"no closed form is known for {count} joints in this arrangement")
 
 
 def _for_direction(query: BranchQuery, serial: Serial) -> SolverPlan | None:
-    """Return a plan for position and tool direction: the turn about the tool vector is taken for one more joint."""
+    """Return a plan for position and tool direction, with the rotation about the tool vector as one more joint."""
     column, axis = query.mechanism.chain.tool_column, common_rotary_axis(serial)
     known = None if axis is None else arm_solver(serial, "direction")
     if axis is not None and known is not None:

@@ -1,4 +1,4 @@
-"""The region a solver searches in: limits, coupled limits, whole turns."""
+"""The region that a solver searches: limits, coupled limits, whole turns."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ class Box:
     def turned_to(self, y: list[float], turning: Iterable[int], wanted: Vector) -> Vector | None:
         """Return y (n,) with some axes moved by whole turns towards `wanted` and the others cut to their limits.
 
-        None where one of the turning axes has no place inside its limits.
+        None if one of the turning axes has no position inside its limits.
         """
         for n in turning:
             (lower, upper), value = self._limits[n], y[n]
@@ -160,7 +160,7 @@ class Box:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Freedoms:
-    """What a robot's axes may do, prepared once a robot.
+    """Limits and scaling of a robot's axes, prepared once per robot.
 
     Attributes:
         box: Limits of all axes.

@@ -1,4 +1,4 @@
-"""One question of inverse kinematics: what every stage of the pipeline is handed."""
+"""One inverse kinematics problem: the input of every stage of the pipeline."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ Held = Mapping[str, float] | Sequence[float]
 
 
 class IkRequest(NamedTuple):
-    """Which axis values bring the tool there? A tuple, for one is made at every call, and dataclasses take longer.
+    """One inverse kinematics problem; a named tuple, since one is made per call and dataclasses take longer.
 
     Attributes:
         mechanism: Whose axis values.
-        target: (4, 4) tool in the workpiece frame [m]; whether it is rigid is looked at by whoever solves.
+        target: (4, 4) tool in the workpiece frame [m]; the solver checks whether it is rigid.
         start: (n_axes,) axis values to start from, mm and degrees, or None.
         held: Axis name → value to hold, or one value for each input axis in order, or None.
         options: Options of the damped search.
@@ -46,17 +46,17 @@ class IkRequest(NamedTuple):
         held: Held | None = None,
         options: IkOptions | None = None,
     ) -> IkRequest:
-        """Return a request of what a user handed over; see `Robot.ik`.
+        """Return a request from the arguments of `Robot.ik`.
 
         Raises:
-            AxisValueError: start of wrong count or not finite.
+            AxisValueError: start has a wrong number of values or a non-finite value.
             ChainbuildError: T is not 4×4 real numbers.
         """
         begin = None if start is None else mechanism.axis_values(start)
         return cls(mechanism, matrix_of(T), begin, held, options or DEFAULT)
 
     def to(self, target: Matrix, start: Vector | None) -> IkRequest:
-        """Return the same question for another target (4, 4) and start (n_axes,)."""
+        """Return the same problem with another target (4, 4) and start (n_axes,)."""
         return self._replace(target=target, start=start)
 
     @property
@@ -64,7 +64,7 @@ class IkRequest(NamedTuple):
         """The target as a pose.
 
         Raises:
-            ChainbuildError: it is no rigid transform.
+            ChainbuildError: it is not a rigid transform.
         """
         return as_pose(self.target)
 
@@ -74,7 +74,7 @@ class IkRequest(NamedTuple):
 
 
 def matrix_of(target: Pose | ArrayLike) -> Matrix:
-    """Return a pose as a (4, 4) array; whether it is rigid is looked at by the search.
+    """Return a pose as a (4, 4) array; the search checks whether it is rigid.
 
     Raises:
         ChainbuildError: not 4×4 real numbers.
@@ -95,7 +95,7 @@ def start_point(mechanism: Mechanism, start: ArrayLike | None, held: Held | None
         held: Axis name → value to hold, or one value for each input axis in order.
 
     Raises:
-        AxisValueError: start or held of wrong count, unknown name or not finite.
+        AxisValueError: start or held has a wrong number of values, an unknown name or a non-finite value.
     """
     freedoms = freedoms_of(mechanism)
     fixed = np.array([axis.held for axis in mechanism.axes])
@@ -122,11 +122,11 @@ def _by_name(mechanism: Mechanism, held: Held | None) -> Mapping[str, float]:
     names = [axis.name for axis in mechanism.axes if axis.held]
     permitted = ", ".join(names) or "a mapping of axis name to value"
     if not isinstance(held, Sequence | np.ndarray) or isinstance(held, str | bytes):
-        text = "held is neither a mapping nor a sequence of numbers"
+        text = "held must be a mapping of axis name to value or a sequence of numbers"
         raise AxisValueError(text, parameter="held", permitted=permitted)
     if len(held) != len(names):
         raise AxisValueError(
-            f"{len(held)} held values are given, the robot has {len(names)} input axes",
+            f"expected {len(names)} held values, one for each input axis, got {len(held)}",
             parameter="held",
             permitted=permitted,
         )
@@ -134,7 +134,7 @@ def _by_name(mechanism: Mechanism, held: Held | None) -> Mapping[str, float]:
 
 
 def _number(name: str, value: object) -> float:
-    """Return a held value; whether it is finite is looked at with the others."""
+    """Return a held value as a number; finiteness is checked later."""
     if not isinstance(value, Real):
         text = f"axis {name} is held at {value!r}"
         raise AxisValueError(text, parameter="held", permitted="a number in mm or degrees")

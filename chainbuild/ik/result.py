@@ -16,20 +16,20 @@ STATUSES: Final[tuple[Status, ...]] = ("ok", "limits", "stalled", "unreachable")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class IkResult:
-    """Axis values for a pose, or the best found and why it is no solution.
+    """Axis values for a pose, or the best found and the reason of failure.
 
     Attributes:
-        success: True where the pose is met within tolerance and all limits are kept.
+        success: True if the pose is met within tolerance and all limits are kept.
         axes: (n_axes,) axis values, mm and degrees; on failure the best found.
         status: "ok"; "unreachable": no axis values reach the pose even without limits; "limits": only values
             outside the limits do; "stalled": the budget ended close to the pose.
-        position_error: Distance between the pose wanted and the one reached [m].
-        rotation_error: Angle between them [rad]; that of the tool vector where the task is not a full pose.
+        position_error: Distance between the requested and the reached pose [m].
+        rotation_error: Angle between them [rad]; that of the tool vector if the task is not a full pose.
         iterations: Steps taken over all starts.
         restarts: Starts after the first.
         task: "pose", "direction" or "position": what was solved for.
-        reason: Words for people; empty on success.
-        violated: With status "limits", where it is known: the names of the limits in the way.
+        reason: Explanation as text; empty on success.
+        violated: Names of the violated limits with status "limits", if known.
     """
 
     success: bool

@@ -30,14 +30,14 @@ MAX_STEPS: Final = 40
 # or after so many in a row that leave more than this share of the squared error.
 STALL_STEPS: Final = 4
 STALL_SHARE: Final = 0.9
-# One descent in so many pays no heed to limits: it tells the unreachable from what limits forbid.
+# One descent in so many ignores the limits: it separates unreachable poses from those that limits exclude.
 FREE_EVERY: Final = 4
-# An answer is improved once more where the axes could still move by more than this (rad or m): near a singularity a
-# small error of the pose stands for a larger one of the axes. Judged by the step before it.
+# An answer is improved once more if the axes could still move by more than this (rad or m): near a singularity a small
+# error of the pose means a larger one of the axes. Judged by the previous step.
 SHARP: Final = 1e-8
-# So many starts are the nearest of the table; then every other one is any of it, in case the nearest all lead astray.
+# So many starts are the nearest of the table; then every other one is any of it, in case the nearest all fail.
 NEAREST_FIRST: Final = 4
-# So many turned starts that limits forbid are passed over at a time; then the plain table helps out.
+# So many turned starts outside the limits are skipped at a time; then the plain table is used.
 TURN_TRIES: Final = 8
 # A pose that so many descents, free ones among them, did not reach is given up as unreachable.
 MAX_FAILED_DESCENTS: Final = 30
@@ -53,5 +53,5 @@ STALLED_BELOW: Final = 1e-3
 # A descent's end this far beyond its region [m and rad together] counts as inside, by the slack that
 # `kinematics.limits` grants, and is put on the limit before it is verified.
 INSIDE_SLACK: Final = math.radians(tolerances.LIMIT_SLACK)
-# What rounding alone may put a step along a path beyond its region [m and rad together].
+# Distance by which rounding may move a step along a path beyond its region [m and rad together].
 ROUNDING: Final = 1e-12

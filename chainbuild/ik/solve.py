@@ -1,10 +1,10 @@
-"""How a pose becomes axis values: every stage of one inverse kinematics, in order.
+"""Inverse kinematics of one pose: all stages, in order.
 
-request → search → (its first success is the answer, where nothing more is asked)
-→ answer        the solver asked for; a closed form where the search finds nothing
+request → search → (its first success is the answer if no more is requested)
+→ answer        the chosen solver; a closed form if the search finds nothing
 → sums          a branch that keeps the limits on sums of axes
-→ four axes     a ROBX robot of four axes: A and B of the pose follow, C runs on
-→ redundancy    what is preferred among infinitely many
+→ four axes     a ROBX robot of four axes: A and B of the pose follow, C counts turns
+→ redundancy    the preferred one of infinitely many solutions
 → last check    every axis on the inner side of its limits, the pose still met
 """
 
@@ -58,18 +58,18 @@ def solve(
 
 
 def answer(request: IkRequest, solver: str, searched: IkResult | None = None) -> IkResult:
-    """Return what a solver comes up with; "auto" asks the plan's closed form where the search finds nothing.
+    """Return a solver's answer; "auto" uses the plan's closed form if the search finds nothing.
 
     Args:
-        request: What is asked.
+        request: The request.
         solver: "auto", "damped", "analytic" or "controller".
-        searched: What the search said, where it was asked already.
+        searched: The result of the search, if it has run.
 
     Raises:
         ChainbuildError: an unknown solver, or one that the mechanism does not have.
     """
     if solver not in SOLVERS:
-        raise ChainbuildError(f"there is no solver '{solver}'", parameter="solver", permitted=", ".join(SOLVERS))
+        raise ChainbuildError(f"unknown solver '{solver}'", parameter="solver", permitted=", ".join(SOLVERS))
     if solver == "analytic":
         return _closed_form(request)
     if solver == "controller":
@@ -91,13 +91,13 @@ def keeping_sums(request: IkRequest, found: IkResult, solver: str) -> IkResult:
     other = _complete_answer(request) if solver == "auto" else None
     if other is not None and other.success:
         return other
-    reason = f"only reached outside the limits of {', '.join(limit.label for limit in broken)}"
+    reason = f"reached only outside the limits of {', '.join(limit.label for limit in broken)}"
     violated = tuple(limit.name for limit in broken)
     return replace(found, success=False, status="limits", reason=reason, violated=violated)
 
 
 def checked(request: IkRequest, found: IkResult) -> IkResult:
-    """Return an answer with its axes on the inner side of their limits, or as a failure where they are not."""
+    """Return an answer with its axes on the inner side of their limits, or as a failure if they are not."""
     if not found.success:
         return found
     limits = request.mechanism.limits
@@ -121,7 +121,7 @@ def _complete_answer(request: IkRequest) -> IkResult | None:
 
 
 def _closed_form(request: IkRequest) -> IkResult:
-    """Return what the plan's closed form says.
+    """Return the answer of the plan's closed form.
 
     Raises:
         ChainbuildError: the plan has none.

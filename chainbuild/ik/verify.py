@@ -1,4 +1,4 @@
-"""Whether axis values are an answer: the pose is met, and what rounding put beyond a limit stands on it."""
+"""Verification of answers: the pose is met, and axes that rounding put beyond a limit are moved onto it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from chainbuild.tolerances import IK_POSITION_M, IK_ROTATION_RAD
 
 
 def is_met(task: Task, distance: float, angle: float) -> bool:
-    """Return whether a pose that is missed by a distance [m] and an angle [rad] counts as met."""
+    """Return whether a distance [m] and an angle [rad] to a pose are within tolerance."""
     return distance <= IK_POSITION_M and (task == "position" or angle <= IK_ROTATION_RAD)
 
 
@@ -26,7 +26,7 @@ def on_limits(mechanism: Mechanism, target: Pose, axes: Vector, task: Task) -> t
         task: What was solved for.
 
     Returns:
-        Axis values, distance [m], angle [rad]; None where nothing is to be moved, or the pose would not be met then.
+        Axis values, distance [m], angle [rad]; None if no axis has to move, or the pose would not be met then.
     """
     moved = mechanism.limits.onto(axes)
     if np.array_equal(moved, axes):

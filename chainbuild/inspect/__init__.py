@@ -1,1 +1,4 @@
-"""Looking at a robot: a meshcat scene and a self-contained page."""
+"""Looking at a robot: a meshcat scene and a self-contained page.
+
+In reading order: `scene`, `labels`, `sweep`, `panel`, `export`, `inline`.
+"""

@@ -22,7 +22,7 @@ from chainbuild.inspect.sweep import FRAMES_PER_SECOND, AxisSweep, axis_sweep
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
-# From where the machine is looked at: in front of its right side, a little from above (machine coordinates).
+# Direction of view: from in front of the machine's right side, slightly from above (machine coordinates).
 _VIEW: Final = (1.0, -1.35, 0.75)
 # How far the picture reaches from the machine at rest (0) to everything it sweeps over (1).
 _SWEPT_SHARE: Final = 0.6
@@ -34,7 +34,7 @@ def export_page(robot: Mechanism, path: str | os.PathLike[str]) -> Path:
     The file holds the meshcat viewer itself and loads nothing. It is written in one piece or not at all.
 
     Args:
-        robot: What to show.
+        robot: The robot.
         path: The HTML file; an existing one is replaced.
 
     Returns:
@@ -82,12 +82,12 @@ def _data(robot: Mechanism, scene: Scene, motion: AxisSweep, recorder: _Recorder
         "pose": _pose(robot, scene),
         "commands": [base64.b64encode(command).decode("ascii") for command in recorder.commands],
     }
-    # No text inside may end the script element.
+    # No text may end the script element.
     return json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
 
 
 def _pose(robot: Mechanism, scene: Scene) -> dict[str, Any]:
-    """Return what the page reads the pose of the tool from: two frames in the scene, and how angles are told."""
+    """Return the data for the displayed tool pose: two frames of the scene and the angle convention."""
     chain = robot.chain
     places = {name: scene.frame_place(name) for name in ("tool", "workpiece")}
     total = chain.absolute_c
@@ -99,7 +99,7 @@ def _pose(robot: Mechanism, scene: Scene) -> dict[str, Any]:
 
 
 class _Recorder:
-    """Stands where meshcat has its window and keeps the commands that would go to the viewer."""
+    """Replaces meshcat's window and records the commands for the viewer."""
 
     def __init__(self) -> None:
         self.commands: list[bytes] = []
@@ -108,7 +108,7 @@ class _Recorder:
     def send(self, command: Any) -> None:
         import umsgpack
 
-        # meshcat's own identifiers hold the time and the network card's address.
+        # meshcat's own identifiers contain the time and the network card's address.
         parts = [getattr(command, "object", None)]
         parts += [getattr(parts[0], name, None) for name in ("geometry", "material")]
         parts.append(getattr(parts[-1], "map", None))

@@ -33,7 +33,7 @@ def inline_page(robot: Mechanism, height: int = 560) -> InlinePage:
     """Return a robot's page for display as the last value of a notebook cell.
 
     Args:
-        robot: What to show.
+        robot: The robot.
         height: Height of the frame in pixels.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Labels in a meshcat scene: small texts of constant size that face the viewer and are never hidden by a body."""
+"""Labels in a meshcat scene: text of constant size that faces the viewer and is never hidden by a body."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def draw_label(node: Any, text: str, side: Side) -> None:
     Args:
         node: `meshcat.Visualizer` at the path where the label goes.
         text: One short line.
-        side: Where the text stands as the viewer sees it.
+        side: Position of the text as seen by the viewer.
     """
     font = min(_FONT_PIXELS, int(_CANVAS_PIXELS / (_LETTER_WIDTH * max(len(text), 1))))
     width = min(_LETTER_WIDTH * font * (len(text) + 0.6), _CANVAS_PIXELS)
@@ -56,7 +56,7 @@ def _sprite(
 
 
 def _sprite_object(text: tuple[str, int] | None) -> Any:
-    """Return a sprite with a text in a font size, or a plain pale one. meshcat's Python side knows neither."""
+    """Return a sprite with a text in a font size, or a plain pale one. meshcat's Python side supports neither."""
     from meshcat import geometry
 
     class Sprite(geometry.Object):

@@ -1,4 +1,4 @@
-"""The words beside the picture: axes, frames, conventions, findings, and what the drawing is not."""
+"""The panel next to the picture: axes, frames, conventions, findings, and the limits of the drawing."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ def panel_html(chain: Chain, grid_cell: float, stopped: Sequence[str]) -> str:
     """Return the panel as HTML.
 
     Args:
-        chain: What is shown.
+        chain: The chain.
         grid_cell: Side of a grid square [m].
-        stopped: Names of axes that stop short of their range for want of a pose.
+        stopped: Names of axes that stop short of their range because there is no pose.
     """
     parts = [
         f"<p>{escape(chain.dialect)} · {escape(chain.kinematic)}</p>",
@@ -40,7 +40,7 @@ def panel_html(chain: Chain, grid_cell: float, stopped: Sequence[str]) -> str:
 
 
 def _tool(chain: Chain) -> str:
-    """Return the table that the page fills with the pose of the tool."""
+    """Return the table for the pose of the tool, which the page fills."""
     head = "".join(f'<th class="number">{text}</th>' for text in ("X mm", "Y mm", "Z mm", "A°", "B°", "C°"))
     cells = '<td class="number"></td>' * 6
     meaning = escape(ANGLE_MODES[chain.angle_mode].meaning)
@@ -66,16 +66,16 @@ def _axes(chain: Chain, stopped: Sequence[str]) -> str:
 
 
 def _axis_notes(chain: Chain, stopped: Sequence[str]) -> Iterable[str]:
-    yield "Each axis moves by itself to its lower limit, its upper limit and back. Click a row to see its sweep."
+    yield "Each axis moves alone to its lower limit, its upper limit and back. Click a row to see its sweep."
     if any(axis.assumed for axis in chain.axes):
-        yield "* The machine data give no limits; those listed are assumed."
+        yield "* Assumed limits: the machine data contain none."
     shortened = [
         f"{axis.name} {_number(low)} … {_number(high)}{'°' if axis.unit == 'deg' else ' mm'}"
         for axis, low, high in zip(chain.axes, *shown_limits(chain), strict=True)
         if not _whole(axis, float(low), float(high))
     ]
     if shortened:
-        yield f"Shown over a part of the range only: {', '.join(shortened)}."
+        yield f"Shown over part of the range only: {', '.join(shortened)}."
     if stopped:
         yield f"Waits where the kinematic has no pose: {', '.join(stopped)}."
 
@@ -90,8 +90,8 @@ def _legend(chain: Chain, grid_cell: float) -> str:
         swatches.append(("carries the workpiece", WORKPIECE_SIDE[0]))
     keys = "".join(f'<span class="key"><i style="background:{_css(c)}"></i>{text}</span>' for text, c in swatches)
     return (
-        "<h2>Drawing</h2><p><strong>The bodies are drawn, not measured.</strong> Machine data hold the place and "
-        "direction of the joints only; cylinders and boxes stand between them, so clearances cannot be read from this "
+        "<h2>Drawing</h2><p><strong>The bodies are drawn, not measured.</strong> Machine data contain only the place "
+        "and direction of the joints; cylinders and boxes connect them, so clearances cannot be read from this "
         f'page.</p><p class="soft">Frames: x red, y green, z blue. A grid square is {_length(grid_cell)}.</p>'
         f"<p>{keys}</p>"
     )
@@ -99,7 +99,7 @@ def _legend(chain: Chain, grid_cell: float) -> str:
 
 def _conventions(used: Sequence[UsedConvention]) -> str:
     if not used:
-        return "<h2>Conventions</h2><p>The chain rests on no open convention.</p>"
+        return "<h2>Conventions</h2><p>The chain uses no open convention.</p>"
     rows = [
         f"<dt>{escape(u.convention.name)} = {escape(u.choice)}</dt>"
         f"<dd>{escape(u.convention.choices.get(u.choice, ''))} "
@@ -108,7 +108,7 @@ def _conventions(used: Sequence[UsedConvention]) -> str:
     ]
     return (
         '<h2>Conventions used</h2><p class="soft">The manuals leave these points open; verify them on the controller '
-        f"(chainbuild info tells how).</p><dl>{''.join(rows)}</dl>"
+        f"(chainbuild info shows how).</p><dl>{''.join(rows)}</dl>"
     )
 
 
@@ -120,7 +120,7 @@ def _findings(findings: Sequence[Finding]) -> str:
 
 
 def _finding(finding: Finding) -> str:
-    # A page travels: it names the file, not where it lay on the disk of whoever made it.
+    # Pages are passed on: show the name of the file, not its folder.
     where = ""
     if finding.span is not None:
         where = f" ({replace(finding.span, file=PurePath(finding.span.file).name)})"

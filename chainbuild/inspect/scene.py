@@ -67,7 +67,7 @@ class Scene:
         animation = Animation(default_framerate=FRAMES_PER_SECOND)
         for k, row in enumerate(q):
             around = q[max(k - 1, 0) : k + 2]
-            # A joint at rest needs no keys between; the first and the last make all clips equally long.
+            # A joint at rest needs no keys in between; the first and the last make all clips equally long.
             moves = np.ptp(around, axis=0) > 0.0 if 0 < k < len(q) - 1 else np.full(len(row), True)
             for joint, T, moving in zip(chain.joints, joint_transforms(chain, row), moves, strict=True):
                 if moving:
@@ -86,7 +86,7 @@ class Scene:
         return low, high
 
     def floor(self, q: Vector) -> float:
-        """Return the height [m] of the grid: the base's origin, or lower where the machine hangs below it."""
+        """Return the height [m] of the grid: the base's origin, or lower if the machine extends below it."""
         lowest = float(self.bounds([q])[0][2])
         return lowest if lowest < -0.15 * self.size else 0.0
 
@@ -148,7 +148,7 @@ class Scene:
         viewer["/Axes"].set_property("visible", False)
         points = geometry.PointsGeometry(_grid(cell, 2.2 * self.size, floor))
         viewer["grid"].set_object(geometry.LineSegments(points, geometry.LineBasicMaterial(color=_hex(GRID_COLOUR))))
-        # meshcat's own lamps stand at 2 m and reach 10 m: moved out so that a gantry gets light, too.
+        # meshcat's own lamps are at 2 m and reach 10 m: moved out so that a gantry is lit, too.
         for lamp, side in (("PointLightNegativeX", 1.0), ("PointLightPositiveX", -1.0)):
             node = viewer[f"/Lights/{lamp}/<object>"]
             node.set_property("position", [side * 4 * self.size, side * 3 * self.size, 5 * self.size])
@@ -170,7 +170,7 @@ def labelled_frames(chain: Chain) -> list[tuple[str, Frame]]:
 
 
 def _link_paths(chain: Chain) -> dict[str, str]:
-    """Return the scene path of every link; children hang on their parents, so that a joint moves one node only."""
+    """Return the scene path of every link; children are nested in their parents: a joint moves one node only."""
     paths = {BASE_LINK: "robot"}
     for joint in chain.joints:
         paths[joint.child] = f"{paths[joint.parent]}/{joint.child.replace('/', '_')}"

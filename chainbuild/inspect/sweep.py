@@ -1,4 +1,4 @@
-"""The motion that a page shows: each axis in turn from limit to limit and back, around a readable pose."""
+"""The motion of a page: each axis in turn from limit to limit and back, around a readable pose."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _PHASES: Final = (0.24, 0.44, 0.24)
 
 # Angles a rotary axis may take in the pose shown, degrees.
 _CANDIDATES: Final = (0.0, 45.0, -45.0, 90.0, -90.0)
-# A pose whose smallest singular value is below this share of the largest looks stretched out or folded up.
+# A pose whose smallest singular value is below this share of the largest looks stretched or folded.
 _STRETCHED: Final = 0.05
 
 
@@ -91,10 +91,10 @@ def _course(rest: float, lower: float, upper: float) -> list[float]:
 
 
 def rest_pose(robot: Mechanism) -> Vector:
-    """Return axis values (n_axes,), mm and degrees, that show a machine well: neither stretched nor in the floor.
+    """Return axis values (n_axes,), mm and degrees, that show a machine well: neither stretched nor below the floor.
 
-    Linear axes stand in the middle. Rotary axes stand at 0 or as near as their limits allow; where that pose is
-    singular, they bend in neighbouring pairs by whatever improves it most.
+    Linear axes are in the middle. Rotary axes are at 0 or as near as their limits allow; if that pose is singular,
+    neighbouring pairs bend by the angles that improve it most.
 
     Raises:
         ChainbuildError: the kinematic has no pose there.
@@ -138,7 +138,7 @@ def _score(robot: Mechanism, axes: Vector, size: float, floor: float) -> float:
         return -math.inf
     bent = float(np.abs(axes[[axis.kind == "rotary" for axis in robot.axes]]).sum()) / 90.0
     depth = max(0.0, floor - float(heights.min())) / size
-    # An arm that stands is easier to read than one that lies down, and its tool should look down on the work.
+    # An upright arm is easier to read than a horizontal one, and its tool should point down.
     looks = (5.0 * float(heights.mean()) - float(robot.fk(axes).translation[2])) / size
     return dexterity + looks - 4.0 * depth - 0.03 * bent
 

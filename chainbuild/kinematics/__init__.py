@@ -1,1 +1,4 @@
-"""The robot: a chain as a Pinocchio model. The only room that imports pinocchio and coal."""
+"""A chain in Pinocchio: poses, Jacobians, limits. With `collision` the only room that imports pinocchio and coal.
+
+In reading order: `model`, `evaluation`, `product`, `limits`, `inputs`, `mechanism`, `screws`, `newton`, `task_error`.
+"""

@@ -33,7 +33,7 @@ class _Scratch(local):
 def frame_jacobian(model: pin.Model, data: pin.Data, frame: int) -> Matrix:
     """Return the Jacobian (6, n_q) of a frame in its own axes, linear rows first, after `computeJointJacobians`."""
     J: Matrix = pin.getFrameJacobian(model, data, frame, _LOCAL)
-    return J if J.ndim == 2 else J.reshape(6, 1)  # of one joint Pinocchio makes a vector
+    return J if J.ndim == 2 else J.reshape(6, 1)  # for one joint Pinocchio returns a vector
 
 
 class Kinematics:
@@ -56,7 +56,7 @@ class Kinematics:
         self.tool_axis = chain.tool_column
         self.has_input_axes = any(axis.held for axis in chain.axes)
         self.product = product_of(chain)
-        # A rounding more: a target at the very end of a stretched arm is none beyond it.
+        # One rounding more: a target at full reach is not beyond it.
         self.reach = reach(chain, self.model.lowerPositionLimit, self.model.upperPositionLimit) * (1.0 + 1e-9) + 1e-9
         self.affine = self._map if isinstance(self._map, AffineMap) else None
 

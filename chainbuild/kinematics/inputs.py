@@ -1,4 +1,4 @@
-"""What a user hands to a robot: axis values and poses as checked arrays."""
+"""Input of a robot: axis values and poses as checked arrays."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def axis_vector(axes: Sequence[Axis], given: ArrayLike) -> Vector:
     if values is None:
         raise AxisValueError("axis values must be real numbers", permitted=_names(axes))
     if values.shape != (len(axes),):
-        message = f"{len(axes)} axis values are due, not an array of shape {values.shape}"
+        message = f"expected {len(axes)} axis values, got an array of shape {values.shape}"
         raise AxisValueError(message, permitted=_names(axes))
     if values.dot(values) < tolerances.HUGE_AXIS_VALUE**2:  # then each of them is small, and none is not a number
         return values
@@ -54,8 +54,8 @@ def axis_rows(axes: Sequence[Axis], given: ArrayLike) -> Matrix:
     """
     values = real_numbers(given)
     if values is None or values.ndim != 2 or values.shape[1] != len(axes):
-        what = "anything but numbers" if values is None else f"an array of shape {values.shape}"
-        raise AxisValueError(f"rows of axis values are due, not {what}", permitted=f"shape (N, {len(axes)})")
+        what = "values that are not real numbers" if values is None else f"an array of shape {values.shape}"
+        raise AxisValueError(f"expected rows of axis values, got {what}", permitted=f"shape (N, {len(axes)})")
     kept = (np.abs(values) < tolerances.HUGE_AXIS_VALUE).all(axis=1)
     if not kept.all():
         axis_vector(axes, values[int(np.argmin(kept))])
@@ -81,7 +81,7 @@ def as_pose(T: pin.SE3 | ArrayLike) -> pin.SE3:
 
 def real_numbers(values: ArrayLike) -> Vector | None:
     """Return real numbers as a float array, or None for anything else (masked, complex, dates, text)."""
-    if type(values) is np.ndarray and values.dtype.char == "d":  # most of what is asked, in a third of the time
+    if type(values) is np.ndarray and values.dtype.char == "d":  # most calls, in a third of the time
         return values.copy()
     if isinstance(values, np.ma.MaskedArray):
         return None

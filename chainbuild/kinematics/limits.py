@@ -1,9 +1,9 @@
 """Inside the limits or not: the one answer, for axes and for sums of axes.
 
 Axis values are rounded, sums of them more so. A value counts as inside up to `tolerances.LIMIT_SLACK` beyond its
-limit, in mm and degrees, and in metres and radians by the same amount turned into SI; solvers that hand such a value
-out put it on its limit. Software limits belong to the drives: a kinematic whose drives stand elsewhere than its axes
-would be looked at here through them.
+limit, in mm and degrees, and in metres and radians by the same amount turned into SI; solvers return such a value
+as its limit. Software limits belong to the drives: a kinematic whose drive values differ from its axis values
+would be checked here by them.
 """
 
 from __future__ import annotations
@@ -61,6 +61,6 @@ class Limits:
         return np.minimum(np.maximum(values, self.lower), self.upper)
 
     def in_words(self, n: int, value: float) -> str:
-        """Return what is wrong with a value of axis n, such as "A3 stands at 170.2, outside -120 … 156 deg"."""
+        """Return what is wrong with a value of axis n, such as "A3 is 170.2, outside -120 … 156 deg"."""
         axis = self.axes[n]
-        return f"{axis.name} stands at {value:.6g}, outside {axis.lower:g} … {axis.upper:g} {axis.unit}"
+        return f"{axis.name} is {value:.6g}, outside {axis.lower:g} … {axis.upper:g} {axis.unit}"

@@ -33,14 +33,14 @@ _NOTHING: Final[Any] = object()
 class Mechanism:
     """A chain with its kinematics: poses, Jacobians and limits in the controller's axis values.
 
-    Threads may share a mechanism: what Pinocchio computes in is each thread's own. It pickles and copies as its chain.
+    Threads may share a mechanism: each has its own working memory of Pinocchio. It pickles and copies as its chain.
 
     Attributes:
         chain: What it was built from.
         kinematics: The evaluator that solvers use.
         limits: The limits of axes and of sums of axes.
         task: What inverse kinematics solves for: "pose", "direction" or "position".
-        prepared: Returns what was made once for this mechanism, by kind and key; see `Prepared.get`.
+        prepared: Cache of what is made once for this mechanism, by kind and key; see `Prepared.get`.
 
     Raises:
         ChainError: the chain contradicts itself.
@@ -107,7 +107,7 @@ class Mechanism:
     def fk(self, axes: ArrayLike) -> pin.SE3:
         """Return the tool in the workpiece frame [m] at axis values (n_axes,), mm and degrees.
 
-        Limits are not looked at.
+        Limits are not checked.
 
         Raises:
             AxisValueError: wrong count or not finite.
@@ -121,7 +121,7 @@ class Mechanism:
     def pose_angles(self, axes: ArrayLike) -> tuple[float, float, float]:
         """Return the pose angles A, B, C [deg] that the controller shows at axis values (n_axes,), mm and degrees.
 
-        They are those of `Chain.angle_mode`, each in (-180, 180]; C runs on over whole turns where the machine says so
+        They are those of `Chain.angle_mode`, each in (-180, 180]; C may continue over whole turns
         (`Chain.absolute_c`).
 
         Raises:
@@ -168,7 +168,7 @@ class Mechanism:
             raise ChainbuildError(f"unknown frame {frame!r}", parameter="frame", permitted="tool, workpiece")
         pose, J = self.kinematics.pose_and_jacobian(self.axis_values(axes) * self.kinematics.si_factors)
         if not np.isfinite(J).all():
-            self.q(axes)  # says why where it knows
+            self.q(axes)  # gives the reason where it is known
             raise ChainbuildError("the kinematic has no finite derivative at these axis values")
         return J if frame == "tool" else np.vstack((pose.rotation @ J[:3], pose.rotation @ J[3:]))
 
@@ -184,15 +184,15 @@ class Mechanism:
 
 
 class Prepared:
-    """Things by kind and key, each made at its first use; threads may share it.
+    """A cache by kind and key: each thing is made at its first use; threads may share it.
 
-    A thing that two threads ask for at once is made once, under one lock for all of them; handing it out again takes
-    none.
+    A thing that two threads request at once is made once, under one lock for all of them; returning it again takes no
+    lock.
     """
 
     def __init__(self) -> None:
         self._kinds: dict[str, dict[Hashable, Any]] = {}
-        self._lock = RLock()  # what is made may itself ask for other things
+        self._lock = RLock()  # making one thing may request others
 
     def get(self, kind: str, make: Callable[[], _T], key: Hashable = None, most: int | None = None) -> _T:
         """Return a thing, made now or before.
@@ -201,7 +201,7 @@ class Prepared:
             kind: What it is.
             make: Makes it.
             key: Which one of its kind.
-            most: So many of the kind are kept, the newest; None: all.
+            most: Number of the newest of the kind that are kept; None: all.
         """
         known = self._kinds.get(kind)
         found = _NOTHING if known is None else known.get(key, _NOTHING)

@@ -27,7 +27,7 @@ class Descent(NamedTuple):
         x: (n,) SI values.
         error: (k,) the residual there.
         steps: Steps taken.
-        met: Whether the residual is small enough there.
+        met: True where the residual is small enough there.
     """
 
     x: Vector
@@ -55,7 +55,7 @@ def newton(
     """Descend by damped Newton steps until the residual is met, the steps are used up or nothing gets better.
 
     Args:
-        residual: x → error (k,) and its Jacobian (k, n), SI; the error is what is still to be gone.
+        residual: x → error (k,) and its Jacobian (k, n), SI; the error is the remaining motion.
         x: (n,) SI values to start from; left as they are.
         free: Indices of the values that may move.
         met: Whether an error is small enough.

@@ -39,7 +39,7 @@ class Product:
     b: Vector
 
     def by_axes(self, free: NDArray[np.intp], x: Vector) -> Product:
-        """Return the same chain by some of its axes (n_free,), the others standing at SI values x (n_axes,).
+        """Return the same chain by some of its axes (n_free,), the others held at SI values x (n_axes,).
 
         Where x holds values for the free axes, too, they have to be 0.
         """
@@ -52,7 +52,7 @@ def product_of(chain: Chain) -> Product | None:
         return None
     tool, workpiece = chain.frame("tool"), chain.frame("workpiece")
     down, up = _branch(chain, workpiece.link), _branch(chain, tool.link)
-    while down and up and down[0] == up[0]:  # what carries both tips moves neither against the other
+    while down and up and down[0] == up[0]:  # a joint that carries both tips moves neither against the other
         del down[0], up[0]
     fixed, joints, signs = [inverse(workpiece.T_link_frame)], [], []
     for n in reversed(down):

@@ -41,6 +41,6 @@ def joints_between_tips(chain: Chain) -> tuple[int, ...]:
         return found
 
     down, up = way(chain.frame("workpiece").link), way(chain.frame("tool").link)
-    while down and up and down[0] == up[0]:  # what carries both tips moves neither against the other
+    while down and up and down[0] == up[0]:  # a joint that carries both tips moves neither against the other
         del down[0], up[0]
     return (*reversed(down), *up)

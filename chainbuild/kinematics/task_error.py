@@ -24,7 +24,7 @@ _UNDAMPED: Final = 0.01  # share of a step that damping may take away without be
 
 
 class TaskError:
-    """What is asked of which axes: the part of the error that is the same for every target.
+    """The task of the free axes: the part of the error that is the same for every target.
 
     Args:
         kinematics: The chain's evaluator.
@@ -50,7 +50,7 @@ class TaskError:
 
     @property
     def damping(self) -> DampedSteps:
-        """What makes steps; each thread's own."""
+        """The step solver, one for each thread."""
         return self._memory.damping
 
     def error_of(self, target: Matrix) -> ToolError:

@@ -4,6 +4,8 @@ Comma, decimal point, one header line, columns by name in any order; lengths in 
 decimals, unit vectors with 15, which is all that double precision keeps of a machine. An orientation is read from a
 quaternion, else from the angles A, B, C of the controller, else, for machines that cannot turn about the tool vector,
 from the tool vector alone.
+
+In reading order: `reader`, `axes`, `poses`, `recording`.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ class AxisTable(Table):
 
     Raises:
         FileAccessError: the file cannot be read.
-        TableError: the header is missing, or names a column that is unknown, double or not complete.
+        TableError: the header is missing, or names a column that is unknown or duplicate, or is incomplete.
     """
 
     def __init__(self, path: Path, axes: Sequence[Axis]) -> None:
@@ -42,15 +42,15 @@ class AxisTable(Table):
         super().__init__(path, lambda _: (names, (*names, *RESULT_COLUMNS, VIOLATIONS_COLUMN)))
 
     def _shown_columns(self, permitted: Sequence[str]) -> Sequence[str]:
-        # What inverse kinematics writes beside the axes is let through, but nobody has to give it.
+        # Result columns of inverse kinematics are permitted, but never required.
         return self._axis_names
 
     def _refuse_faults(self, span: Span, fields: Sequence[str]) -> None:
-        """Refuse a row that holds no numbers; one where inverse kinematics has failed is called so."""
+        """Refuse a row that holds no numbers; where inverse kinematics has failed, the message says so."""
         status = fields[self.names.index(STATUS_COLUMN)].strip() if STATUS_COLUMN in self.names else ""
         if status not in ("", "ok") and not any(fields[place].strip() for place in self._places):
             text = f"the row has no axis values: inverse kinematics failed there ({status[:40]})"
-            raise TableError(text, span=span, permitted="rows with axis values", hint="take failed rows out first")
+            raise TableError(text, span=span, permitted="rows with axis values", hint="remove the failed rows first")
         super()._refuse_faults(span, fields)
 
     def rows(self) -> Iterator[tuple[int, NDArray[np.float64]]]:

@@ -50,9 +50,9 @@ class PoseRow:
 class PoseTable(Table):
     """A table of poses.
 
-    x_mm, y_mm, z_mm are due. The orientation is the quaternion where it is given, else A, B, C; a machine whose task
-    is "direction" also takes the tool vector alone, one whose task is "position" needs none. Other pose columns are
-    permitted and not read. Of a machine on which A and B follow C, c_deg alone will do; where C runs on over whole
+    x_mm, y_mm, z_mm are required. The orientation is the quaternion where it is given, else A, B, C; a machine whose
+    task is "direction" also takes the tool vector alone, one whose task is "position" needs none. Other columns are
+    permitted and not read. On a machine whose A and B follow C, c_deg alone is enough; where C continues over whole
     turns, c_deg is also read beside a quaternion. Input axes may have columns of their own.
 
     Args:
@@ -71,7 +71,7 @@ class PoseTable(Table):
 
     Raises:
         FileAccessError: the file cannot be read.
-        TableError: the header is missing, or names a column that is unknown, double or not complete.
+        TableError: the header is missing, or names a column that is unknown or duplicate, or is incomplete.
     """
 
     def __init__(
@@ -235,7 +235,7 @@ class PoseWriter:
             held: Values of the input axes, mm and degrees.
         """
         values = pose_values(T, self._angle_mode, self._tool_axis).tolist()
-        # Rounding may lead to -180, which (-180, 180] does not hold.
+        # Rounding may give -180, which is outside (-180, 180].
         shown = angles or [180.0 if round(value, DECIMALS) == -180.0 else value for value in values[-3:]]
         fields = [
             *(number_field(value) for value in values[: _UNIT_VECTORS.start]),

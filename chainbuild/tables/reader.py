@@ -22,7 +22,7 @@ from chainbuild.errors import FileAccessError, Span, TableError
 _CHUNK_ROWS: Final = 1024  # arrays of so many rows cost less than the rows' text
 _SEPARATORS: Final = {";": "semicolons", "\t": "tabs"}
 
-# From the column names of a header: the wanted columns in the order they are due, and all that are permitted.
+# From the column names of a header: the required columns in order, and all that are permitted.
 Choice = tuple[Sequence[str], Sequence[str]]
 
 
@@ -32,7 +32,7 @@ class Chunk:
 
     Attributes:
         lines: (n,) line numbers, from 1.
-        values: (n, columns) numbers of the wanted columns, in the order they were asked for; behind them those of
+        values: (n, columns) numbers of the wanted columns, in their order; behind them those of
             `Table.beside`, NaN where the file gives no number.
     """
 
@@ -41,7 +41,7 @@ class Chunk:
 
 
 class Table:
-    """An open CSV table: the header is checked at once, rows are read as they are asked for.
+    """An open CSV table: the header is checked at once, rows are read on demand.
 
     Args:
         path: The file.
@@ -56,7 +56,7 @@ class Table:
 
     Raises:
         FileAccessError: the file cannot be read.
-        TableError: the header is missing, or names a column that is unknown, double or not complete.
+        TableError: the header is missing, or names a column that is unknown or duplicate, or is incomplete.
     """
 
     def __init__(self, path: Path, choose: Callable[[Sequence[str]], Choice]) -> None:
@@ -65,7 +65,7 @@ class Table:
             self._bytes = path.open("rb")
             self.size = path.stat().st_size
         except FileNotFoundError as error:
-            # Who has no table yet learns what one looks like.
+            # Shows a user without a table what one looks like.
             due = f"a table whose first line is {','.join(choose(())[0])}"
             raise _unreadable(error, Span(self.file), due) from None
         except (OSError, ValueError) as error:
@@ -100,7 +100,7 @@ class Table:
         """Read the rows that are left.
 
         Raises:
-            TableError: a row is too short or too long, or holds no finite number where one is due.
+            TableError: a row is too short or too long, or a field is not a finite number.
         """
         lines: list[int] = []
         rows: list[list[float]] = []
@@ -127,7 +127,7 @@ class Table:
                 line = self._stream.readline(limit + 1)
             except UnicodeDecodeError:
                 place = max(number, _first_undecodable_line(self.file)) if self.size else number
-                raise TableError("the table is not UTF-8 text", span=Span(self.file, place)) from None
+                raise TableError("the table is not UTF-8 text: save it as UTF-8", span=Span(self.file, place)) from None
             except OSError as error:
                 raise _unreadable(error, Span(self.file, number)) from None
             if not line:
@@ -157,7 +157,7 @@ class Table:
         return permitted
 
     def _alternatives(self, missing: Sequence[str]) -> str:
-        """Return what would do in place of missing columns, as the end of a sentence."""
+        """Return the alternatives to missing columns, as the end of a sentence."""
         return ""
 
     def _check_header(self, permitted: Sequence[str]) -> None:
@@ -171,7 +171,7 @@ class Table:
                 hint = hint if _field_fault(name) else "the first line must name the columns"
                 raise TableError(text, span=self._header_spot(place), parameter=name, permitted=listed, hint=hint)
             if name in self.names[:place]:
-                raise TableError(f"column '{name}' stands twice", span=self._header_spot(place), parameter=name)
+                raise TableError(f"column '{name}' occurs twice", span=self._header_spot(place), parameter=name)
         missing = [name for name in self.wanted if name not in self.names]
         if missing:
             text = f"missing column{'s' * (len(missing) > 1)} {', '.join(missing)}{self._alternatives(missing)}"
@@ -215,7 +215,7 @@ class Table:
 
 
 def _first_undecodable_line(file: str) -> int:
-    """Return the line that is no UTF-8; the decoder works ahead of the lines and does not know it."""
+    """Return the line that is not UTF-8; the decoder works ahead of the lines and does not report it."""
     number = 0
     with Path(file).open("rb") as stream, suppress(UnicodeDecodeError):
         while line := stream.readline(tolerances.MAX_LINE_CHARACTERS):
@@ -228,7 +228,7 @@ def _quoted_fields(line: str, span: Span) -> list[str]:
     try:
         return next(csv.reader([line], strict=True))
     except csv.Error as error:
-        raise TableError(f"the line is no valid CSV: {error}", span=span) from None
+        raise TableError(f"the line is not valid CSV: {error}", span=span) from None
 
 
 def _field_fault(field: str) -> str:
@@ -237,15 +237,15 @@ def _field_fault(field: str) -> str:
     if not text:
         return "no value"
     if "," in text or ";" in text:
-        return f"'{text[:40]}' is no number: decimals are written with a point, columns are separated by commas"
+        return f"'{text[:40]}' is not a number: decimals are written with a point, columns are separated by commas"
     try:
         value = float(text)
     except ValueError:
         value = math.nan
         if not text.isascii() or text.lower().lstrip("+-") != "nan":
-            return f"'{text[:40]}' is no number"
+            return f"'{text[:40]}' is not a number"
     if "_" in text or not text.isascii():
-        return f"'{text[:40]}' is no number"
+        return f"'{text[:40]}' is not a number"
     if not math.isfinite(value):
         return f"'{text[:40]}' is not finite"
     return "" if abs(value) < tolerances.HUGE_AXIS_VALUE else f"{text[:40]} is too large"

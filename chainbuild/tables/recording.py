@@ -61,7 +61,7 @@ def read_recording(path: Path, chain: Chain) -> Recording:
     with Table(path, choose) as table:
         values = [chunk.values for chunk in table.chunks()]
     if not values:
-        raise TableError("the recording has no row", span=Span(str(path)))
+        raise TableError("the recording has no rows", span=Span(str(path)))
     rows = np.vstack(values)
     count = len(names)
     poses = np.tile(np.eye(4), (len(rows), 1, 1))

@@ -1,1 +1,4 @@
-"""Files that leave the package: URDF, and how files are written at all."""
+"""Files that leave the package: URDF, SRDF, reports, pictures.
+
+In reading order: `urdf`, `notes`, `srdf`, `report`, `report_html`, `svg_plots`, `chart`, `picture`.
+"""

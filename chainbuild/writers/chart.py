@@ -1,4 +1,4 @@
-"""A chart as SVG elements: a frame with round ticks, into which lines, bands and images are drawn."""
+"""A chart as SVG elements: a frame with round ticks, lines, bands and images."""
 
 from __future__ import annotations
 
@@ -74,11 +74,11 @@ class Chart:
         self._ticks()
 
     def x(self, value: float) -> float:
-        """Return the place of a value of x."""
+        """Return the horizontal position of a value of x."""
         return _LEFT + (value - self.x_range[0]) / (self.x_range[1] - self.x_range[0]) * self.width
 
     def y(self, value: float) -> float:
-        """Return the place of a value of y."""
+        """Return the vertical position of a value of y."""
         return _TOP + (self.y_range[1] - value) / (self.y_range[1] - self.y_range[0]) * self.height
 
     def line(self, x: Sequence[float], y: Sequence[float], colour: str, dashed: bool = False) -> None:
@@ -90,7 +90,7 @@ class Chart:
         )
 
     def band(self, x: Sequence[float], low: Sequence[float], high: Sequence[float], colour: str) -> None:
-        """Fill what lies between two lines."""
+        """Fill the area between two lines."""
         corners = [*zip(x, low, strict=True), *reversed(list(zip(x, high, strict=True)))]
         points = " ".join(f"{self.x(a):.2f},{self.y(b):.2f}" for a, b in corners)
         ET.SubElement(self.svg, "polygon", {"points": points, "fill": colour, "opacity": "0.35"})

@@ -1,4 +1,4 @@
-"""What the head of a written file says: where it comes from, what was assumed, what it cannot express."""
+"""Header of a written file: its source, assumptions, and what it cannot express."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ _SLIGHT: Final = 1e-12  # factors below this are rounding of folded directions
 
 
 def urdf_limitations(chain: Chain) -> tuple[str, ...]:
-    """Return what the chain says and a URDF of revolute and prismatic joints cannot, one sentence each."""
+    """Return what a URDF of revolute and prismatic joints cannot express of the chain, one sentence each."""
     notes = [
-        f"loop {loop.name} ({loop.kind} between {loop.frame_a} and {loop.frame_b}) is left open: URDF knows trees only"
+        f"loop {loop.name} ({loop.kind} between {loop.frame_a} and {loop.frame_b}) is open: URDF supports trees only"
         for loop in chain.loops
     ]
     if not isinstance(chain.axis_map, AffineMap):
-        notes.append("the joint values depend on the axis values by a nonlinear map that URDF cannot hold")
+        notes.append("the joint values depend on the axis values by a nonlinear map that URDF cannot express")
     else:
         notes += _coupling(chain, chain.axis_map)
     for axis in chain.axes:
         if axis.endless:
-            notes.append(f"axis {axis.name} turns without end; its joint is written with the limits of the chain")
+            notes.append(f"axis {axis.name} is endless; its joint is written with the limits of the chain")
     assumed = [axis.name for axis in chain.axes if axis.assumed]
     if assumed:
         names = f"ax{'es' if len(assumed) > 1 else 'is'} {', '.join(assumed)}"
@@ -38,7 +38,7 @@ def urdf_limitations(chain: Chain) -> tuple[str, ...]:
 def _coupling(chain: Chain, axis_map: AffineMap) -> list[str]:
     notes = []
     driven = np.abs(axis_map.A) > _SLIGHT
-    # What a mimic joint expresses is no limitation.
+    # A mimic joint is not a limitation.
     masters = rod_masters(chain)
     driven[[joint.name in masters for joint in chain.joints]] = False
     for row, joint in enumerate(chain.joints):
@@ -46,19 +46,19 @@ def _coupling(chain: Chain, axis_map: AffineMap) -> list[str]:
         if len(names) > 1:
             notes.append(f"joint {joint.name} is driven by axes {', '.join(names)}; its limits are those of their box")
         if not names and joint.name not in masters:
-            notes.append(f"joint {joint.name} stands at a fixed value; in the file it can only be held there")
+            notes.append(f"joint {joint.name} has a fixed value; in the file it can only be held there")
     for column, axis in enumerate(chain.axes):
         names = [joint.name for joint, on in zip(chain.joints, driven[:, column], strict=True) if on]
         if len(names) > 1:
-            notes.append(f"axis {axis.name} drives joints {', '.join(names)} together; the file moves them singly")
+            notes.append(f"axis {axis.name} drives joints {', '.join(names)} together; the file does not couple them")
     return notes
 
 
 def axis_map_in_words(chain: Chain) -> tuple[str, ...]:
-    """Return one equation for each joint whose value is not simply the value of the axis of its name.
+    """Return one equation for each joint whose value is not the value of the axis of its name.
 
-    They say how its value q (SI) follows from the axis values (mm, degrees) of the controller, and read as on the
-    controller: ``q[A3] = (A3 - A2 + 90)*pi/180``.
+    It states how the joint value q (SI) follows from the controller's axis values (mm, degrees), such as
+    ``q[A3] = (A3 - A2 + 90)*pi/180``.
     """
     if not isinstance(chain.axis_map, AffineMap):
         return ("q depends on the axis values by a nonlinear map: use robot.q(axes) of chainbuild",)
@@ -71,7 +71,7 @@ def axis_map_in_words(chain: Chain) -> tuple[str, ...]:
 
 
 def _is_its_axis(joint: Joint, factors: np.ndarray, b: float, axes: tuple[Axis, ...]) -> bool:
-    """Return whether a joint's value is the value of the axis that bears its name, both in SI."""
+    """Return whether a joint's value is the value of the axis of its name, both in SI."""
     own = np.array([axis.name == joint.name for axis in axes], dtype=float)
     return bool(own.any()) and b == 0.0 and bool((factors == own).all())
 
@@ -81,7 +81,7 @@ def _equation(joint: Joint, factors: np.ndarray, b: float, axes: tuple[Axis, ...
     driving = [(axis, float(f)) for axis, f in zip(axes, factors, strict=True) if abs(f) > _SLIGHT]
     unit = "*pi/180" if rotary else "/1000"
     if any((axis.kind == "rotary") != rotary for axis, _ in driving):
-        # A gear between a turn and a shift: only SI says it without a second factor.
+        # A gear between rotation and translation: only SI avoids a second factor.
         return _sum([(_in_si(axis), f) for axis, f in driving], float(b))
     offset = deg_from_rad(float(b)) if rotary else mm_from_m(float(b))
     text = _sum([(axis.name, f) for axis, f in driving], offset)
@@ -106,7 +106,7 @@ def _sum(terms: list[tuple[str, float]], offset: float) -> str:
 
 
 def header(chain: Chain) -> str:
-    """Return the head comment of a URDF as lines of plain text.
+    """Return the header comment of a URDF as plain text lines.
 
     It names no folder and no date, so that the same chain gives the same file anywhere.
     """
@@ -116,8 +116,8 @@ def header(chain: Chain) -> str:
         "Metres and radians. The links tool and workpiece are the tips: a programmed pose is tool seen from workpiece.",
         *_joint_values(chain),
         "Readers order joints differently: map them by name.",
-        "Bodies are primitives drawn by rule; machine data hold neither shapes nor masses. Effort limits, and velocity",
-        "limits of axes whose speed is not known, are placeholders.",
+        "Bodies are default primitives; machine data contain neither shapes nor masses. Effort limits, and velocity",
+        "limits of axes of unknown speed, are placeholders.",
     ]
     if chain.conventions:
         lines += ["", "Conventions used where the manuals leave a choice ([I] inferred, [?] open):"]
@@ -138,11 +138,11 @@ def _joint_values(chain: Chain) -> list[str]:
         return [f"{same}."]
     if not isinstance(chain.axis_map, AffineMap):
         return ["The joint values of this file are Pinocchio's q:", *(f"  {line}" for line in lines)]
-    return [f"{same}, but for these (from mm and degrees):", *(f"  {line}" for line in lines)]
+    return [f"{same}, except these (from mm and degrees):", *(f"  {line}" for line in lines)]
 
 
 def _safe(line: str) -> str:
-    """Return a line that may stand in an XML comment: printable, no double hyphen, no hyphen at its end."""
+    """Return a line that is valid in an XML comment: printable, no double hyphen, no hyphen at its end."""
     printable = "".join(c if c.isprintable() else " " for c in line)
     while "--" in printable:
         printable = printable.replace("--", "- -")

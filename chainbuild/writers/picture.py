@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from chainbuild.analysis.workspace.maps import Map
 
 
-# From singular to well: dark to bright, readable without colours.
+# From singular to well-conditioned: dark to bright, readable without colours.
 _SCALE: Final = np.array([[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]], dtype=float)
 _STEPS: Final = 24  # colours of the legend: it looks like a ramp
 _BLUE, _ORANGE = "#1f6feb", "#bc4c00"
@@ -76,7 +76,7 @@ def interval_picture(
     y_label: str,
     marks: Sequence[float] = (),
 ) -> str:
-    """Return free intervals over an axis as SVG, with dashed lines at values that are given elsewhere."""
+    """Return free intervals over an axis as SVG, with dashed lines at given values."""
     free = [(i.over, i.lower, i.upper) for i in intervals if i.lower is not None and i.upper is not None]
     values = [value for _, low, high in free for value in (low, high)] + list(marks) or [0.0, 1.0]
     margin = 0.05 * (max(values) - min(values))
@@ -115,7 +115,7 @@ def measure_picture(smallest: Vector, title: str, threshold: float) -> str:
 
 
 def distance_picture(distances: Vector, title: str) -> str:
-    """Return the smallest distance (N,) [m] of bodies along the rows of a path as SVG; NaN where none is watched."""
+    """Return the smallest distance (N,) [m] of bodies along the rows of a path as SVG; NaN if none is checked."""
     shown = np.where(np.isfinite(distances), distances, 0.0) * 1000.0
     rows = list(range(1, len(shown) + 1))
     low, high = min(float(shown.min()), 0.0), max(float(shown.max()), 0.0)

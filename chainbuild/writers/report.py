@@ -1,4 +1,4 @@
-"""A cross-check as text for people and as data for programs."""
+"""A cross-check as text and as JSON data."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from chainbuild.comparison.diagnosis import Explanation
 from chainbuild.units import deg_from_rad, mm_from_m
 
 _SHOWN_ROWS: Final = 12  # fit on a line
-_LEAST_ROWS: Final = 3  # the diagnosis wants as many
+_LEAST_ROWS: Final = 3  # the diagnosis needs as many
 
 
 def crosscheck_text(check: CrossCheck) -> str:
-    """Return a cross-check in words, one finding a line."""
+    """Return a cross-check as text, one finding per line."""
     lines = [f"Cross-check of {check.title} ({check.kinematic}) with {check.reference}"]
     if check.note and check.note != "recorded":
         lines.append(f"  {check.note}")
@@ -60,13 +60,13 @@ def _recorded(forward: Forward) -> bool:
 
 
 def _rows_text(rows: Sequence[int]) -> str:
-    """Return rows, counted from 0, as people count them below the header, the first ones only where they are many."""
+    """Return row indices (from 0) as numbers from 1 below the header; only the first of many."""
     more = f", … ({len(rows)} in all)" if len(rows) > _SHOWN_ROWS else ""
     return f"row{'s' * (len(rows) > 1)} {', '.join(str(row + 1) for row in rows[:_SHOWN_ROWS])}{more}"
 
 
 def _inverse_lines(inverse: Inverse, complete: bool) -> list[str]:
-    missing = str(inverse.missing) if inverse.complete else "not counted: it gives one answer a pose"
+    missing = str(inverse.missing) if inverse.complete else "not counted: one answer per pose"
     lines = [
         f"Inverse: {inverse.theirs} answers to {len(inverse.samples)} poses, {inverse.wrong} wrong,"
         f" {inverse.unanswered} poses without a right answer",
@@ -76,9 +76,9 @@ def _inverse_lines(inverse: Inverse, complete: bool) -> list[str]:
         f"  limits ignored: {inverse.outside} right answers outside the limits",
     ]
     if inverse.singular:
-        lines.append(f"  {inverse.singular} singular poses, where branches are not told apart")
+        lines.append(f"  {inverse.singular} singular poses, where branches are not compared")
     if not complete:
-        lines.append("  our branches come from many starts, not from a closed form: an extra one may be one of these")
+        lines.append("  our branches come from a search, not from a closed form: an extra one may be right")
     return lines
 
 
@@ -90,11 +90,11 @@ def _structure_lines(check: CrossCheck) -> list[str]:
         left = check.explanation
         rest = f"{distance_text(left.remaining_position_error)}, {degrees_text(left.remaining_rotation_error)}"
         lines.append(f"Structure: {left.kind}: {left.text} (leaves {rest})")
-        lines += [f"  these poses cannot tell it from: {other}" for other in left.others]
+        lines += [f"  not distinguishable at these poses: {other}" for other in left.others]
     elif check.forward is not None and len(check.forward.samples) < _LEAST_ROWS:
-        lines.append(f"Structure: not sought in fewer than {_LEAST_ROWS} poses: record more")
+        lines.append(f"Structure: needs at least {_LEAST_ROWS} poses: record more")
     elif check.forward is not None and 2 * int(check.forward.agrees.sum()) > len(check.forward.samples):
-        lines.append("Structure: none found: most poses agree, so look at those that differ")
+        lines.append("Structure: none found: most poses agree; check those that differ")
     elif check.forward is not None or (check.inverse is not None and check.inverse.wrong):
         lines.append("Structure: none found: no single change, nor two, would make the poses agree")
     if check.trials:
@@ -127,7 +127,7 @@ def axes_text(names: Sequence[str], values: Sequence[float]) -> str:
 
 
 def crosscheck_data(check: CrossCheck) -> dict[str, Any]:
-    """Return a cross-check for JSON: mm and degrees, null where there is no number."""
+    """Return a cross-check for JSON: mm and degrees, null for missing numbers."""
     return {
         "machine": check.title,
         "kinematic": check.kinematic,

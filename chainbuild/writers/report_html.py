@@ -1,4 +1,4 @@
-"""A cross-check as one HTML page that needs nothing else: words, tables, and plots of the error as inline SVG."""
+"""A cross-check as one self-contained HTML page: text, tables, and plots of the error as inline SVG."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from chainbuild.writers.report import crosscheck_text
 from chainbuild.writers.svg_plots import Points, histogram, scatter
 
 _SHOWN_ROWS: Final = 20  # fit on a page
-_FLOOR: Final = 1e-13  # [mm, deg] errors below are drawn here: rounding has no shape
+_FLOOR: Final = 1e-13  # [mm, deg] errors below, which are rounding, are drawn at this value
 _STYLE: Final = """
 body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 70rem; padding: 0 1rem; color: #1b1f24; }
 pre { background: #f4f6f8; padding: .8rem 1rem; overflow-x: auto; white-space: pre-wrap; }

@@ -1,4 +1,4 @@
-"""SRDF: which pairs of links need no collision check, for MoveIt and whoever else reads it."""
+"""SRDF: pairs of links that need no collision check, for MoveIt and other readers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def srdf_text(robot: Mechanism, table: PairTable) -> str:
     root = ET.Element("robot", name=robot.name)
     root.append(
         ET.Comment(
-            f" Pairs by {table.samples} positions drawn evenly from the axis limits. With {table.confidence:.0%} "
+            f" Pairs by {table.samples} positions drawn uniformly from the axis limits. With {table.confidence:.0%} "
             f"confidence a pair listed as Never touches at less than {table.bound:.2g} of all positions. "
         )
     )
@@ -35,7 +35,7 @@ def srdf_text(robot: Mechanism, table: PairTable) -> str:
 
 
 def write_srdf(robot: Mechanism, table: PairTable, folder: Path | str = "urdf_out") -> Path:
-    """Write a robot's SRDF beside its URDF, folder/NAME/NAME.srdf, and return that path.
+    """Write a robot's SRDF next to its URDF, folder/NAME/NAME.srdf, and return that path.
 
     Raises:
         FileAccessError: the file cannot be written.

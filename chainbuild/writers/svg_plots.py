@@ -31,8 +31,8 @@ class Points:
 
     Attributes:
         x: (n,) values.
-        y: (n,) values; not a number: not drawn.
-        kinds: (n,) what each point is; decides its colour.
+        y: (n,) values; NaN is not drawn.
+        kinds: (n,) kind of each point; decides its colour.
     """
 
     x: Vector

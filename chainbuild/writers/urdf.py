@@ -39,7 +39,7 @@ __all__ = ["urdf_limitations", "urdf_text", "write_urdf"]
 # Machine data hold no drive data. Readers demand the numbers, and 0 would stop a simulated joint.
 _DEFAULT_SPEED: Final = {"revolute": math.pi, "prismatic": 1.0}  # rad/s, m/s
 _DEFAULT_EFFORT: Final = {"revolute": 1000.0, "prismatic": 10_000.0}  # N·m, N
-# Which of the drawn details is the body of which tip, and how large the mark is where a drawing shows nothing.
+# Which drawn detail is the body of which tip, and the size of the mark if there is none.
 _TIPS: Final = {"flange": "flange", "tool": "tool", "table": "workpiece"}
 _MARK_SHARE: Final = 0.01  # of the machine's size: seen, and in nobody's way
 
@@ -48,21 +48,21 @@ def write_urdf(robot: Mechanism, folder: Path | str = "urdf_out") -> Path:
     """Write a robot as folder/NAME/NAME.urdf and return that path.
 
     The same robot gives the same bytes on every machine. Links and joints carry the names of the chain, fixed joints
-    carry the tips `flange`, `tool` and `workpiece`. What the file cannot express, `urdf_limitations` returns and the
-    head comment says.
+    carry the tips `flange`, `tool` and `workpiece`. `urdf_limitations` returns what the file cannot
+    express; the header comment lists it.
 
     Args:
         robot: The robot.
-        folder: Where the folder NAME is made.
+        folder: Folder in which the folder NAME is created.
 
     Raises:
-        ChainbuildError: this is no robot.
-        FileAccessError: the folder is no path, or the file cannot be written.
+        ChainbuildError: the argument is not a robot.
+        FileAccessError: the folder is not a path, or the file cannot be written.
     """
     from chainbuild.kinematics.mechanism import Mechanism
 
     if not isinstance(robot, Mechanism):
-        raise ChainbuildError(f"{type(robot).__name__} is no robot", permitted="a chainbuild.Robot")
+        raise ChainbuildError(f"expected a robot, got {type(robot).__name__}", permitted="a chainbuild.Robot")
     text = urdf_text(robot)
     place = as_folder(folder) / robot.name
     make_folder(place)
@@ -96,7 +96,7 @@ def urdf_text(robot: Mechanism) -> str:
 
 
 def joint_speeds(chain: Chain) -> tuple[float, ...]:
-    """Return the speed limit of every joint [m/s, rad/s]: by the axes' speeds where all are known, else a default."""
+    """Return the speed limit of every joint [m/s, rad/s]: by the axes' speeds if all are known, else a default."""
     defaults = tuple(_DEFAULT_SPEED[joint.kind] for joint in chain.joints)
     if not isinstance(chain.axis_map, AffineMap):
         return defaults
@@ -121,7 +121,7 @@ def _add_link(root: ET.Element, name: str, body: Body) -> None:
     link = ET.SubElement(root, "link", name=name)
     visual = ET.SubElement(link, "visual")
     _add_body(visual, body)
-    # A material of its own for each link: some readers know no colours defined elsewhere.
+    # One material per link: some readers do not support colours defined elsewhere.
     material = ET.SubElement(visual, "material", name=f"{name}_colour")
     ET.SubElement(material, "color", rgba=numbers_text((*body.colour, 1.0)))
     _add_body(ET.SubElement(link, "collision"), body)
@@ -142,7 +142,7 @@ def _add_body(parent: ET.Element, body: Body) -> None:
 
 
 def _drawn(values: Iterable[float]) -> str:
-    """Return numbers of a drawing: micrometres are enough, and no noise can show."""
+    """Return numbers of a drawing: rounded to micrometres."""
     return numbers_text(round(value, 6) for value in values)
 
 
@@ -170,14 +170,14 @@ def _add_tips(root: ET.Element, chain: Chain) -> None:
         if frame.name == BASE_LINK:
             continue
         if frame.name in links:
-            raise ChainError(f"frame {frame.name} bears the name of a link: a URDF needs both names")
+            raise ChainError(f"frame {frame.name} has the name of a link: a URDF needs different names")
         _add_link(root, frame.name, _tip_body(chain, frame, drawn.get(frame.name)))
         element = ET.SubElement(root, "joint", name=f"{frame.name}_fixed", type="fixed")
         _add_connection(element, frame.T_link_frame, frame.link, frame.name)
 
 
 def _tip_body(chain: Chain, frame: Frame, drawn: Body | None) -> Body:
-    """Return the body of a tip in its own frame: the one that drawings show there, else a small mark."""
+    """Return the body of a tip in its own frame: the drawn one, else a small mark."""
     if drawn is not None and drawn.link == frame.link:
         return replace(drawn, link=frame.name, T_link_body=inverse(frame.T_link_frame) @ drawn.T_link_body)
     size = _MARK_SHARE * machine_size(chain)

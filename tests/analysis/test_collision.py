@@ -18,7 +18,7 @@ from chainbuild.chain.geometry import Geometry, Shape
 from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError, FileAccessError
 from chainbuild.writers.srdf import write_srdf
-from tests.analysis.planar import segment_distance
+from tests.kit.planar import segment_distance
 
 
 def arm(name: str = "kr6r900_2") -> chainbuild.Robot:

@@ -14,7 +14,7 @@ from chainbuild.chain.elements import Chain
 from chainbuild.chain.geometry import Geometry, RodData, Shape
 from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError
-from tests.analysis.planar import edge, segment_distance, turned
+from tests.kit.planar import edge, segment_distance, turned
 
 ARM, CRANK, TOP = 1.1, 0.30, 0.85  # m: upper arm, crank, height of the shoulder of parallelogram_nr
 SHOULDER_X, FORE_X, FORE_Z = 0.4, 1.25, 0.25
@@ -107,14 +107,14 @@ def test_verdicts_on_the_limits_of_a_file() -> None:
     fitting = swept_limits(chainbuild.Robot(with_bodies(30.0, 150.0)), steps=7).proposal
     assert fitting is not None
     low, high = fitting
-    assert swept_limits(chainbuild.Robot(with_bodies(low, high)), steps=7).verdicts == ("the limits fit",)
+    assert swept_limits(chainbuild.Robot(with_bodies(low, high)), steps=7).verdicts == ("the limits are right",)
     wide = swept_limits(chainbuild.Robot(with_bodies(low - 3.0, high + 3.0)), steps=7).verdicts
     assert len(wide) == 2
     assert all("too wide" in verdict and "touch" in verdict for verdict in wide)
     tight = swept_limits(chainbuild.Robot(with_bodies(low + 12.0, high - 7.0)), steps=7).verdicts
     assert tight == (
-        "the lower limit is too tight: 12.0° of free angle are wasted",
-        "the upper limit is too tight: 7.0° of free angle are wasted",
+        "the lower limit is too tight: 12.0° of the free angle are lost",
+        "the upper limit is too tight: 7.0° of the free angle are lost",
     )
 
 
@@ -133,9 +133,9 @@ def test_without_rods_in_the_way_the_dead_points_end_the_range() -> None:
 
 
 def test_only_parallelograms_have_such_limits() -> None:
-    with pytest.raises(ChainbuildError, match="no parallelogram"):
+    with pytest.raises(ChainbuildError, match="no limits on a parallelogram's angle"):
         swept_limits(chainbuild.Robot.load("kr6r900"))
-    with pytest.raises(ChainbuildError, match="sweep"):
+    with pytest.raises(ChainbuildError, match="too few values of axis 2"):
         swept_limits(chainbuild.Robot(with_bodies(30.0, 150.0)), steps=1)
 
 

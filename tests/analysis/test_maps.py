@@ -77,7 +77,7 @@ def test_a_stopped_map_goes_on(robot: chainbuild.Robot, tmp_path: Path, monkeypa
     np.testing.assert_array_equal(done.count, whole.count)
     np.testing.assert_array_equal(read_map(path).smallest, whole.smallest)
     assert [p.name for p in tmp_path.iterdir()] == ["map.npz"]
-    with pytest.raises(ChainbuildError, match="another map"):
+    with pytest.raises(ChainbuildError, match="a map of another specification"):
         make_map(robot, MapSpec("rz", cells=21, samples=4000, seed=5), path, workers=1)
 
 
@@ -93,12 +93,12 @@ def test_files_that_are_no_maps(robot: chainbuild.Robot, tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("spec", "text"),
     [
-        (MapSpec("disc"), "no map 'disc'"),  # type: ignore[arg-type]
+        (MapSpec("disc"), "unknown map 'disc'"),  # type: ignore[arg-type]
         (MapSpec("axes", ("A1",)), "two different axes"),
         (MapSpec("axes", ("A1", "A1")), "two different axes"),
         (MapSpec("axes", ("A1", "B9")), "two different axes"),
-        (MapSpec("axes", ("A1", "A2"), (0.0,)), "one value for each axis"),
-        (MapSpec(cells=1), "1 cells"),
+        (MapSpec("axes", ("A1", "A2"), (0.0,)), "expected one value for each axis"),
+        (MapSpec(cells=1), "1 cells per side"),
         (MapSpec("volume", cells=1000), "1000 cells"),
         (MapSpec(samples=0), "no sample"),
     ],

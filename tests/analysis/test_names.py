@@ -11,7 +11,8 @@ import chainbuild
 from chainbuild.analysis.singularity.names import examine, examine_path, kinds, names_at
 from chainbuild.analysis.singularity.nearest import nearest_singularity
 from chainbuild.chain.assemble import linear, rotary, shift
-from tests.analysis.machines import OrthoArm, axis, build
+from tests.kit.chains import chain_from
+from tests.kit.singular_machines import OrthoArm, axis
 
 
 def robot(name: str) -> chainbuild.Robot:
@@ -96,7 +97,8 @@ def test_the_pole_of_a_head_costs_turns_not_shifts() -> None:
 
 
 def test_what_has_no_name_is_still_described() -> None:
-    crank = build([axis("A", 180.0), axis("X", 500.0)], [rotary("A", "z"), shift(x=300.0), linear("X", "y")])
+    tool = [rotary("A", "z"), shift(x=300.0), linear("X", "y")]
+    crank = chainbuild.Robot(chain_from([axis("A", 180.0), axis("X", 500.0)], tool, dialect="hand made"))
     assert crank.task == "position"
     found = names_at(crank, [0.0, 0.0])
     assert kinds(found) == ("other",)

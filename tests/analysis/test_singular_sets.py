@@ -10,7 +10,7 @@ import pytest
 from chainbuild.analysis.singularity.measures import measure_batch, scaling_of
 from chainbuild.analysis.singularity.names import NEAR, kinds, names_at
 from chainbuild.analysis.singularity.nearest import nearest_singularity
-from tests.analysis.machines import OrthoArm, mill
+from tests.kit.singular_machines import OrthoArm, mill
 
 ARMS, INSTANCES = 40, 1000
 # Letters from the frame of the machine outwards: the C/A head, called AC head too, carries A on C.

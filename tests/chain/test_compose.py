@@ -15,6 +15,7 @@ from chainbuild.chain.elements import AxisConstraint, AxisSum, Chain, Loop
 from chainbuild.chain.names import Names
 from chainbuild.chain.poses import angle_rates, frame_placement, pose, pose_jacobian, rotation_vector
 from chainbuild.frames import ANGLE_MODES, matrix_from_angles
+from tests.kit.draws import random_axes
 
 # Both dialects; the workpiece on the base, on a rotary table, on slides; affine maps and a nonlinear one.
 NAMES = ("kr6r900", "ac_table_kin58", "scara_kin36", "bed_mill_kin1", "cac_table_kin64", "cardan_head_kin59")
@@ -23,10 +24,6 @@ NAMES = ("kr6r900", "ac_table_kin58", "scara_kin36", "bed_mill_kin1", "cac_table
 @pytest.fixture(scope="module")
 def chains() -> dict[str, Chain]:
     return {name: chainbuild.load(name).chain() for name in NAMES}
-
-
-def random_axes(chain: Chain, rng: np.random.Generator) -> np.ndarray:
-    return np.array([axis.lower + (axis.upper - axis.lower) * rng.random() for axis in chain.axes])
 
 
 def random_transform(rng: np.random.Generator) -> np.ndarray:

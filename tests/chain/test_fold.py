@@ -25,8 +25,8 @@ from chainbuild.frames import f_frame, rot_z
 from chainbuild.kinematics.task_error import _joints
 from chainbuild.writers.notes import axis_map_in_words, header
 from chainbuild.writers.urdf import urdf_text
-from tests.chain import before_fold
-from tests.chain.straight import check_joint_values, sample_axes, straight_joints
+from tests.kit import before_fold
+from tests.kit.straight import check_joint_values, sample_axes, straight_joints
 
 BEFORE: dict[str, dict[str, Any]] = json.loads(before_fold.FILE.read_text("utf-8"))
 # How far from what was recorded: poses and derivatives [m, 1], sizes [m], what is drawn [m], distances of coal [m].
@@ -170,7 +170,7 @@ def test_an_axis_of_another_name_is_told() -> None:
     assert not is_identity(chain)
     robot = chainbuild.Robot(chain)
     np.testing.assert_allclose(robot.fk([30.0, 70.0]).translation, [0.07, 0.02, 0.0], atol=1e-15)
-    assert "but for these" in header(chain)
+    assert "except these" in header(chain)
 
 
 def test_a_permutation_is_no_identity() -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.cli.conftest import Run
+from tests.kit.command_line import Run
 
 COMMANDS = ["singularity", "collide", "limits", "workspace"]
 NEAR_WRIST = "0,-90,90,0,0.3,0"
@@ -156,23 +156,23 @@ def test_workspace_maps(run: Run) -> None:
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [
-        (["singularity", "kr6r900"], 2, "--at or --axes is due"),
+        (["singularity", "kr6r900"], 2, "expected --at or --axes"),
         (["singularity", "kr6r900", "--at", "1,2"], 1, "6 axis values are due"),
-        (["singularity", "kr6r900", "--at", "1,x,3"], 2, "--at 1,x,3: numbers separated by commas"),
+        (["singularity", "kr6r900", "--at", "1,x,3"], 2, "--at 1,x,3: expected numbers separated by commas"),
         (["singularity", "kr6r900", "--at", NEAR_WRIST, "--speed", "0"], 1, "speed"),
         (["singularity", "kr6r900", "--at", NEAR_WRIST, "--length", "-1"], 1, "characteristic length"),
-        (["collide", "kr6r900"], 2, "--pairs or --srdf is due"),
+        (["collide", "kr6r900"], 2, "expected --at, --axes, --pairs or --srdf"),
         (["collide", "kr6r900", "--at", NEAR_WRIST, "--clearance", "-1"], 1, "clearance"),
         (["collide", "kr6r900", "--pairs", "--samples", "0"], 1, "at least 1 sample"),
-        (["limits", "kr6r900"], 1, "limits no parallelogram's angle"),
-        (["limits", "kr6r900", "--axis", "A3"], 2, "--axis and --over go together"),
+        (["limits", "kr6r900"], 1, "has no limits on a parallelogram's angle"),
+        (["limits", "kr6r900", "--axis", "A3"], 2, "--axis and --over must be given together"),
         (["limits", "kr6r900", "--axis", "A3", "--over", "B"], 1, "no axis 'B'"),
-        (["limits", "parallelogram_nr", "--at", "0,0,0,0,0,0"], 2, "--at goes with"),
+        (["limits", "parallelogram_nr", "--at", "0,0,0,0,0,0"], 2, "--at requires --axis and --over"),
         (["limits", "parallelogram_nr", "--steps", "0"], 1, "at least 2 values"),
         (["limits", "kr6r900", "--axis", "A3", "--over", "A2", "--steps", "0"], 2, "--steps"),
-        (["workspace", "kr6r900", "--cells", "1"], 1, "1 cells"),
+        (["workspace", "kr6r900", "--cells", "1"], 1, "1 cells per side"),
         (["workspace", "kr6r900", "--over", "A1"], 1, "two different axes"),
-        (["workspace", "kr6r900", "--at", NEAR_WRIST], 2, "--at goes with --over"),
+        (["workspace", "kr6r900", "--at", NEAR_WRIST], 2, "--at requires --over"),
         (["workspace", "kr6r900", "--workers", "0"], 2, "--workers"),
         (["workspace", "kr6r900", "--samples", "10", "-o", "no/map.npz"], 1, "no/map.npz"),
     ],

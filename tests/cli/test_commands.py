@@ -11,9 +11,8 @@ import pytest
 import chainbuild
 from chainbuild.convention import conventions
 from chainbuild.machines import shipped_path
-from tests.cli.conftest import REFERENCE, Run
-
-ARM = REFERENCE / "kin45_kr6r900_2.lis"
+from tests.kit.command_line import ARM, Run
+from tests.kit.paths import REFERENCE
 
 
 def test_info_shows_what_was_read(run: Run) -> None:

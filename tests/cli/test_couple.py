@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import chainbuild
-from tests.cli.conftest import Run
-from tests.twincat.coupling_kit import XY
+from tests.kit.command_line import Run
+from tests.kit.couplings import XY
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def test_partials_programmed_alone_move_the_tcp(run: Run, machine_file: str) -> 
 def test_wrong_usage(run: Run, machine_file: str, words: list[str]) -> None:
     outcome = run("couple", machine_file, *words)
     assert outcome.code == 2
-    assert "VALUE is due" in outcome.err
+    assert "=VALUE" in outcome.err and ": expected " in outcome.err
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,8 @@ import pytest
 import chainbuild
 from chainbuild.comparison.samples import make_samples
 from chainbuild.tables import PoseWriter
-from tests.cli.conftest import REFERENCE, Run
+from tests.kit.command_line import Run
+from tests.kit.paths import REFERENCE
 
 ARM = "kr6r900_2"
 TABLE = REFERENCE / "kin58_trt_2.lis"
@@ -84,7 +85,7 @@ def test_single_rows_that_differ_are_named(run: Run) -> None:
     assert lines[1].startswith("Forward: 28 of 30 poses agree")
     assert "at row 20: C1 " in lines[2]
     assert lines[3] == "differing: rows 7, 20"
-    assert lines[4] == "Structure: none found: most poses agree, so look at those that differ"
+    assert lines[4] == "Structure: none found: most poses agree; check those that differ"
     largest = Path("r.html").read_text("utf-8").partition("Largest errors")[2]
     assert largest.index("<td>20</td>") < largest.index("<td>7</td>")
 
@@ -94,7 +95,7 @@ def test_two_rows_are_too_few_to_name_anything(run: Run) -> None:
     record(Path("r.csv"), chain, chain, POSITION + ANGLES)
     header, *rows = Path("r.csv").read_text("utf-8").splitlines()
     moved = [",".join([repr(float(row.split(",")[0]) + 1.0), *row.split(",")[1:]]) for row in rows]
-    for count, named in ((2, "not sought in fewer than 3 poses: record more"), (3, "the zero of C1 is off by -1 deg")):
+    for count, named in ((2, "needs at least 3 poses: record more"), (3, "the zero of C1 is off by -1 deg")):
         Path("r.csv").write_text("\n".join([header, *moved[:count]]) + "\n", "utf-8")
         assert named in run("crosscheck", ARM, "--recording", "r.csv").out
 
@@ -117,7 +118,7 @@ def test_a_tool_length_is_named(run: Run) -> None:
     # On a table machine the zero of Z cannot be told from the length of the tool: both are named.
     assert "(0, 0, -37.5) mm in the tool frame" in outcome.out
     assert "the zero of Z is off by -37.5 mm" in outcome.out
-    assert "these poses cannot tell it from" in outcome.out
+    assert "not distinguishable at these poses: " in outcome.out
     assert run("crosscheck", TABLE, "--recording", "r.csv", "--tool-length", "37.5").code == 0
 
 
@@ -195,11 +196,11 @@ def test_json_holds_every_row(run: Run) -> None:
     [
         ((), 2, "either --solver or --recording"),
         (("--solver", "opw", "--recording", "x.csv"), 2, "either --solver or --recording"),
-        (("--solver", "best"), 1, "there is no solver 'best'"),
+        (("--solver", "best"), 1, "unknown solver 'best'"),
         (("--recording", "absent.csv"), 1, "absent.csv"),
         (("--solver", "opw", "--position-tolerance", "0"), 1, "tolerance"),
         (("--solver", "opw", "--samples", "all"), 2, "all"),
-        (("--solver", "opw", "--count", "0"), 1, "no samples"),
+        (("--solver", "opw", "--count", "0"), 1, "no samples requested"),
     ],
 )
 def test_bad_requests(run: Run, words: tuple[str, ...], code: int, text: str) -> None:
@@ -211,7 +212,7 @@ def test_bad_requests(run: Run, words: tuple[str, ...], code: int, text: str) ->
 @pytest.mark.parametrize(
     ("content", "text"),
     [
-        ("C1,B1,B2,A1,B3,A2,x_mm,y_mm,z_mm\n", "the recording has no row"),
+        ("C1,B1,B2,A1,B3,A2,x_mm,y_mm,z_mm\n", "the recording has no rows"),
         ("C1,B1,B2,A1,B3,x_mm,y_mm,z_mm\n1,2,3,4,5,6,7,8\n", "missing column A2"),
         ("C1,B1,B2,A1,B3,A2,x_mm,y_mm\n1,2,3,4,5,6,7,8\n", "missing column z_mm"),
         ("C1,B1,B2,A1,B3,A2,x_mm,y_mm,z_mm,tool_x,tool_y,tool_z\n1,2,3,4,5,6,7,8,9,0,0,0\n", "is zero"),

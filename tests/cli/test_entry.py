@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -17,11 +18,11 @@ import chainbuild
 from chainbuild.cli import entry
 from chainbuild.cli.entry import message_of
 from chainbuild.errors import ChainbuildError, Span
-from tests.cli.conftest import AXES, REFERENCE, Run
+from tests.kit.command_line import ARM, AXES, PROGRAM, Run
 
-ARM = REFERENCE / "kin45_kr6r900_2.lis"
+pytestmark = pytest.mark.usefixtures("heeds_interrupts")
+
 COMMANDS = ["info", "check", "fk", "ik", "urdf", "inspect", "demo", "types", "singularity"]
-PROGRAM = [sys.executable, "-m", "chainbuild.cli"]
 
 
 def test_version(run: Run) -> None:
@@ -49,6 +50,15 @@ def test_every_option_is_explained(run: Run, command: str, monkeypatch: pytest.M
         assert "--no-" not in text
 
 
+def test_every_help_has_an_example_that_parses() -> None:
+    app = entry.build_app()
+    for name in ("", *(name for name in app if not name.startswith("-"))):
+        text = " ".join((app[name] if name else app).help.split())
+        (example,) = re.findall(r"Example: `chainbuild ([^`]*)`", text)
+        assert example.startswith(name)
+        app.parse_args(shlex.split(example), print_error=False, exit_on_error=False)
+
+
 def test_common_options_are_everywhere(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "200")
     for command in set(COMMANDS) - {"types"}:
@@ -64,17 +74,23 @@ def test_common_options_are_everywhere(run: Run, monkeypatch: pytest.MonkeyPatch
     [
         (["nope"], 'Unknown command "nope"'),
         (["info"], "FILE requires an argument"),
-        (["info", "x", "y"], "nothing takes y"),
-        (["singularity", "x", "--at", "0", "-90", "9"], "nothing takes -90 9; several values are one word with commas"),
-        (["fk", "x", "--at", "0,", "90,", "9"], "nothing takes 90, 9; several values are one word with commas"),
+        (["info", "x", "y"], "unexpected argument y"),
+        (
+            ["singularity", "x", "--at", "0", "-90", "9"],
+            "unexpected argument -90 9; write several values as one word with commas",
+        ),
+        (
+            ["fk", "x", "--at", "0,", "90,", "9"],
+            "unexpected argument 90, 9; write several values as one word with commas",
+        ),
         (["info", "x", "--nope"], "--nope"),
         (["fk", "x"], "--axes"),
         (["ik", "x"], "--poses"),
         (["inspect", "x"], "--export"),
         (["info", "x", "--channel", "one"], "--channel"),
         (["info", "x", "--tool-length", "long"], "--tool-length"),
-        (["info", "x", "--convention", "name"], "--convention name: NAME=CHOICE is due"),
-        (["check", "x", "--convention", "=choice"], "--convention =choice: NAME=CHOICE is due"),
+        (["info", "x", "--convention", "name"], "--convention name: expected NAME=CHOICE"),
+        (["check", "x", "--convention", "=choice"], "--convention =choice: expected NAME=CHOICE"),
     ],
 )
 def test_wrong_usage_ends_with_2(run: Run, words: list[str], message: str) -> None:
@@ -84,15 +100,15 @@ def test_wrong_usage_ends_with_2(run: Run, words: list[str], message: str) -> No
     assert first.startswith("chainbuild: ")
     assert message in first
     command = f"{words[0]} " if words[0] in COMMANDS else ""
-    assert second == f"chainbuild {command}--help explains the usage"
+    assert second == f"chainbuild {command}--help shows the usage"
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["info", "missing"], "missing: no such file, nor a shipped machine of that name"),
+        (["info", "missing"], "missing: no such file, and no shipped machine of that name"),
         (["info", "missing.lis"], "missing.lis: no such file\n"),
-        (["info", "no/kr6.lis"], "no/kr6.lis: no such file: there is no such folder\n"),
+        (["info", "no/kr6.lis"], "no/kr6.lis: no such file: the folder does not exist\n"),
         (["info", "kr6r900.tea"], "kr6r900.tea: no such file; the shipped machine is called kr6r900\n"),
         (["info", "."], ".: this is a folder"),
         (["info", ARM, "--kinematic", "7"], f"{ARM}: the file configures no kinematic '7'"),
@@ -101,7 +117,7 @@ def test_wrong_usage_ends_with_2(run: Run, words: list[str], message: str) -> No
         (["info", ARM, "--convention", "no=x"], "chainbuild: unknown convention 'no'"),
         (["info", ARM, "--overlay", "missing.toml"], "missing.toml: no such file"),
         (["fk", ARM, "--axes", "missing.csv"], "missing.csv: the table cannot be read: No such file"),
-        (["fk", "kr6r900_2", "--at", "0,-90,90"], "chainbuild: 6 axis values are due"),
+        (["fk", "kr6r900_2", "--at", "0,-90,90"], "chainbuild: expected 6 axis values, got an array of shape (3,)"),
         (["check", "missing.lis"], "missing.lis: no such file"),
         (["inspect", ARM, "--export", "no/page.html"], "no/page.html: "),
         (["urdf", ARM, "-o", "/dev/null"], "/dev/null/kin45_kr6r900_2: the folder cannot be created"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from pathlib import Path
 
@@ -11,20 +10,10 @@ import pytest
 
 import chainbuild
 from chainbuild import frames
-from tests.cli.conftest import AXES, REFERENCE, Outcome, Run
+from tests.kit.command_line import ARM, AXES, Outcome, Run, rows_of, write
+from tests.kit.paths import REFERENCE
 
-ARM = REFERENCE / "kin45_kr6r900_2.lis"
 HOME = "0,-90,90,0,0,0\n"
-
-
-def rows_of(text: str) -> list[dict[str, str]]:
-    return list(csv.DictReader(text.splitlines()))
-
-
-def write(name: str, text: str) -> Path:
-    path = Path(name)
-    path.write_text(text, "utf-8")
-    return path
 
 
 def recorded() -> list[str]:
@@ -36,7 +25,8 @@ def recorded() -> list[str]:
 def test_fk_gives_the_recorded_poses(run: Run, name: str) -> None:
     record = json.loads((REFERENCE / f"{name}.json").read_text("utf-8"))
     machine = next(path for path in REFERENCE.glob(f"{name}.*") if path.suffix != ".json")
-    axes = [axis.name for axis in chainbuild.load(machine).chain().axes]
+    chain = chainbuild.load(machine).chain()
+    axes, column = [axis.name for axis in chain.axes], chain.tool_column
     write("axes.csv", ",".join(axes) + "\n" + "".join(",".join(map(repr, r["axes"])) + "\n" for r in record["rows"]))
     options = ["--tool-length", repr(record["tool_length"])] if record.get("tool_length") else []
     outcome = run("fk", machine, "--axes", "axes.csv", "-o", "poses.csv", *options)
@@ -49,7 +39,7 @@ def test_fk_gives_the_recorded_poses(run: Run, name: str) -> None:
             assert np.abs(R - recorded["R"]).max() <= 1e-9
         else:
             assert np.abs(R[:, 2] - recorded["z"]).max() <= 1e-9
-        assert np.abs([float(row[f"tool_{c}"]) for c in "xyz"] - R[:, 2]).max() <= 1e-12
+        assert np.abs([float(row[f"tool_{c}"]) for c in "xyz"] - R[:, column]).max() <= 1e-12
 
 
 def test_columns_of_fk_in_any_order_to_stdout(run: Run) -> None:
@@ -78,7 +68,7 @@ def test_values_from_the_command_line_outside_limits_are_told(run: Run) -> None:
 def test_fk_without_axis_values_is_wrong_usage(run: Run) -> None:
     outcome = run("fk", ARM)
     assert outcome.code == 2
-    assert outcome.err.splitlines()[0] == "chainbuild: --axes or --at is due"
+    assert outcome.err.splitlines()[0] == "chainbuild: expected --axes or --at"
 
 
 def test_the_tool_length_reaches_the_pose(run: Run) -> None:
@@ -180,7 +170,7 @@ def test_failed_rows_end_with_3_and_leave_the_axes_empty(run: Run) -> None:
 @pytest.mark.parametrize(
     ("start", "message"),
     [
-        (AXES, "start.csv: the table of start values has no row"),
+        (AXES, "start.csv: the table of start values has no rows"),
         (AXES + 2 * HOME, "start.csv: the table of start values has fewer rows than poses.csv"),
         (AXES + 9 * HOME, "start.csv: the table of start values has more rows than poses.csv"),
         ("C1,B1\n1,2\n", "start.csv:1: missing columns B2, A1, B3, A2"),
@@ -277,7 +267,10 @@ def test_follow_starts_at_one_place(run: Run) -> None:
     assert run("fk", ARM, "--axes", "axes.csv", "-o", "poses.csv").code == 0
     outcome = run("ik", ARM, "--poses", "poses.csv", "--start", "axes.csv", "--follow")
     assert outcome.code == 1
-    assert outcome.err.splitlines()[-1] == "axes.csv: --follow starts at one place; permitted: one row"
+    assert (
+        outcome.err.splitlines()[-1]
+        == "axes.csv: --follow: expected one row of start values, got more; permitted: one row"
+    )
 
 
 def test_positions_in_metres_are_suspected(run: Run) -> None:

@@ -2,25 +2,16 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import pytest
 
-from tests.cli.conftest import Run
+from tests.kit.command_line import Run, rows_of, write
 
 POSE = "x_mm,y_mm,z_mm,qx,qy,qz,qw"
 INPUTS = {"irb2600_track": {"EX1": (800.0, 1200.5)}, "irb2600_table": {"EW1": (20.0, -45.0), "EW2": (0.0, 170.0)}}
 ARM = ((0.0, 10.0, -20.0, 30.0, 40.0, 50.0), (5.0, 12.0, -18.0, 25.0, 45.0, 40.0))
 ARM_NAMES = [f"A{n}" for n in range(1, 7)]
-
-
-def rows_of(text: str) -> list[dict[str, str]]:
-    return list(csv.DictReader(text.splitlines()))
-
-
-def write(name: str, text: str) -> None:
-    Path(name).write_text(text, "utf-8")
 
 
 def write_axes(inputs: dict[str, tuple[float, float]]) -> None:
@@ -106,7 +97,7 @@ def test_angles_that_contradict_the_quaternion_are_told_once(run: Run) -> None:
     assert agreeing.err == ""
     wrong = [",".join([*line.split(",")[:-1], "77"]) for line in poses[2:]]
     outcome = run("ik", "kr6r900_2", "--poses", write_lines([*poses[:2], *wrong]))
-    assert outcome.err == "poses.csv:3: a_deg, b_deg, c_deg contradict the quaternion, which counts (2 rows in all)\n"
+    assert outcome.err == "poses.csv:3: a_deg, b_deg, c_deg contradict the quaternion, which is used (2 rows in all)\n"
     assert outcome.out == agreeing.out
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
-import sys
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -13,10 +12,9 @@ from pathlib import Path
 import pytest
 
 from chainbuild.robot import Robot
-from tests.cli.conftest import AXES, REFERENCE, Run
+from tests.kit.command_line import ARM, AXES, PROGRAM, Run
 
-ARM = REFERENCE / "kin45_kr6r900_2.lis"
-PROGRAM = [sys.executable, "-m", "chainbuild.cli"]
+pytestmark = pytest.mark.usefixtures("heeds_interrupts")
 
 
 def closed(*words: str, redirect: str) -> subprocess.CompletedProcess[str]:

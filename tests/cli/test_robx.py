@@ -2,25 +2,16 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from pathlib import Path
 
 import pytest
 
 from chainbuild.machines import shipped_path
-from tests.cli.conftest import Run
+from tests.kit.command_line import Run, rows_of, write
 
 ARM_AXES = "A1,A2,A3,A4,A5,A6\n"
 OUTSIDE, INSIDE = "0,60,-16,170,100,0\n", "0,0,-90,0,40,0\n"
-
-
-def rows_of(text: str) -> list[dict[str, str]]:
-    return list(csv.DictReader(text.splitlines()))
-
-
-def write(name: str, text: str) -> None:
-    Path(name).write_text(text, "utf-8")
 
 
 def test_fk_and_ik_name_what_every_row_violates(run: Run) -> None:

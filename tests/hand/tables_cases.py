@@ -9,9 +9,10 @@ import numpy as np
 from .kin_arms import FORMULAS as ARMS
 from .kin_faces import FORMULAS as FACES
 from .kin_tables import FORMULAS as TABLES
-from .tables_algebra import RAW_UNIT, Formula
+from .tables_algebra import RAW_UNIT, Formula, Matrix
 
 FORMULAS: dict[int, Formula] = {**TABLES, **FACES, **ARMS}
+TIGHT = 1e-9
 
 
 def span(text: str) -> tuple[int, ...]:
@@ -92,3 +93,16 @@ CASES: dict[int, Case] = {
     208: Case("lrrrr", _ARM_208, _ARM_208_ANGLES),
     213: Case("rrrrr", "1-3 7-12 48", "6 14 15 36-38", _reversed_by(1, "21-25")),
 }
+
+
+def pose(kin: int, hd: dict[int, float], axes: list[float], length: float = 0.0, **conv: str) -> Matrix:
+    """Return a pose from HD values in mm and degrees, or unscaled where the case lists a flag."""
+    case = CASES[kin]
+    unscaled = {*case.flags, *(number for number, _ in case.fixed)}
+    raw = {number - 1: value if number in unscaled else value / RAW_UNIT for number, value in hd.items()}
+    return FORMULAS[kin](raw, axes, length, conv)
+
+
+def same(left: Matrix, right: Matrix) -> bool:
+    """Tell whether two poses are equal."""
+    return bool(np.allclose(left, right, rtol=0, atol=TIGHT))

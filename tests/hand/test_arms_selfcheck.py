@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import math
 import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from .tables_algebra import DEFAULTS, chain, rx, ry, rz
-from .tables_cases import CASES, FORMULAS
-from .test_tables_selfcheck import TIGHT, pose, same
+from tests.kit.paths import PACKAGE
 
-CONVENTIONS = tomllib.loads(
-    (Path(__file__).parents[2] / "chainbuild" / "data" / "conventions_twincat_tables.toml").read_text("utf-8")
-)
+from .tables_algebra import DEFAULTS, chain, rx, ry, rz
+from .tables_cases import CASES, FORMULAS, TIGHT, pose, same
+
+CONVENTIONS = tomllib.loads((PACKAGE / "data" / "conventions_twincat_tables.toml").read_text("utf-8"))
 
 
 def test_36_zero_bend_and_hands() -> None:

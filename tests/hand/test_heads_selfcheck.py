@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.kit.paths import REFERENCE, ROOT
+
 from .heads_cases import AXIS_COUNT, FLAGS, SILENT, pose, sample
 from .kin_heads import FORMULAS
 from .kin_heads_base import CHOICES, Params
 
-ROOT = Path(__file__).parents[2]
-REFERENCE = ROOT / "tests" / "data" / "reference"
 CONVENTIONS = tomllib.loads((ROOT / "chainbuild" / "data" / "conventions_twincat_heads.toml").read_text("utf-8"))
 
 

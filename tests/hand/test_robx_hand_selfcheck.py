@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.kit.paths import PACKAGE, REFERENCE
+
 from .robx_hand import orirpy2_deg, orirpy_deg, parallelogram_angle_deg, pose_mm, scara_c_deg
 from .robx_parts import CONVENTIONS, DEFAULTS, Matrix, frame, rot_x, rot_y, rot_z, rpy
 
-REFERENCE = Path(__file__).parents[1] / "data" / "reference"
-PACKAGE_DATA = Path(__file__).parents[2] / "chainbuild" / "data"
+PACKAGE_DATA = PACKAGE / "data"
 
 # The four-axis articulated arm of the forerunner package TE4 (TE4 manual, data of the 4-axis NR kinematic)
 TE4_ARM: dict[str, Any] = {

@@ -4,35 +4,20 @@ from __future__ import annotations
 
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.kit.paths import REFERENCE
+
 from .kin_faces import TiltError, effective_tool_length_mm
-from .tables_algebra import RAW_UNIT, Matrix, chain, rx, ry, rz
-from .tables_cases import CASES, FORMULAS, span
-
-REFERENCE = Path(__file__).parent.parent / "data" / "reference"
-TIGHT = 1e-9
-
-
-def pose(kin: int, hd: dict[int, float], axes: list[float], length: float = 0.0, **conv: str) -> Matrix:
-    """Return a pose from HD values in mm and degrees, or unscaled where the case lists a flag."""
-    case = CASES[kin]
-    unscaled = {*case.flags, *(number for number, _ in case.fixed)}
-    raw = {number - 1: value if number in unscaled else value / RAW_UNIT for number, value in hd.items()}
-    return FORMULAS[kin](raw, axes, length, conv)
+from .tables_algebra import Matrix, chain, rx, ry, rz
+from .tables_cases import CASES, FORMULAS, TIGHT, pose, same, span
 
 
 def generic(kin: int, seed: int = 1, length: float = 0.0, **conv: str) -> Matrix:
     """Return a pose of the type with every HD set."""
     return FORMULAS[kin](CASES[kin].param(seed), CASES[kin].position(seed), length, conv)
-
-
-def same(left: Matrix, right: Matrix) -> bool:
-    """Tell whether two poses are equal."""
-    return bool(np.allclose(left, right, rtol=0, atol=TIGHT))
 
 
 @pytest.mark.parametrize("name", ["kin36_1", "kin58_trt_2", "kin58_trt_3"])
@@ -106,8 +91,8 @@ def test_type_1_b_is_negative_at_flag_0() -> None:
 def test_rotary_axes_meet_at_slide_zero(kin: int) -> None:
     for a, b in ((0, 0), (30, 0), (0, -50), (70, 20)):
         assert np.allclose(pose(kin, {}, [0, 0, 0, a, b])[:3, 3], 0, atol=TIGHT)
-    # HD7..9 undo the slide offset: with HD7..9 = -HD4..6 the axes meet again at 0
-    hd = {4: 11.0, 5: -7.0, 6: 5.0, 7: -11.0, 8: 7.0, 9: -5.0}
+    # HD7..9 undo the slide offset: with HD7..9 = HD4..6 the axes meet again at 0
+    hd = {4: 11.0, 5: -7.0, 6: 5.0, 7: 11.0, 8: -7.0, 9: 5.0}
     assert np.allclose(pose(kin, hd, [0, 0, 0, 33, 44])[:3, 3], 0, atol=TIGHT)
     hd = {4: 11.0, 5: -7.0, 6: 5.0}
     free = pose(kin, hd, [0, 0, 0, 33, 44], pivot_to_slide_effect="absorbed")
@@ -119,7 +104,7 @@ def test_outer_table_axis_passes_through_the_slide_point(kin: int) -> None:
     inner = {4: 40.0, 5: -50.0, 6: 60.0, 7: 7.0, 8: 8.0, 9: 9.0}
     points = [pose(kin, inner, [0, 0, 0, outer, 25])[:3, 3] for outer in (0, 40, 90)]
     assert np.allclose(points, points[0], atol=TIGHT)
-    moved = [pose(kin, {**inner, 10: 30.0, 11: 20.0, 12: 10.0}, [30, 20, 10, outer, 25])[:3, 3] for outer in (0, 40)]
+    moved = [pose(kin, {**inner, 10: 30.0, 11: 20.0, 12: 10.0}, [-30, -20, -10, outer, 25])[:3, 3] for outer in (0, 40)]
     assert np.allclose(moved, points[0], atol=TIGHT)
     clamp = [pose(kin, {1: 100.0, 2: 5.0, 3: 6.0}, [0, 0, 0, outer, 0])[:3, 3] for outer in (0, 40)]
     assert np.allclose(clamp[0], [5, 6, -100]) and not np.allclose(clamp[0], clamp[1])
@@ -160,7 +145,7 @@ def test_sister_types_differ_by_a_quarter_turn_only() -> None:
 
 def test_82_named_ends_and_free_a() -> None:
     hd = {number: float(number) for number in range(1, 16)}
-    expected = -np.array([2 + 4 + 7, 3 + 5 + 8, 1 + 6 + 9]) - np.array([13 + 10, 14 + 11, 15 + 12])
+    expected = -np.array([2 + 4 + 7, 3 + 5 + 8, 1 + 6 + 9]) + np.array([13 - 10, 14 - 11, 15 - 12])
     assert np.allclose(pose(82, hd, [0] * 6)[:3, 3], expected)
     assert same(pose(82, {}, [0, 0, 0, 20, 0, 30]), chain(ry(20), rx(30)))
     assert same(pose(82, {}, [0, 0, 0, 0, 30, 0]), rz(-30))

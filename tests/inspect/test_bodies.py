@@ -9,7 +9,7 @@ import pytest
 
 from chainbuild.chain.bodies import TOOL_SIDE, WORKPIECE_SIDE, detail_bodies, link_bodies, machine_size, shown_limits
 from chainbuild.chain.elements import Link
-from tests.inspect.robots import ROBOTS, arm, gantry, scara, table
+from tests.kit.drawn_robots import ROBOTS, arm, gantry, scara, table
 
 
 @pytest.mark.parametrize("name", ROBOTS)

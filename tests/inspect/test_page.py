@@ -18,8 +18,8 @@ from chainbuild.inspect.export import export_page, page_html
 from chainbuild.inspect.inline import inline_page
 from chainbuild.inspect.sweep import axis_sweep
 from chainbuild.robot import Robot
-from tests.inspect.browser import chromium, document, screenshot
-from tests.inspect.robots import ROBOTS, arm
+from tests.kit.browser import chromium, document, screenshot
+from tests.kit.drawn_robots import ROBOTS, arm
 
 PANEL = 380  # pixels to the left of the picture
 Picture = NDArray[np.uint8]

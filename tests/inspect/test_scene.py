@@ -11,7 +11,7 @@ from meshcat import Visualizer
 from chainbuild.frames import matrix_from_quaternion, transform
 from chainbuild.inspect.scene import Scene, labelled_frames
 from chainbuild.inspect.sweep import axis_sweep
-from tests.inspect.robots import ROBOTS, arm, gantry
+from tests.kit.drawn_robots import ROBOTS, arm, gantry
 
 
 class Window:

@@ -13,7 +13,7 @@ from chainbuild.chain.bodies import machine_size, shown_limits
 from chainbuild.errors import ChainbuildError
 from chainbuild.inspect.sweep import axis_sweep, link_placements, rest_pose
 from chainbuild.robot import Robot
-from tests.inspect.robots import ROBOTS, arm, scara
+from tests.kit.drawn_robots import ROBOTS, arm, scara
 
 
 @pytest.mark.parametrize("name", ROBOTS)

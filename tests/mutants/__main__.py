@@ -34,20 +34,22 @@ class Job:
     tests: tuple[str, ...]
 
 
-TWINCAT_SHARED = ("tests/twincat", "-k", "hand or reference or arm45 or families or bounds or kin98 or domain")
-SINUMERIK = ("tests/sinumerik", "tests/solve/test_controller.py")
+TWINCAT = "tests/formats/twincat"
+TWINCAT_SHARED = (TWINCAT, "-k", "hand or reference or arm45 or families or bounds or kin98 or domain")
+SINUMERIK = ("tests/formats/sinumerik", "tests/ik/policies/test_controller.py")
+CHAIN = ("tests/chain",)
 
 
 def targets() -> dict[Path, tuple[str, ...]]:
     """Return the files of translators and of what they fold and add, and the tests of each."""
     package = ROOT / "chainbuild"
-    files = dict.fromkeys(sorted((package / "twincat/families").glob("[a-z]*.py")), TWINCAT_SHARED)
-    files |= dict.fromkeys(sorted((package / "twincat").glob("maps*.py")), TWINCAT_SHARED)
-    files |= {package / "twincat" / name: TWINCAT_SHARED for name in ("parts.py", "recipe.py", "translate.py")}
-    names = ("translate", "main_axes", "wrist", "tool", "extra_axes", "internal_axes", "pose_data")
-    files |= {package / f"sinumerik/{name}.py": SINUMERIK for name in names}
-    files |= {package / f"chain/{name}.py": ("tests/chain", "tests/analysis/test_rods.py") for name in ("fold", "rods")}
-    return {path: tests for path, tests in files.items() if path.exists()}
+    twincat, sinumerik = package / "formats" / "twincat", package / "formats" / "sinumerik"
+    shared = [*sorted((twincat / "families").glob("[a-z]*.py")), *sorted((twincat / "maps").glob("[a-z]*.py"))]
+    shared += [twincat / "recipes" / f"{name}.py" for name in ("parts", "head_parts", "recipe")]
+    files = dict.fromkeys([*shared, twincat / "translate.py"], TWINCAT_SHARED)
+    robx = [sinumerik / "geometry" / f"{name}.py" for name in ("translate", "robot_axes", "tool")]
+    files |= dict.fromkeys([*robx, sinumerik / "rules" / "chain_data.py"], SINUMERIK)
+    return files | dict.fromkeys([package / "chain" / f"{name}.py" for name in ("fold", "rods")], CHAIN)
 
 
 def types_in(path: Path) -> tuple[int, ...]:
@@ -70,7 +72,7 @@ def tests_for(path: Path, mutant: Mutant, default: tuple[str, ...]) -> tuple[str
     types = (int(number),) if number.isdigit() else types_in(path)
     if not types:
         return default
-    return ("tests/twincat", f"--mutant-types={','.join(map(str, types))}")
+    return (TWINCAT, f"--mutant-types={','.join(map(str, types))}")
 
 
 class MutatedLoader(importlib.abc.MetaPathFinder, importlib.abc.Loader):

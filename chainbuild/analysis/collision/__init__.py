@@ -1,1 +1,4 @@
-"""Room."""
+"""Self-collision along paths, and the limits that follow from it.
+
+In reading order: `pairs`, `paths`, `sweep`, `parallelogram`, `free_ik`.
+"""

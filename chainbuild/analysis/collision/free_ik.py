@@ -1,4 +1,4 @@
-"""Inverse kinematics that keeps the robot off itself: solve, look, and solve again from elsewhere."""
+"""Inverse kinematics without self-collision: solve, check, and solve again from another start."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def collision_free_ik(
     clearance: float = 0.0,
     attempts: int = _ATTEMPTS,
 ) -> IkResult:
-    """Find axis values for a pose at which no watched pair is closer than a clearance.
+    """Find axis values for a pose at which no checked pair is closer than a clearance.
 
     A solution that collides is rejected and the pose solved again from another start; a start leads to its nearest
     branch, so the other branches of the arm are tried in turn.
@@ -41,11 +41,11 @@ def collision_free_ik(
         start: Axis values to start from.
         held: As in `Robot.ik`.
         clearance: Smallest distance permitted [m].
-        attempts: Starts after the first before the search gives up.
+        attempts: Number of starts after the first.
 
     Returns:
-        The first solution that is free, as `Robot.ik` gives it; else the failure of `Robot.ik`, or "limits" with the
-        pair that is in the way as its reason.
+        The first collision-free solution, as `Robot.ik` returns it; else the failure of `Robot.ik`, or "limits" with
+        the colliding pair as its reason.
     """
     robot = model.robot
     lower, upper = shown_limits(robot.chain)

@@ -1,4 +1,4 @@
-"""Which pairs of links can collide: found by sampling, with the confidence that sampling gives."""
+"""Which pairs of links can collide: sampled, with the confidence of the sampling."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class PairVerdict:
     Attributes:
         links: Their names.
         verdict: "adjacent" (a joint connects them), "always", "never" or "sometimes".
-        hits: Positions at which they touched.
+        hits: Number of positions at which they touched.
     """
 
     links: LinkPair
@@ -39,7 +39,7 @@ class PairTable:
 
     Attributes:
         pairs: One for each pair, in the order of the chain's links.
-        samples: Positions looked at, drawn evenly from the axis limits.
+        samples: Number of positions, drawn uniformly from the axis limits.
         confidence: Probability with which `bound` holds.
         bound: A pair that never touched (or always did) does otherwise at less than this share of all positions.
     """
@@ -61,15 +61,15 @@ def classify_pairs(
 
     Args:
         robot: The robot.
-        samples: Positions to look at.
+        samples: Number of positions.
         seed: Seed of the positions: the same seed gives the same table.
-        confidence: Of the bound on what sampling may have missed: 1 − (1 − confidence)^(1/samples).
+        confidence: Confidence of the bound on what sampling may have missed: 1 − (1 − confidence)^(1/samples).
 
     Raises:
         ChainbuildError: samples below 1, or a confidence outside 0 … 1.
     """
     if samples < 1 or not 0.0 < confidence < 1.0:
-        raise ChainbuildError("sampling", permitted="at least 1 sample, a confidence between 0 and 1")
+        raise ChainbuildError("wrong sampling options", permitted="at least 1 sample, a confidence between 0 and 1")
     chain = robot.chain
     names = [link.name for link in chain.links]
     adjacent = {frozenset((joint.parent, joint.child)) for joint in chain.joints}

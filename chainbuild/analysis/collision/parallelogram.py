@@ -1,7 +1,7 @@
-"""The limit angles of a parallelogram (MD62964), swept with its rods, judged, and proposed ready to paste.
+"""The limit angles of a parallelogram (MD62964): swept with its rods, compared with the file, and proposed.
 
-ROBX manual 5.3.21 watches one angle, q3DH − q2DH, which is a sum of the axes 2 and 3. Here the arms, the rods and the
-housing move as bodies, and at each value of axis 2 the interval of that angle that is free of contact is found.
+ROBX manual 5.3.21 monitors one angle, q3DH − q2DH, which is a sum of axes 2 and 3. Here the arms, the rods and the
+housing move as bodies, and the sweep finds the contact-free interval of that angle at each value of axis 2.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from chainbuild.kinematics.mechanism import Mechanism
 _STEPS: Final = 37  # values of axis 2: every 5 degrees of a range of half a turn
 _HALF_TURN: Final = 180.0  # degrees: a linkage moves half a turn of its crank between dead points
 _REFINEMENTS: Final = 4  # halvings of a step: a sixteenth of it
-# The file's limits are called tight only where they waste more than this.
+# The file's limits count as too tight only if they waste more than this.
 _CONSERVATIVE_DEG: Final = 0.5
 _PRECISION_DEG: Final = 0.01  # what limits are proposed in, rounded inwards
 
@@ -41,10 +41,10 @@ class LimitReport:
         moved: Name of axis 3, which moves.
         intervals: Free intervals of the angle [deg] over axis 2.
         given: Limits of the file [deg].
-        proposal: Limits that hold at every value of axis 2 [deg], rounded inwards; None where no interval does.
-        blocked: Values of axis 2 at which nothing is free.
-        verdicts: What is to be said about the file's limits.
-        drawn: Whether all bodies are drawn by rule, because the overlay gives none: the limits are an estimate then.
+        proposal: Limits that hold at every value of axis 2 [deg], rounded inwards; None if there are none.
+        blocked: Values of axis 2 without a free position.
+        verdicts: Judgements of the file's limits, one sentence each.
+        drawn: Whether all bodies have default dimensions, without an overlay: then the limits are an estimate.
     """
 
     over: str
@@ -67,16 +67,16 @@ def swept_limits(robot: Mechanism, steps: int = _STEPS, done: Callable[[int], No
     """Return the limits of a parallelogram's angle by sweeping its bodies.
 
     Args:
-        robot: A robot whose chain limits a parallelogram's angle. Without rods in its overlay it gets the drawing's.
-        steps: Values of axis 2 over its limits.
-        done: Called with the count of values done, for progress.
+        robot: A robot whose chain limits a parallelogram's angle. Without rods in its overlay it gets default rods.
+        steps: Number of values of axis 2 over its limits.
+        done: Called with the number of values done, for progress.
 
     Raises:
         ChainbuildError: the chain has no such limit, or `steps` is below 2.
     """
     constraint = _constraint(robot.chain)
     if steps < 2:
-        raise ChainbuildError("a sweep", parameter="steps", permitted="at least 2 values")
+        raise ChainbuildError("too few values of axis 2", parameter="steps", permitted="at least 2 values")
     drawn = robot.chain.geometry == NO_GEOMETRY
     if not has_rods(robot.chain):
         robot = Mechanism(with_rods(robot.chain, robot.chain.geometry.rod_data))
@@ -103,7 +103,8 @@ def _constraint(chain: Chain) -> AxisConstraint:
         if sum(factor != 0.0 for factor in constraint.sum.coefficients) == 2:
             return constraint
     raise ChainbuildError(
-        "the kinematic limits no parallelogram's angle", permitted="ROBX data with $MC_ROBX_SPECIAL_KIN=2 (MD62964)"
+        "the kinematic has no limits on a parallelogram's angle",
+        permitted="ROBX data with $MC_ROBX_SPECIAL_KIN=2 (MD62964)",
     )
 
 
@@ -116,7 +117,7 @@ class _Search:
         elbow = next(joint.name for joint in chain.joints if joint.child == chain.frame(ROD_PIN).link)
         names = [axis.name for axis in chain.axes]
         driving = [n for n, factor in enumerate(self.sum.coefficients) if factor != 0.0]
-        # Axis 3 bears the elbow's name, the other one of the sum is axis 2.
+        # Axis 3 has the elbow's name, the other axis of the sum is axis 2.
         self.m = next((n for n in driving if names[n] == elbow), driving[-1])
         self.o = next(n for n in driving if n != self.m)
         self.model = CollisionModel(robot, _arm_pairs(robot, self.m))
@@ -174,7 +175,8 @@ class _Search:
 def _arm_pairs(robot: Mechanism, moved: int) -> list[LinkPair]:
     """Return the pairs of housing, column, arms and rods that an axis moves against one another.
 
-    What the forearm carries is not the parallelogram's, and what axis 3 does not move its angle cannot free.
+    Links that the forearm carries are not part of the parallelogram; its angle cannot separate pairs that axis 3 does
+    not move.
     """
     chain = robot.chain
     carrier = {joint.child: joint.parent for joint in chain.joints}
@@ -229,10 +231,10 @@ def _verdicts(
     if proposal is not None:
         for name, wasted in (("lower", given[0] - proposal[0]), ("upper", proposal[1] - given[1])):
             if wasted > _CONSERVATIVE_DEG:
-                said.append(f"the {name} limit is too tight: {wasted:.1f}° of free angle are wasted")
+                said.append(f"the {name} limit is too tight: {wasted:.1f}° of the free angle are lost")
     if not free:
-        return ("no position is free: the bodies overlap everywhere, give radii or shapes in the overlay",)
-    return tuple(said) or ("the limits fit",)
+        return ("no position is free: the bodies overlap everywhere; set radii or shapes in the overlay",)
+    return tuple(said) or ("the limits are right",)
 
 
 def _too_wide(side: str, given: float, end: float, at: float, pair: LinkPair | None, over: str) -> str:

@@ -1,8 +1,8 @@
-"""Self-collision along paths, with a bound that misses nothing between samples.
+"""Self-collision along paths, with a bound that covers the motion between samples.
 
 Between two rows the axes move along a straight line. A pair of bodies at distance d cannot touch before one of the
 joints between them has moved them by d together: joint j moves a body by at most |dq_j|·r_j, r_j the largest distance
-of any of its points from the joint's line. The next step is therefore as long as the closest call allows.
+of any of its points from the joint's line. The next step is therefore as long as the smallest distance allows.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ class Contact:
     """The first place of a segment at which a pair touches or comes too close.
 
     Attributes:
-        row: The segment leads from this row to the next.
-        share: How far along the segment, 0 … 1.
+        row: First row of the segment, from 0.
+        share: Place on the segment, 0 … 1.
         axes: (n_axes,) axis values there, mm and degrees.
         pair: Names of the bodies.
         distance: Their distance [m].
@@ -49,12 +49,12 @@ class Contact:
 
 
 def first_contact(model: CollisionModel, path: ArrayLike, clearance: float = 0.0) -> Contact | None:
-    """Return where a path first collides, or None where it certainly does not.
+    """Return the first contact of a path, or None if there is certainly none.
 
     Args:
         model: Bodies and pairs.
-        path: (N, n_axes) axis values, mm and degrees; straight lines in between.
-        clearance: Distance that is due [m].
+        path: (N, n_axes) axis values, mm and degrees; linear in between.
+        clearance: Smallest permitted distance [m].
     """
     return next(contacts(model, path, clearance), None)
 
@@ -67,9 +67,9 @@ def contacts(model: CollisionModel, path: ArrayLike, clearance: float = 0.0) -> 
     """
     rows = np.atleast_2d(np.asarray(path, dtype=float))
     if rows.shape[1] != len(model.robot.axes) or not np.isfinite(rows).all():
-        raise ChainbuildError(f"a path of shape (N, {len(model.robot.axes)}) is due, all finite")
+        raise ChainbuildError(f"expected a path of finite axis values of shape (N, {len(model.robot.axes)})")
     if not (np.isfinite(clearance) and clearance >= 0.0):
-        raise ChainbuildError("the clearance", parameter="clearance", permitted="a finite length from 0")
+        raise ChainbuildError("wrong clearance", parameter="clearance", permitted="a finite length of at least 0")
     if not model.pairs:
         return
     walk = _ConservativeAdvancement(model, rows, clearance)
@@ -124,7 +124,7 @@ class _ConservativeAdvancement:
 
 
 def pair_weights(model: CollisionModel, largest: Vector) -> Matrix:
-    """Return (n_pairs, n_q): by how much each joint can move the bodies of a pair towards one another, per unit.
+    """Return (n_pairs, n_q): how far each joint can move the bodies of a pair towards one another, per unit.
 
     Args:
         model: Bodies and pairs.

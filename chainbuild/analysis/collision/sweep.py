@@ -1,4 +1,4 @@
-"""Limits of one axis that hang on another: the free interval over a sweep, ends found to a hundredth of a degree."""
+"""Limits of one axis that depend on another: the free interval over a sweep, to a hundredth of a degree."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from chainbuild.chain.bodies import shown_limits
 from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
 
-# Ends of intervals are found this well (mm or degrees); a tenth of what is promised.
+# Accuracy of interval ends (mm or degrees): a tenth of the promised one.
 END: Final = 1e-3
 _SEEDS: Final = 181  # values tried where the last free one is no longer free
 DEFAULT_STEPS: Final = 41  # values of the other axis: forty intervals of its range
@@ -23,11 +23,11 @@ DEFAULT_STEPS: Final = 41  # values of the other axis: forty intervals of its ra
 
 @dataclass(frozen=True, slots=True)
 class FreeInterval:
-    """Where an axis is free at one value of the other.
+    """Free interval of an axis at one value of the other.
 
     Attributes:
         over: Value of the other axis.
-        lower: Lowest free value; None where nothing is free.
+        lower: Lowest free value; None if no value is free.
         upper: Highest free value.
         lower_pair: Bodies that touch below; None: the range ends there.
         upper_pair: Bodies that touch above.
@@ -45,7 +45,7 @@ class Sweep:
     """Free intervals of an axis over another.
 
     Attributes:
-        moved: Axis whose interval is sought.
+        moved: Axis whose interval is computed.
         over: Axis that is swept.
         unit_moved: "mm" or "deg".
         unit_over: "mm" or "deg".
@@ -68,21 +68,21 @@ def sweep(
     bounds: tuple[float, float] | None = None,
     done: Callable[[int], None] | None = None,
 ) -> Sweep:
-    """Return the free interval of an axis at values of another, the remaining axes standing still.
+    """Return the free interval of an axis at values of another, with the remaining axes fixed.
 
     The interval is the one that can be reached without contact: it is followed from value to value.
 
     Args:
         model: Bodies and pairs.
-        moved: Axis whose interval is sought.
+        moved: Axis whose interval is computed.
         over: Axis that is swept.
-        at: (n_axes,) values of all axes to begin with; None: the middle of the limits, or the free place next to it.
+        at: (n_axes,) values of all axes at the start; None: the middle of the limits, or the free position next to it.
         values: Values of the swept axis; None: 41 over its limits.
         bounds: Range of the moved axis; None: its limits.
-        done: Called with the count of values done, for progress.
+        done: Called with the number of values done, for progress.
 
     Raises:
-        ChainbuildError: an unknown axis, twice the same, or an empty range.
+        ChainbuildError: an unknown axis, the same axis twice, or an empty range.
     """
     m, o = axis_index(model, moved), axis_index(model, over)
     if m == o:
@@ -113,7 +113,7 @@ def axis_index(model: CollisionModel, name: str) -> int:
     """Return the index of an axis by name.
 
     Raises:
-        ChainbuildError: there is none.
+        ChainbuildError: there is no such axis.
     """
     names = [axis.name for axis in model.robot.axes]
     if name not in names:
@@ -130,7 +130,7 @@ def _middle(interval: FreeInterval, otherwise: float) -> float:
 def free_interval(
     model: CollisionModel, m: int, o: int, base: Vector, over: float, seed: float, span: tuple[float, float]
 ) -> FreeInterval:
-    """Return the free interval of axis m around a seed, axis o standing at `over`.
+    """Return the free interval of axis m around a seed, with axis o at `over`.
 
     Args:
         model: Bodies and pairs.
@@ -162,7 +162,7 @@ def _touches(model: CollisionModel, axes: Vector, m: int, value: float) -> bool:
 
 
 def _end(model: CollisionModel, axes: Vector, m: int, begin: float, bound: float) -> tuple[float, LinkPair | None]:
-    """Return the last free value on the way from a free one to a bound, and what touches behind it."""
+    """Return the last free value from a free one towards a bound, and the pair that touches beyond it."""
     step = END if bound > begin else -END
     free = begin
     while True:
@@ -170,7 +170,7 @@ def _end(model: CollisionModel, axes: Vector, m: int, begin: float, bound: float
         if contact is None:
             return bound, None
         free = float(contact.axes[m])
-        # A call so close may be a brush: go on in the smallest steps until it is a collision or opens again.
+        # So small a distance may be a near miss: go on in the smallest steps until bodies collide or separate.
         while True:
             ahead = free + step
             if (bound - ahead) * step <= 0.0:

@@ -1,1 +1,5 @@
-"""Room."""
+"""Singularities: measures, names, what they cost.
+
+In reading order: `measures`, `jacobians`, `structure`, `factors`, `singularity`, `locks`, `speeds`, `words`, `names`,
+`nearest`, `thresholds`.
+"""

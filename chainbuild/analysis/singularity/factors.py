@@ -1,4 +1,4 @@
-"""The functions that vanish at singularities of known form, from the joint lines of a position.
+"""Functions that vanish at singularities of known form, from the joint lines of a position.
 
 Arm, W the wrist point, P the points of the joint lines, a their directions:
 
@@ -10,7 +10,7 @@ Arm, W the wrist point, P the points of the joint lines, a their directions:
 Machine with three linear axes, d the tool direction, c the directions of the rotary axes:
 
     pole       |c × d|                                the tool lies along a rotary axis
-    tilt_end   c1 · (c2 × d)                          the tool is at the end of its tilt: both axes move it one way
+    tilt_end   c1 · (c2 × d)                          end of the tilt: both axes move the tool in the same direction
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Factor:
     Attributes:
         kind: Its name.
         value: 0 at the singularity, about 1 far from it; without unit.
-        joints: Joints it is made of.
+        joints: Joints involved.
         offset: Shoulder: sideways offset of the wrist point from axis 1 [m].
         distance: Shoulder: distance of the wrist point from its singular place [m].
         folded: Elbow: True where the forearm lies back on the upper arm.

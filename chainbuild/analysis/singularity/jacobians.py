@@ -1,6 +1,6 @@
-"""Jacobians of many poses at once, in NumPy: the ground of maps.
+"""Jacobians of many poses at once, in NumPy; used by maps.
 
-A walk from the tool to the workpiece: behind joint n stands the constant rest of the chain G = (R, p), and the joint,
+A walk from the tool to the workpiece: the chain behind joint n is the transform G = (R, p), and the joint,
 which moves about or along its z, moves the tool by the twist (Rᵀ·(z × p), Rᵀ·z), or (Rᵀ·z, 0) where it shifts.
 """
 

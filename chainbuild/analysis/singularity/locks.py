@@ -1,4 +1,4 @@
-"""What is no loss of motion and yet worth a word: gimbal lock of the pose angles, dead points of a parallelogram."""
+"""Notices without a loss of motion: gimbal lock of the pose angles, dead points of a parallelogram."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def notices(robot: Mechanism, axes: Vector) -> Iterator[Singularity]:
         robot: The robot.
         axes: Axis values.
     """
-    # A robot of four axes is programmed by position and C, where nothing can lock.
+    # A robot with four axes is programmed by position and C, which cannot lock.
     if robot.task == "pose" and robot.chain.angle_mode not in _FOLLOWS and not robot.chain.follows_c:
         yield from _gimbal_locks(robot, axes)
     if has_rods(robot.chain):
@@ -36,7 +36,7 @@ def notices(robot: Mechanism, axes: Vector) -> Iterator[Singularity]:
 
 
 def _dead_points(robot: Mechanism, axes: Vector) -> Iterator[Singularity]:
-    """Yield the dead point of a parallelogram: crank and rod in line, so that the rod can hold no torque."""
+    """Yield the dead point of a parallelogram: crank and rod in line, so that the rod transmits no torque."""
     places = robot.frame_placements(axes)
     crank = places[ROD].translation - places[CRANK].translation
     rod = places[ROD_END].translation - places[ROD].translation

@@ -1,4 +1,4 @@
-"""How close axis values are to a singularity, in numbers: measures of the Jacobian in the controller's task.
+"""Measures of the Jacobian in the controller's task: how close axis values are to a singularity.
 
 Metres and radians cannot be compared, so lengths are divided by a characteristic length L: the rows of J that are
 lengths are divided by it, the columns of linear axes multiplied. The scaled singular values have no unit.
@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from typing import Final
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -33,7 +32,7 @@ class Measures:
         singular_values: In falling order; as many as the task has freedoms.
         length: Characteristic length [m].
         lost: (6,) unit motion of the tool that is lost first, in the tool frame: shift as a share of the length, then
-            turn [rad]. Rows that the task does not hold are 0.
+            turn [rad]. Rows outside the task are 0.
         runaway: (n_axes,) unit motion of the axes (rad; linear axes as a share of the length) that moves the tool
             least.
     """
@@ -62,10 +61,10 @@ class Measures:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scaling:
-    """What turns a Jacobian into that of the task without units.
+    """Scaling of a Jacobian to that of the task, without units.
 
     Attributes:
-        rows: Rows of the 6×n Jacobian that the task holds.
+        rows: Rows of the 6×n Jacobian that belong to the task.
         columns: Axes that move; held ones are left out.
         length: Characteristic length [m].
         factors: (rows, columns) what each element is multiplied with.
@@ -86,9 +85,6 @@ class Scaling:
         return picked
 
 
-_scalings: WeakKeyDictionary[Mechanism, Scaling] = WeakKeyDictionary()
-
-
 def characteristic_length(chain: Chain) -> float:
     """Return the length [m] that scales a chain by default: from its first joint to the tips, all offsets added up.
 
@@ -99,7 +95,7 @@ def characteristic_length(chain: Chain) -> float:
     for n in joints_between_tips(chain):
         joint = chain.joints[n]
         before = branches.get(joint.parent)
-        # The offset of the first joint of a branch moves the whole machine and says nothing about its size.
+        # The offset of the first joint of a branch moves the whole machine and does not affect its size.
         branches[joint.child] = 0.0 if before is None else before + _norm(drawn(joint).T_parent_joint)
     total = sum(
         branches[frame.link] + _norm(frame.T_link_frame)
@@ -114,7 +110,7 @@ def _norm(T: Matrix) -> float:
 
 
 def task_rows(robot: Mechanism) -> tuple[int, ...]:
-    """Return the rows of the Jacobian, in the tool frame, that the controller's task holds."""
+    """Return the rows of the Jacobian, in the tool frame, that belong to the controller's task."""
     if robot.task == "pose":
         return tuple(range(6))
     if robot.task == "position":
@@ -130,14 +126,9 @@ def scaling_of(robot: Mechanism, length: float | None = None) -> Scaling:
         ChainbuildError: the length is not a finite number above 0.
     """
     if length is None:
-        found = _scalings.get(robot)
-        if found is None:
-            found = _scalings[robot] = scaling_of(robot, characteristic_length(robot.chain))
-        return found
+        return robot.prepared("scaling", lambda: scaling_of(robot, characteristic_length(robot.chain)))
     if not (np.isfinite(length) and length > 0.0):
-        raise ChainbuildError(
-            "the characteristic length makes no scale", parameter="length", permitted="a finite number above 0 (m)"
-        )
+        raise ChainbuildError("wrong characteristic length", parameter="length", permitted="a finite number above 0 m")
     rows = np.array(task_rows(robot))
     columns = np.array([n for n, axis in enumerate(robot.axes) if not axis.held])
     factors = np.ones((len(rows), len(columns)))
@@ -151,11 +142,11 @@ def measure(robot: Mechanism, axes: ArrayLike, length: float | None = None) -> M
 
     Args:
         robot: The robot.
-        axes: Axis values; limits are not looked at.
+        axes: Axis values; limits are ignored.
         length: Characteristic length [m]; None: `characteristic_length`.
 
     Raises:
-        AxisValueError: wrong count or not finite.
+        AxisValueError: wrong number of values, or a non-finite value.
     """
     scaling = scaling_of(robot, length)
     U, values, Vt = np.linalg.svd(scaling.apply(robot.jacobian(axes)), full_matrices=False)
@@ -168,7 +159,7 @@ def smallest_value(robot: Mechanism, axes: ArrayLike) -> float:
     """Return the smallest scaled singular value at axis values (n_axes,): the quick form of `measure`."""
     values = np.asarray(axes, dtype=float)
     if values.shape != robot.kinematics.si_factors.shape or not math.isfinite(values.sum()):
-        values = robot.axis_values(axes)  # which says what is wrong
+        values = robot.axis_values(axes)  # raises if the values are wrong
     J = scaling_of(robot).apply(robot.kinematics.pose_and_jacobian(values * robot.kinematics.si_factors)[1])
     return float(np.linalg.svd(J, compute_uv=False)[-1])
 
@@ -197,7 +188,7 @@ def measure_batch(robot: Mechanism, axes: ArrayLike, length: float | None = None
     """
     values = np.asarray(axes, dtype=float)
     if values.ndim != 2 or values.shape[1] != len(robot.axes) or not np.isfinite(values).all():
-        raise ChainbuildError(f"axis values of shape (N, {len(robot.axes)}) are due, all finite")
+        raise ChainbuildError(f"expected finite axis values of shape (N, {len(robot.axes)})")
     scaling = scaling_of(robot, length)
     count = len(values)
     table = MeasureTable(np.empty((count, 3)), np.empty(count), np.empty(count), np.empty(count))

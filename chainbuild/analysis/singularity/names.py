@@ -1,4 +1,4 @@
-"""Singularities by name, each said as an engineer would say it."""
+"""Singularities by name, each with a sentence."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ NEAR: Final = 0.05
 NEAR_FACTOR: Final = 0.1
 # A second name is given only where its function is small by itself.
 _SECOND: Final = 0.01
-# A singularity without a name is spoken of only this close to it.
+# A singularity without a name is reported only this close to it.
 _NEAR_UNNAMED: Final = 0.005
 # Share of shifts in the lost motion below which the sentence speaks of the speed of turns.
 _NO_SHIFT: Final = 1e-3
@@ -35,14 +35,14 @@ _ALIASES: Final = {"wrist": "alpha5", "elbow": "alpha2", "shoulder": "alpha1"}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SingularityReport:
-    """All that is said about one position.
+    """Report on one position.
 
     Attributes:
         axes: (n_axes,) axis values, mm and degrees.
         measures: The numbers.
         names: Singularities at or close to it, the closest first.
-        notices: Gimbal lock and dead points: nothing is lost, yet programs or drives will notice.
-        speed: Axis speeds at the tool speed asked for.
+        notices: Gimbal lock and dead points: no motion is lost, but programs or drives are affected.
+        speed: Axis speeds at the given tool speed.
     """
 
     axes: Vector
@@ -59,12 +59,12 @@ def examine(
 
     Args:
         robot: The robot.
-        axes: Axis values; limits are not looked at.
-        tool_speed_mm: Speed of the tool that the sentences speak of [mm/s; deg/s where only turns are lost].
+        axes: Axis values; limits are ignored.
+        tool_speed_mm: Speed of the tool in the sentences [mm/s; deg/s if only rotations are lost].
         length: Characteristic length [m] of the measures; None: the default. Names always use the default.
 
     Raises:
-        AxisValueError: wrong count or not finite.
+        AxisValueError: wrong number of values, or a non-finite value.
     """
     values = robot.axis_values(axes)
     measures = measure(robot, values, length)
@@ -83,7 +83,7 @@ def names_at(robot: Mechanism, axes: ArrayLike) -> tuple[Singularity, ...]:
 def examine_path(
     robot: Mechanism, path: ArrayLike, tool_speed_mm: float = 10.0
 ) -> Iterator[tuple[int, SingularityReport]]:
-    """Yield (row, report) of the rows (N, n_axes) of a path that are singular, nearly so, or deserve a notice.
+    """Yield (row, report) of the rows (N, n_axes) of a path that are singular, nearly so, or have a notice.
 
     The measures of all rows are computed at once; only rows below `NEAR` are examined by name.
     """

@@ -1,7 +1,7 @@
 """The nearest singularity, by damped steps down the smallest singular value.
 
 With u, v its singular vectors, the derivative of the smallest singular value by axis i is uᵀ·(∂J/∂xᵢ)·v. A Newton step
-along it, −σ·g/(g·g), lands on the singular set but for second order.
+along it, −σ·g/(g·g), lands on the singular set up to second order.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ _HALVINGS: Final = 6  # 1/64 of a step that does not get nearer either is given 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Nearest:
-    """Where the nearest singularity was found.
+    """The nearest singularity found.
 
     Attributes:
-        found: Whether the steps ended at a singularity; else `axes` is where they gave up.
+        found: Whether the descent ended at a singularity; else `axes` is where it stopped.
         axes: (n_axes,) axis values there, mm and degrees.
-        change: (n_axes,) what the axes have to move, mm and degrees.
+        change: (n_axes,) motion of the axes to it, mm and degrees.
         distance: Length of that motion in rad, linear axes as a share of the characteristic length.
         smallest: Smallest scaled singular value there.
         steps: Steps taken.
-        inside: Whether the place is inside the limits.
+        inside: Whether it is inside the limits.
     """
 
     found: bool
@@ -48,18 +48,18 @@ class Nearest:
 
 
 def nearest_singularity(robot: Mechanism, axes: ArrayLike, length: float | None = None) -> Nearest:
-    """Return the singularity that a descent from axis values (n_axes,), mm and degrees, ends at.
+    """Return the singularity found by a descent from axis values (n_axes,), mm and degrees.
 
     The descent follows the steepest fall of the smallest scaled singular value: a local search, which finds the
     singularity that the position is already close to. Limits are not kept; the result says whether it is inside.
 
     Args:
         robot: The robot.
-        axes: Where to start.
+        axes: Axis values to start from.
         length: Characteristic length [m]; None: the default.
 
     Raises:
-        AxisValueError: wrong count or not finite.
+        AxisValueError: wrong number of values, or a non-finite value.
     """
     descent = _Descent(robot, scaling_of(robot, length), robot.axis_values(axes))
     return descent.run()
@@ -122,7 +122,7 @@ class _Descent:
         axes = self.x(z) / factors
         inside = not self.robot.violated_limits(axes)
         change = axes - self.x0 / factors
-        # What counts as found must not hang on the last bit of a step.
+        # The verdict must not depend on the last bit of a step.
         return Nearest(value < 1e-7, axes, change, float(np.linalg.norm(z)), value, steps, inside)
 
 

@@ -1,4 +1,4 @@
-"""What is said about one singularity."""
+"""One singularity: kind, axes and sentence."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class Singularity:
         alias: The manual's name where it has one: "alpha5", …; else an empty string.
         value: The function that vanishes there, without unit (`chainbuild.analysis.singularity.factors`).
         axes: Names of the axes concerned.
-        condition: What lines up, in words.
-        sentence: Condition, what is lost, and what it costs.
-        remark: Where a manual describes it otherwise; else an empty string.
+        condition: The geometric condition, as text.
+        sentence: Condition, lost motion and required axis speed.
+        remark: Difference from a manual's description; else an empty string.
     """
 
     kind: SingularityKind

@@ -1,4 +1,4 @@
-"""What a motion of the tool asks of the axes: speeds near singularities, and the alarm they raise.
+"""Axis speeds that a motion of the tool requires, and the alarm they raise near singularities.
 
 The speed of axis i for the worst direction of a shift of 1 m/s (a turn of 1 rad/s) is the length of row i of the
 pseudoinverse of the Jacobian, its columns of shifts (turns).
@@ -21,7 +21,7 @@ from chainbuild.units import si_factor
 
 Motion = Literal["shift", "turn"]
 
-_LOST: Final = 1e-9  # scaled singular values below this ask for no finite speed
+_LOST: Final = 1e-9  # scaled singular values below this require infinite speed
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class AxisSpeed:
     Attributes:
         axis: The axis.
         needed: mm/s or deg/s; inf at a singularity.
-        limit: What it can, where known.
+        limit: Its speed limit, if known.
     """
 
     axis: Axis
@@ -40,7 +40,7 @@ class AxisSpeed:
 
     @property
     def excessive(self) -> bool:
-        """Whether the limit is known and not enough."""
+        """Whether the limit is known and exceeded."""
         return self.limit is not None and self.needed > self.limit
 
 
@@ -50,11 +50,11 @@ class SpeedReport:
 
     Attributes:
         motion: "shift" without a turn, or "turn" about the tool point.
-        tool_speed: Speed of the tool asked for [mm/s, deg/s], in the direction that is worst for each axis.
+        tool_speed: Given speed of the tool [mm/s, deg/s], in the worst direction for each axis.
         axes: One for each axis, in channel order.
         possible: Largest speed of the tool in every direction that all axes with known limits can follow [mm/s,
-            deg/s]; None where no limit is known.
-        alarm: The control's where an axis would have to be too quick, such as 75324 for ROBX, else None.
+            deg/s]; None if no limit is known.
+        alarm: Alarm of the control if an axis exceeds its limit, such as 75324 for ROBX, else None.
     """
 
     motion: Motion
@@ -81,11 +81,11 @@ def speeds(
         motion: "shift" or "turn".
 
     Raises:
-        ChainbuildError: the speed is no finite number above 0, or the direction is 0.
-        AxisValueError: axis values of wrong count or not finite.
+        ChainbuildError: the speed is not a finite number above 0, or the direction is 0.
+        AxisValueError: wrong number of axis values, or a non-finite value.
     """
     if not (np.isfinite(tool_speed) and tool_speed > 0.0):
-        raise ChainbuildError("the speed of the tool", parameter="speed", permitted="a finite number above 0")
+        raise ChainbuildError("wrong tool speed", parameter="speed", permitted="a finite number above 0")
     asked = si_factor("linear" if motion == "shift" else "rotary")
     shown = np.array([si_factor(axis.kind) for axis in robot.axes])
     factors = _per_speed(robot, axes, direction, motion) * asked / shown
@@ -103,7 +103,7 @@ def _per_speed(robot: Mechanism, axes: ArrayLike, direction: ArrayLike | None, m
     """Return the speeds of the axes (n_axes,) in SI for 1 m/s or 1 rad/s of the tool."""
     scaling = scaling_of(robot)
     U, values, Vt = np.linalg.svd(scaling.apply(robot.jacobian(axes)), full_matrices=False)
-    # What 1 m/s along (1 rad/s about) x, y, z of the tool frame is in the scaled task; a row it does not hold is free.
+    # What 1 m/s along (1 rad/s about) x, y, z of the tool frame is in the scaled task; rows outside the task are free.
     moves = np.zeros((len(values), 3))
     held = (scaling.rows < 3) == (motion == "shift")
     moves[:, scaling.rows[held] % 3] = U[held].T / (scaling.length if motion == "shift" else 1.0)
@@ -111,7 +111,7 @@ def _per_speed(robot: Mechanism, axes: ArrayLike, direction: ArrayLike | None, m
     lost = values < _LOST
     with np.errstate(divide="ignore", invalid="ignore"):
         needed = (Vt[~lost].T / values[~lost]) @ moves[~lost]
-    # In a lost direction no finite speed will do, for the axes that run away there.
+    # In a lost direction the axes that run away need infinite speed.
     endless = (np.abs(Vt[lost]).T @ np.abs(moves[lost])) > _LOST
     if direction is None:
         worst = np.linalg.norm(needed, axis=1)
@@ -120,7 +120,7 @@ def _per_speed(robot: Mechanism, axes: ArrayLike, direction: ArrayLike | None, m
         along = np.asarray(direction, dtype=float)
         size = float(np.linalg.norm(along)) if along.shape == (3,) else 0.0
         if not (np.isfinite(size) and size > 0.0):
-            raise ChainbuildError("the direction of the tool", permitted="three finite numbers, not all 0")
+            raise ChainbuildError("wrong direction of motion", permitted="three finite numbers, not all 0")
         worst = np.abs(needed @ (along / size))
         worst[(endless & (np.abs(along) > 0.0)).any(axis=1)] = np.inf
     linear = np.array([robot.axes[n].kind == "linear" for n in scaling.columns])

@@ -1,6 +1,6 @@
-"""What a chain is built like, read off its joint lines: arms with elbow, shoulder and wrist; machines with a pole.
+"""Structure of a chain from its joint lines: arms with elbow, shoulder and wrist; machines with a pole.
 
-No kinematic is known by its number here. The lines that the joints turn about, seen in two positions, tell which
+The kinematic's number is not used. The lines that the joints turn about, seen in two positions, tell which
 joints are parallel and which meet in a wrist point, and from that follow the functions that vanish at singularities.
 """
 
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Final, Literal
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -43,10 +42,10 @@ class ArmForm:
     """An arm whose second and third rotary joints are parallel.
 
     Attributes:
-        upper: Joint at the foot of the upper arm.
+        upper: Joint at the base of the upper arm.
         elbow: Joint parallel to it that follows.
         tip: Joints whose lines meet in the point that the elbow holds: one parallel to the elbow, or the wrist's.
-        turn: Joint before the upper arm, across it; None where there is none, as with a SCARA.
+        turn: Joint before the upper arm, across it; None if there is none, as in a SCARA.
         head: Joints whose lines meet in the point that matters at the shoulder.
         wrist: First and last of the last three joints, whose lines can become parallel; None for fewer joints.
     """
@@ -89,7 +88,7 @@ class SingularStructure:
     """A robot's structure.
 
     Attributes:
-        form: `ArmForm`, `CartesianForm`, `WristForm`, or None where nothing is found.
+        form: `Arm`, `Mill`, `Wrist`, or None if nothing is found.
         length: Characteristic length [m].
     """
 
@@ -97,17 +96,15 @@ class SingularStructure:
     length: float
 
 
-_structures: WeakKeyDictionary[Mechanism, SingularStructure] = WeakKeyDictionary()
-
-
 def singular_structure(robot: Mechanism) -> SingularStructure:
     """Return a robot's structure, found at first use."""
-    found = _structures.get(robot)
-    if found is None:
-        probes = [lines_at(robot, values) for values in _probe_positions(robot)]
-        length = characteristic_length(robot.chain)
-        found = _structures[robot] = SingularStructure(_form(robot.chain, probes, length), length)
-    return found
+    return robot.prepared("singular structure", lambda: _found(robot))
+
+
+def _found(robot: Mechanism) -> SingularStructure:
+    probes = [lines_at(robot, values) for values in _probe_positions(robot)]
+    length = characteristic_length(robot.chain)
+    return SingularStructure(_form(robot.chain, probes, length), length)
 
 
 def lines_at(robot: Mechanism, axes: ArrayLike) -> Lines:
@@ -119,7 +116,7 @@ def lines_at(robot: Mechanism, axes: ArrayLike) -> Lines:
 
 
 def _probe_positions(robot: Mechanism) -> list[Vector]:
-    """Return positions inside the limits at which nothing lines up by chance."""
+    """Return positions inside the limits at which no joints are aligned by chance."""
     rng = np.random.default_rng(7)
     lower = np.array([max(axis.lower, -170.0) for axis in robot.axes])
     upper = np.array([min(axis.upper, 170.0) for axis in robot.axes])
@@ -143,7 +140,7 @@ def _form(chain: Chain, probes: list[Lines], length: float) -> Form:
 
 
 def _lines_once(probes: list[Lines], rotary: list[int], length: float) -> list[int]:
-    """Return the joints without those that turn about the line of the next one: a level link and what hangs on it."""
+    """Return the joints without those that turn about the line of the next one: a level link and its carried joints."""
 
     def same(a: int, b: int) -> bool:
         offsets = [np.cross(p.directions[a], p.points[a] - p.points[b]) for p in probes]

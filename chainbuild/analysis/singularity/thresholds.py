@@ -1,7 +1,7 @@
-"""What the ROBX transformation itself calls singular: SD41670, SD41671, ITERLIMIT (ROBX manual 10.2, 5.3, MD62968).
+"""The ROBX transformation's singularity thresholds: SD41670, SD41671, ITERLIMIT (ROBX manual 10.2, 5.3, MD62968).
 
-The manual gives the two setting data numbers without unit and does not say which quantity they are held against. They
-are held against the smallest scaled singular value here, or, when asked, against the product of all of them.
+The manual gives the two setting data without unit and does not say which quantity they are compared with. Here it is
+the smallest scaled singular value or, optionally, the product of all of them.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Thresholds:
 
     Attributes:
         threshold: SD41670: at and below it a position is singular.
-        clearance: SD41671: between the two a position is looked at more closely.
+        clearance: SD41671: between the two a position is watched.
         iter_limit_deg: MD62968: an angle of axis 5 below this counts as singular for the iterative inverse.
         given: Which of the two setting data the file gives; the others are the manual's recommendations.
     """
@@ -51,12 +51,12 @@ class Thresholds:
 
 @dataclass(frozen=True, slots=True)
 class Assessment:
-    """What a control would make of a position.
+    """Judgement of a position by the control.
 
     Attributes:
-        value: The quantity held against the thresholds.
+        value: The quantity compared with the thresholds.
         level: "singular" (SD41670), "watched" (SD41671) or "clear".
-        hand_deg: How far axis 5 is from 0 or half a turn, by its mathematical angle; None where there is none.
+        hand_deg: Distance of axis 5 from 0 or 180° by its mathematical angle [degrees]; None if there is no axis 5.
         hand_limit: Whether it is below ITERLIMIT.
     """
 
@@ -74,8 +74,8 @@ class PathSection:
         first: First row, from 0.
         last: Last row.
         level: The worst level in it.
-        length_mm: Way of the tool from the first to the last row [mm].
-        alarm: 75327 where it is singular all the way and too long, else None.
+        length_mm: Path length of the tool from the first to the last row [mm].
+        alarm: 75327 if it is singular throughout and too long, else None.
     """
 
     first: int
@@ -86,9 +86,9 @@ class PathSection:
 
 
 def thresholds_of(chain: Chain) -> Thresholds | None:
-    """Return the thresholds of the control of a chain, with the manual's recommendations for what its file leaves out.
+    """Return the thresholds of the control of a chain, with the manual's recommendations for missing values.
 
-    None where the control is not known to have such thresholds, or the chain is composed of several.
+    None if the control has no known thresholds, or the chain is composed of several.
     """
     watch, solver = chain.singularity_watch, chain.controller_solver
     if watch is None or solver is None:
@@ -103,7 +103,7 @@ def thresholds_of(chain: Chain) -> Thresholds | None:
 
 
 def assess(robot: Mechanism, axes: ArrayLike, limits: Thresholds, quantity: Quantity = "smallest") -> Assessment:
-    """Return what a control would make of axis values (n_axes,), mm and degrees."""
+    """Return the control's judgement of axis values (n_axes,), mm and degrees."""
     values = robot.axis_values(axes)
     value = float(_values(robot, values[None, :], quantity)[0])
     angle = _hand_angle(robot, values)
@@ -115,7 +115,7 @@ def assess_path(
 ) -> Iterator[PathSection]:
     """Yield the stretches of a path (N, n_axes) that a control calls singular or watches.
 
-    Only the rows are looked at: give them as dense as the control's blocks are cut.
+    Only the rows are checked: give them as densely as the control interpolates.
     """
     rows = np.atleast_2d(np.asarray(path, dtype=float))
     table = measure_batch(robot, rows)
@@ -144,7 +144,7 @@ def _values(robot: Mechanism, rows: NDArray[np.float64], quantity: Quantity) -> 
 
 def _pick(smallest: Vector, product: Vector, quantity: Quantity) -> Vector:
     if quantity not in ("smallest", "product"):
-        raise ChainbuildError(f"the quantity '{quantity}'", parameter="quantity", permitted="smallest, product")
+        raise ChainbuildError(f"unknown quantity '{quantity}'", parameter="quantity", permitted="smallest, product")
     return smallest if quantity == "smallest" else product
 
 

@@ -1,4 +1,4 @@
-"""Sentences about singularities: what lines up, what is lost, what it costs."""
+"""Sentences about singularities: condition, lost motion, required axis speed."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _REMARK_DEG: Final = 0.5  # a difference that a display of whole degrees would s
 
 
 def condition(robot: Mechanism, axes: Vector, factor: Factor) -> tuple[str, tuple[str, ...]]:
-    """Return what lines up, and the names of the axes concerned."""
+    """Return the geometric condition and the names of the axes concerned."""
     names = tuple(robot.chain.joints[n].name for n in factor.joints)
     nearly = "" if factor.value < _EXACT else "nearly "
     if factor.kind == "wrist":
@@ -59,7 +59,7 @@ def _others(robot: Mechanism, axes: Vector, name: str) -> str:
 
 
 def _value(robot: Mechanism, axes: Vector, name: str) -> str:
-    """Return "A5 = 0.3°" for a joint that bears the name of an axis, else its name."""
+    """Return "A5 = 0.3°" for a joint with the name of an axis, else its name."""
     for axis, value in zip(robot.axes, axes.tolist(), strict=True):
         if axis.name == name:
             shown = round(value, 3) + 0.0
@@ -107,7 +107,7 @@ def runaway_axes(robot: Mechanism, measures: Measures) -> tuple[str, ...]:
 
 
 def cost(report: SpeedReport, measures: Measures) -> str:
-    """Return what a shift of the tool asks of the axes: "10 mm/s at the TCP needs 214°/s of A4"."""
+    """Return the axis speed that a shift of the tool requires: "10 mm/s at the TCP needs 214°/s of A4"."""
     speed = f"{report.tool_speed:g} mm/s at the TCP"
     if report.motion == "turn":
         speed = f"{report.tool_speed:g}°/s of the tool"

@@ -1,1 +1,4 @@
-"""Room."""
+"""Maps of the workspace.
+
+In reading order: `mapspec`, `maps`.
+"""

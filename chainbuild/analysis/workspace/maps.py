@@ -1,8 +1,8 @@
 """Workspace and singularity maps: many positions, all cores, constant memory, resumable.
 
 The work is cut into parts whose positions follow from the seed and the part's number alone. Each part is reduced to the
-cells it hit before it leaves its process, and the map is the sum of its parts in any order. What is done is written
-beside the map from time to time, so that a stopped run goes on where it was.
+cells it hit before it leaves its process, and the map is the sum of its parts in any order. Finished parts are
+saved from time to time, so that a stopped run resumes.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from chainbuild.kinematics.mechanism import Mechanism
 
 PART: Final = 20_000  # positions of a part: a fraction of a second
 _PARTS_BETWEEN_SAVES: Final = 16  # a few seconds of work, of which little is lost and little spent on writing
-_AHEAD: Final = 2  # parts handed out for each process beyond the one it works on
+_AHEAD: Final = 2  # parts queued for each process beyond its current one
 
 
 @dataclass(slots=True, eq=False)
@@ -41,8 +41,8 @@ class Map:
         spec: What it shows.
         grid: Its cells.
         count: Free positions in each cell.
-        smallest: Largest of the smallest scaled singular values in each cell; NaN where none was free.
-        collided: Positions left out for self-collision.
+        smallest: Largest of the smallest scaled singular values in each cell; NaN if none was free.
+        collided: Number of positions left out for self-collision.
         done: (parts,) which parts are in it.
     """
 
@@ -118,18 +118,18 @@ def make_map(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Map:
-    """Return the map that a specification asks for.
+    """Return the map of a specification.
 
     Args:
         robot: The robot.
         spec: What to show.
-        path: NPZ file that the map is kept in; where it holds an unfinished map of the same specification, the work
-            goes on with that.
-        workers: Processes; None: one for each core.
-        progress: Called with the parts done and all parts.
+        path: NPZ file that the map is kept in; an unfinished map of the same
+            specification in it is resumed.
+        workers: Number of processes; None: one per core.
+        progress: Called with the numbers of parts done and of all parts.
 
     Raises:
-        ChainbuildError: the specification asks for what cannot be drawn, or the file holds another map.
+        ChainbuildError: the specification is invalid, or the file holds another map.
         FileAccessError: the file cannot be read or written.
     """
     check_spec(robot, spec)
@@ -152,7 +152,9 @@ def _begin(robot: Mechanism, spec: MapSpec, path: Path | None) -> Map:
         old = read_map(path)
         if old.spec != spec:
             raise ChainbuildError(
-                "the file holds another map", span=_span(path), permitted="the same map, or a file that does not exist"
+                "the file holds a map of another specification",
+                span=_span(path),
+                permitted="the same map, or a file that does not exist",
             )
         return old
     grid = grid_of(robot, spec)
@@ -239,7 +241,7 @@ class _Worker:
         return _Part(unique, count.astype(np.int64), best, collided)
 
     def _positions(self, number: int) -> tuple[Matrix, NDArray[np.int64] | None]:
-        """Return the axis values of a part, and their cells where these are known before the pose is."""
+        """Return the axis values of a part, and their cells if these are known before the pose."""
         spec = self.spec
         first = number * PART
         if spec.kind != "axes":

@@ -1,4 +1,4 @@
-"""What a map shows, and the grid it shows it on."""
+"""Specification and grid of a map."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ class MapSpec:
     """What a map shows.
 
     Attributes:
-        kind: "axes": over two axes, the others standing still; "rz": tool positions by distance from the workpiece
+        kind: "axes": over two axes, the others fixed; "rz": tool positions by distance from the workpiece
             frame's z axis and by height; "xz", "xy", "yz": a slab through the origin of the workpiece frame, one cell
             thick; "volume": all of space.
         axes: The two axes of kind "axes": across, then up.
         at: Values of all axes for kind "axes", mm and degrees; empty: the middle of the limits.
         cells: Cells along each side.
-        samples: Positions drawn evenly from the axis limits; kind "axes" takes one for each cell.
+        samples: Number of positions, drawn uniformly from the axis limits; kind "axes" takes one per cell.
         seed: Seed of the positions.
         collisions: Leave out positions at which the robot collides with itself.
     """
@@ -91,18 +91,20 @@ def check_spec(robot: Mechanism, spec: MapSpec) -> None:
     """
     names = tuple(axis.name for axis in robot.axes)
     if spec.kind not in KINDS:
-        raise ChainbuildError(f"there is no map '{spec.kind}'", permitted=", ".join(KINDS))
+        raise ChainbuildError(f"unknown map '{spec.kind}'", permitted=", ".join(KINDS))
     if spec.kind == "axes":
         if len(spec.axes) != 2 or len(set(spec.axes)) != 2 or not set(spec.axes) <= set(names):
-            raise ChainbuildError("two different axes span this map", parameter="axes", permitted=", ".join(names))
+            raise ChainbuildError(
+                "expected two different axes for this map", parameter="axes", permitted=", ".join(names)
+            )
         if spec.at and len(spec.at) != len(names):
-            raise ChainbuildError("one value for each axis is due", parameter="at", permitted=", ".join(names))
+            raise ChainbuildError("expected one value for each axis", parameter="at", permitted=", ".join(names))
     dimensions = 3 if spec.kind == "volume" else 2
     if spec.cells < 2 or spec.cells**dimensions > MAX_CELLS:
         most = int(MAX_CELLS ** (1.0 / dimensions))
-        raise ChainbuildError(f"{spec.cells} cells a side", parameter="cells", permitted=f"2 … {most}")
+        raise ChainbuildError(f"{spec.cells} cells per side", parameter="cells", permitted=f"2 … {most}")
     if spec.samples < 1:
-        raise ChainbuildError("the map has no sample", parameter="samples", permitted="at least 1")
+        raise ChainbuildError("the map has no samples", parameter="samples", permitted="at least 1")
 
 
 def grid_of(robot: Mechanism, spec: MapSpec) -> Grid:
@@ -127,7 +129,7 @@ def grid_of(robot: Mechanism, spec: MapSpec) -> Grid:
 
 
 def random_axes(robot: Mechanism, rng: np.random.Generator, count: int) -> Matrix:
-    """Return axis values (count, n_axes) drawn evenly from the limits; input axes stand at 0 or their nearest limit."""
+    """Return axis values (count, n_axes) drawn uniformly from the limits; input axes are at 0 or the nearest limit."""
     lower, upper = shown_limits(robot.chain)
     values: Matrix = lower + (upper - lower) * rng.random((count, len(lower)))
     for n, axis in enumerate(robot.axes):

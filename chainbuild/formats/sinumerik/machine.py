@@ -49,7 +49,7 @@ _NAMES = {
 
 @dataclass(frozen=True, slots=True)
 class _Configured:
-    """An entry of the machine and what it stands for.
+    """An entry of the machine with its transformation.
 
     Attributes:
         entry: The entry.
@@ -63,7 +63,7 @@ class _Configured:
 
     @property
     def listed(self) -> bool:
-        """Whether the machine lists it: gripper-referred motion is for six axes and none that turn beyond them."""
+        """Whether the machine lists it: gripper-referred motion needs six axes and no rotary additional ones."""
         robx = self.robx
         return not self.gripper or (robx.num_axes == 6 and not robx.table.axes and not robx.flange.axes)
 
@@ -108,7 +108,7 @@ class RobxMachine(Machine):
         return self._found(selected.entry).robx
 
     def examine(self) -> None:
-        """Judge every transformation with the overlay's conventions; `chain` hands out what is built here.
+        """Check every transformation with the overlay's conventions; `chain` returns what is built here.
 
         Raises:
             ChainbuildError: what the controller would refuse; a lenient machine keeps it in `findings`.
@@ -142,7 +142,7 @@ class RobxMachine(Machine):
         return wanted
 
     def _named(self, wanted: int | str | None, entries: Sequence[KinematicEntry]) -> KinematicEntry:
-        """Return the entry that is wanted; "gripper" is the channel's first transformation, possible or not."""
+        """Return the requested entry; "gripper" is the channel's first transformation, possible or not."""
         if wanted == GRIPPER and entries:
             robx = self._found(entries[0]).robx
             return next(one.entry for one in self._configured if one.robx is robx and one.gripper)
@@ -157,10 +157,10 @@ class RobxMachine(Machine):
 
     def _translate(self, selected: Selected, tool_length_mm: float, choose: Choices, collector: Collector) -> Chain:
         if self.table.reading.refused:
-            refuse_errors(self._reading)  # what was refused would show as missing
+            refuse_errors(self._reading)  # refused data would appear as missing
         found = self._found(selected.entry)
         check_axes(found.robx, self.table, collector)
-        refuse_errors(collector.findings)  # nothing can be built on axes that contradict each other
+        refuse_errors(collector.findings)  # a chain needs axes that do not contradict each other
         return _build(self, found.robx, tool_length_mm, found.gripper, choose, collector)
 
 
@@ -178,7 +178,7 @@ def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Co
     """
     reading = read_assignments(source, collector)
     table = tabulate(reading, collector)
-    # Data that were refused would show as missing: no judgement on what is left.
+    # Refused data would appear as missing: the rest is not checked.
     transformations = find_transformations(table, Collector(strict=False) if reading.refused else collector)
     warn_of_orphans(table, transformations, collector)
     tool = active_tool(table, overlay, collector)

@@ -13,7 +13,7 @@ from chainbuild.formats.sinumerik.reading.data_table import written_name
 from chainbuild.formats.sinumerik.reading.robx import Robx
 from chainbuild.units import m_s_from_mm_min, rad_s2_from_rev_s2, rad_s_from_rpm
 
-# What dynamics are counted in, with the SI unit and the way there.
+# Units of dynamics, with the SI unit and the conversion.
 _SI: Mapping[str, tuple[str, Callable[[float], float]]] = {
     "mm/min": ("m/s", m_s_from_mm_min),
     "rpm": ("rad/s", rad_s_from_rpm),
@@ -32,7 +32,7 @@ def parameter_rows(robx: Robx, tool: Tool, choose: Choices) -> tuple[ParameterRo
 
 
 def _unit(datum: MachineDatum, index: int, linear: Sequence[bool]) -> str:
-    """Return a datum's unit; a zero offset counts in the unit of its axis."""
+    """Return a datum's unit; a zero offset has the unit of its axis."""
     if datum.unit == "mm_or_deg":
         return "mm" if index < len(linear) and linear[index] else "deg"
     return "" if datum.unit == "none" else datum.unit

@@ -29,7 +29,7 @@ def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Co
         source: The file's text.
         path: The file.
         overlay: What the file beside it adds; `axis_lists` names files with one axis list each, in channel order
-            where they bear no names, and `tool.number` the active tool of the list.
+            where they have no names, and `tool.number` the active tool of the list.
         collector: Takes findings; strict: the first error is raised.
 
     Raises:

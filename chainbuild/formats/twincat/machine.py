@@ -38,7 +38,7 @@ class Content:
 
 @dataclass(frozen=True, slots=True)
 class _Configured:
-    """An entry of the machine and what it stands for."""
+    """An entry of the machine with its kinematic."""
 
     entry: KinematicEntry
     channel: Channel
@@ -77,7 +77,7 @@ class TwinCatMachine(Machine):
 
     @cached_property
     def _default_source(self) -> Source | None:
-        """What `chain()` without arguments is built from, its tool apart, or None where it finds nothing."""
+        """What `chain()` without arguments is built from, without the tool, or None where it finds nothing."""
         try:
             selected = self._select(None, None, Collector(strict=False))
         except ChainbuildError:
@@ -128,7 +128,7 @@ class TwinCatMachine(Machine):
         return usable[0].index
 
     def _named(self, wanted: int | str | None, entries: Sequence[KinematicEntry]) -> KinematicEntry:
-        """Return the entry that is wanted; where there is none, with the controller's error for an unknown id."""
+        """Return the requested entry; where there is none, raise with the controller's error for an unknown id."""
         try:
             return super()._named(wanted, entries)
         except MachineDataError as error:
@@ -136,7 +136,7 @@ class TwinCatMachine(Machine):
             raise
 
     def _second(self, entry: KinematicEntry, wanted: int | str | None, collector: Collector) -> KinematicEntry | None:
-        """Return what stands on the default kinematic in the second step; refuse a default that does not exist."""
+        """Return the kinematic of the second step on the default one; refuse a default that does not exist."""
         found = self._found(entry)
         channel, trafo = found.channel, found.trafo
         here = [one for one in self._configured if one.channel is channel]
@@ -162,7 +162,7 @@ class TwinCatMachine(Machine):
         return None
 
     def _tell_unused(self, names: Sequence[str], asked: Mapping[str, str], collector: Collector) -> None:
-        """Note what was chosen and has no effect, the overlay's choices among it."""
+        """Note the choices that have no effect, also the overlay's."""
         for name in names:
             collector.add("CB405", f"this kinematic does not use the chosen convention {name}")
 
@@ -172,7 +172,7 @@ class TwinCatMachine(Machine):
         number = self.overlay.tool.get("number")
         if unknown or isinstance(number, tuple):
             key = unknown[0] if unknown else "number"
-            text = f"the overlay's tool table cannot hold '{key}' like this for TwinCAT CNC"
+            text = f"the overlay's [tool] has an invalid '{key}' for TwinCAT CNC"
             raise self.overlay.error(text, ("tool", key), "number = n, the i of wz[i]")
         if number is None:
             return None
@@ -203,7 +203,7 @@ def _entries(channel: Channel) -> list[_Configured]:
 
 
 def _default(channel: Channel) -> Trafo | None:
-    """Return what `chain()` takes: the list's default, else the only coupling, else the first."""
+    """Return the kinematic that `chain()` takes: the list's default, else the only coupling, else the first."""
     named = channel.default_trafo()
     if named is not None:
         return named
@@ -217,5 +217,5 @@ def _tell_apart(same: Sequence[KinematicEntry], taken: KinematicEntry, collector
     if others:
         names = ", ".join(repr(entry.name) if entry.name else "one without a name" for entry in same)
         which = f"{taken.name!r} is" if taken.name else "the one without a name is"
-        text = f"the id {taken.id} stands for {len(same)} kinematics: {names}; {which} taken"
+        text = f"the id {taken.id} is that of {len(same)} kinematics: {names}; {which} taken"
         collector.add("CB411", text, span=taken.span, hint="choose another by its name")

@@ -1,7 +1,7 @@
-"""The direct solution of machines with three linear axes and up to three rotary ones, whatever carries them.
+"""The direct solution of machines with three linear axes and up to three rotary ones, in any order.
 
-The rotary axes alone decide the orientation; the linear axes then bring the tip into place, exactly, because the
-position is an affine function of them. One solver for heads, tables and mixed machines: it reads the chain, not a type.
+The rotary axes alone decide the orientation; the linear axes then place the TCP exactly, because the position is an
+affine function of them. One solver covers heads, tables and mixed machines: it uses the chain, not the type.
 
     tool direction d:   Rot(w1)·Rot(w2)·z0 = d          two pairs of angles, or one and a free axis (singular)
     full pose R:        Rot(w1)·Rot(w2)·Rot(w3) = R·R0ᵀ  the same for w3, then the last angle
@@ -29,7 +29,7 @@ from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
 from chainbuild.kinematics.mechanism import Mechanism
 
-_LINEAR_STEPS: Final = 2  # the second one only cleans the last digits
+_LINEAR_STEPS: Final = 2  # the second one only corrects the last digits
 _MAX_ROTARY: Final = 3  # more revolute joints leave the direction open
 
 
@@ -51,7 +51,7 @@ def find_direct(query: BranchQuery) -> Solutions:
 
 
 def linear_axes_for(mechanism: Mechanism, position: ArrayLike, axes: ArrayLike) -> IkResult:
-    """Return axis values that bring the tip to a position with the rotary axes where they are: RTCP programming.
+    """Return axis values that bring the TCP to a position with the rotary axes unchanged: RTCP programming.
 
     Args:
         mechanism: One with three independent linear axes.
@@ -59,7 +59,7 @@ def linear_axes_for(mechanism: Mechanism, position: ArrayLike, axes: ArrayLike) 
         axes: (n_axes,) mm and degrees; rotary values count, linear ones are replaced.
 
     Raises:
-        ChainbuildError: the robot has no direct solution, or the values are not finite.
+        ChainbuildError: the robot has no direct solution, or a value is not finite.
     """
     values = mechanism.axis_values(axes)
     T = mechanism.fk(values)
@@ -75,7 +75,7 @@ def linear_axes_for(mechanism: Mechanism, position: ArrayLike, axes: ArrayLike) 
         )
     outside = mechanism.limits.violated(row.axes)
     if outside:
-        reason = f"only reached outside the limits of {', '.join(outside)}"
+        reason = f"reached only outside the limits of {', '.join(outside)}"
         return IkResult(False, row.axes, "limits", row.distance, 0.0, 1, 0, "position", reason, outside)
     return row.branch("position")
 

@@ -1,4 +1,4 @@
-"""Every branch of a pose: closed forms, the elimination where six joints have none, damped descents for the rest."""
+"""Every branch of a pose: closed forms, elimination for six joints without one, damped descents for the rest."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def every_branch(query: BranchQuery) -> Solutions:
 
 
 def nearest_branch(request: IkRequest) -> IkResult | None:
-    """Return the branch nearest to the start, or a failure; None where branches would only be searched for."""
+    """Return the branch nearest to the start, or a failure; None if the plan only searches."""
     query = BranchQuery.of(request)
     if not plan_for(query).complete:
         return None
@@ -64,7 +64,7 @@ def nearest_branch(request: IkRequest) -> IkResult | None:
     if len(found.branches):
         return found.branches[0]
     if found.beyond is not None:
-        reason = f"only reached outside the limits of {', '.join(found.outside)}"
+        reason = f"reached only outside the limits of {', '.join(found.outside)}"
         return replace(found.beyond, success=False, status="limits", reason=reason, violated=found.outside)
     mechanism = request.mechanism
     distance, angle = mechanism.kinematics.errors(query.x0, query.target, mechanism.task)
@@ -73,13 +73,13 @@ def nearest_branch(request: IkRequest) -> IkResult | None:
 
 
 def no_closed_form(request: IkRequest) -> ChainbuildError:
-    """Return the error for a closed form that was asked for and is not known."""
+    """Return the error for a requested closed form that is not known."""
     plan = plan_for(BranchQuery.of(request))
     return ChainbuildError(
         f"no closed form is known for this kinematic: {plan.reason}",
         parameter="solver",
         permitted="auto, damped",
-        hint="where more axes are free than the pose determines, hold some",
+        hint="if more axes are free than the pose determines, hold some",
     )
 
 
@@ -93,13 +93,13 @@ def _arm_candidates(query: BranchQuery, solver: ArmSolver) -> Iterator[Candidate
 
 
 def _refuse_redundant(query: BranchQuery) -> None:
-    """Refuse a chain whose branches are no points but curves."""
+    """Refuse a chain whose branches are curves instead of points."""
     free, rows = query.structure.free, TASK_ROWS[query.mechanism.task]
     if len(free) <= rows:
         return
     names = ", ".join(query.axis_names(free))
     raise ChainbuildError(
-        f"{len(free)} axes are free and the pose determines {rows}: there is no end of solutions",
+        f"{len(free)} axes are free but the pose determines only {rows}: there are infinitely many solutions",
         parameter="held",
         permitted=f"{len(free) - rows} of {names} held",
     )

@@ -1,7 +1,7 @@
-"""Branches by damped descent from many starts: for chains that have no closed form here.
+"""Branches by damped descent from many starts, for chains without a closed form.
 
-What this finds is found by luck, however good the odds: the search ends when a number of starts in a row brought
-nothing new. A closed form is complete, this is not; `Branch.method` says which one answered.
+The result may be incomplete, unlike that of a closed form: the search ends when a number of starts in a row find
+nothing new. `Branch.method` names the solver that found a branch.
 """
 
 from __future__ import annotations

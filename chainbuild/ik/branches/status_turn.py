@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from numpy.typing import ArrayLike
 
+from chainbuild import tolerances
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Joint
 from chainbuild.chain.poses import link_placements
@@ -35,7 +36,8 @@ def status_turn(mechanism: Mechanism, axes: ArrayLike) -> tuple[int, int]:
     """Return status and turn of axis values (KIN_TYP manual 3.3.3).
 
     Status: 1 where the wrist is behind axis 1, 2 where it is in front of the line through axes 2 and 3, 4 where axis 5
-    is negative. Turn: bits 1, 2, 4, 8, 16, 32 for axes 1 to 6 below 0. On a boundary the bit is not set.
+    is negative. Turn: bits 1, 2, 4, 8, 16, 32 for axes 1 to 6 below 0. On a boundary, and as little below 0 as rounding
+    leads, the bit is not set.
 
     Args:
         mechanism: A robot of KIN_TYP 45.
@@ -43,14 +45,15 @@ def status_turn(mechanism: Mechanism, axes: ArrayLike) -> tuple[int, int]:
 
     Raises:
         ChainbuildError: the controller defines no status for this kinematic.
-        AxisValueError: wrong count or not finite.
+        AxisValueError: wrong number of values, or a value that is not finite.
     """
     if not has_status(mechanism):
         raise ChainbuildError(f"status and turn are defined for {_KINEMATIC} only", permitted=_KINEMATIC)
     values = mechanism.axis_values(axes)
-    turn = sum(1 << n for n, value in enumerate(values) if value < 0.0)
+    below = [bool(value < -tolerances.BELOW_ZERO_DEG) for value in values]
+    turn = sum(1 << n for n, is_below in enumerate(below) if is_below)
     behind, in_front = _wrist_place(mechanism, mechanism.q(values))
-    status = WRIST_BEHIND * behind + WRIST_IN_FRONT * in_front + HAND_NEGATIVE * bool(values[4] < 0.0)
+    status = WRIST_BEHIND * behind + WRIST_IN_FRONT * in_front + HAND_NEGATIVE * below[4]
     return status, turn
 
 
@@ -65,7 +68,7 @@ def _wrist_place(mechanism: Mechanism, q: Vector) -> tuple[bool, bool]:
     arm = [chain.joints[n] for n in sorted(joints_between_tips(chain))]
     links = link_placements(chain, q)
     if wrist_centre([_line(joint, links, n) for n, joint in enumerate(arm[3:])]) is None:
-        raise ChainbuildError("the hand axes do not meet in a point, so no status is defined")
+        raise ChainbuildError("the wrist axes do not meet in a point, so status is not defined")
     column, shoulder, elbow, _, hand, _ = (links[joint.child] for joint in arm)
     back = inverse(column)
     (x2, _, z2), (x3, _, z3), (xw, _, zw) = (

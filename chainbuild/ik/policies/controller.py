@@ -1,13 +1,13 @@
-"""The controller's own iterative inverse: as many steps from the last position as its machine data grant.
+"""The controller's own iterative inverse: Newton steps from the last position, as many as its machine data permit.
 
-ITERMAXCOUNT bounds the steps, ITERPRECISION the rest at which they end (ROBX manual 7.1.7); axis 5 closer to 0 than
-ITERLIMIT2 is refused with alarm 75370, 75371 or 75372 (11.5). The manual does not say what is iterated, nor what the
-"internal target function" and the two limit angles exactly are. Read here as:
+ITERMAXCOUNT bounds the steps, ITERPRECISION is the residual that ends them (ROBX manual 7.1.7); axis 5 closer to 0
+than ITERLIMIT2 raises alarm 75370, 75371 or 75372 (11.5). The manual does not say what is iterated, nor what the
+"internal target function" and the two limit angles exactly are. They are interpreted here as:
 
 - Newton steps on the pose error from the start, one start only, over all free axes. The controller may treat a central
   wrist in closed form and then needs fewer steps.
-- The target function is the largest component of the error, in mm and radians. A precision below what
-  `tolerances` verify is met where these are: double precision cannot do better.
+- The target function is the largest component of the error, in mm and radians. A precision finer
+  than `tolerances` counts as met if these are met: double precision cannot do better.
 - Within ITERLIMIT of axis 5 at 0 the position counts as singular and the steps are damped.
 - A start closer to 0 than ITERLIMIT2 is first retracted to it, on its own side.
 """
@@ -38,15 +38,15 @@ ALARMS_SINGULAR: Final = (75370, 75371, 75372)  # interpreter, block preparation
 
 
 def budget_of(mechanism: Mechanism) -> ControllerSolver:
-    """Return the budget that a robot's machine data grant.
+    """Return the iteration budget in a robot's machine data.
 
     Raises:
-        ChainbuildError: the data name none.
+        ChainbuildError: the machine data give no budget.
     """
     budget = mechanism.chain.controller_solver
     if budget is None:
         raise ChainbuildError(
-            f"the machine data of {mechanism.chain.title} grant the controller no iteration budget",
+            f"the machine data of {mechanism.chain.title} give no iteration budget for the controller's solver",
             parameter="solver",
             permitted="auto, damped, analytic; controller only for ROBX with ITERMAXCOUNT and ITERPRECISION",
         )
@@ -57,7 +57,7 @@ def solve_controller(request: IkRequest) -> IkResult:
     """Return what Newton steps from the start reach within the controller's budget: one start, no restarts.
 
     Raises:
-        ChainbuildError: the machine data grant no budget.
+        ChainbuildError: the machine data give no budget.
     """
     mechanism = request.mechanism
     budget, query = budget_of(mechanism), BranchQuery.of(request)
@@ -104,7 +104,7 @@ def _singular(query: BranchQuery, x: Vector, budget: ControllerSolver) -> bool:
 
 
 def _retracted(query: BranchQuery, x: Vector, budget: ControllerSolver) -> Vector:
-    """Return a start whose axis 5 is not closer to 0 than ITERLIMIT2."""
+    """Return a start with axis 5 no closer to 0 than ITERLIMIT2."""
     hand = _hand_deg(query, x, budget)
     if budget.hand_angle is None or hand is None or abs(hand) >= budget.limit2_deg:
         return x
@@ -118,7 +118,7 @@ def _retracted(query: BranchQuery, x: Vector, budget: ControllerSolver) -> Vecto
 def _assessed(
     query: BranchQuery, x: Vector, error: Vector, missed: tuple[float, float], budget: ControllerSolver
 ) -> tuple[Status, str]:
-    """Return status and reason of where the budget ended.
+    """Return status and reason at the end of the budget.
 
     Args:
         query: The query.
@@ -129,13 +129,13 @@ def _assessed(
     """
     if not is_met(query.mechanism.task, *missed) and not _target_function(error) <= budget.precision:
         rest = _target_function(error)
-        return "stalled", f"the controller's budget of {budget.max_count} iterations ends at {rest:.3g} mm or rad"
+        return "stalled", f"the controller's budget of {budget.max_count} iterations leaves {rest:.3g} mm or rad"
     hand = _hand_deg(query, x, budget)
     if hand is not None and abs(hand) < budget.limit2_deg:
         alarms = ", ".join(map(str, ALARMS_SINGULAR))
-        text = f"axis 5 comes within {abs(hand):.4g} degrees of 0, ITERLIMIT2 is {budget.limit2_deg:g}"
+        text = f"axis 5 is {abs(hand):.4g} degrees from 0, ITERLIMIT2 is {budget.limit2_deg:g} degrees"
         return "limits", f"{text}: alarm {alarms} (interpreter, preparation, interpolation)"
     outside = query.mechanism.limits.violated(query.shown(x))
     if outside:
-        return "limits", f"only reached outside the limits of {', '.join(outside)}"
+        return "limits", f"reached only outside the limits of {', '.join(outside)}"
     return "ok", ""

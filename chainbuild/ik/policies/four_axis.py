@@ -1,13 +1,13 @@
-"""What a ROBX robot of four axes is programmed by: position and angle C, while A and B follow (ROBX manual 5.3.19).
+"""ROBX robots with four axes: programmed by position and angle C, while A and B follow (ROBX manual 5.3.19).
 
-A pose that the robot reaches as it is given is solved as it is. Else its orientation is replaced by the reachable one
-with the same C: the axes are sought where
+A pose that the robot can reach is solved unchanged. Else its orientation is replaced by the reachable one with the
+same C: axis values are sought with
 
     position of the tool = the position given      3 equations
-    C of the robot       = the C given             1 equation: the pose angle C, or the sum of axes that runs on
+    C of the robot       = the C given             1 equation: the pose angle C, or the sum of axes that counts turns
 
-first from the start, then from elsewhere, and the first such place that keeps the limits counts. Where C runs on, the
-axis next to the tool then makes as many whole turns as the C given asks for.
+first from the start, then from other starts; the first solution inside the limits is used. If C counts whole turns, the
+axis next to the tool then makes as many turns as the given C requires.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ from chainbuild.units import rad_from_deg
 Solve = Callable[[IkRequest], IkResult]
 
 _STEPS: Final = 40  # at most, of one descent
-_STARTS: Final = 24  # places that a descent begins at where the start leads nowhere
+_STARTS: Final = 24  # starts of further descents if the first one fails
 _DAMPING: Final = shrinking(1e-3, 1e-14)
 _MET: Final = below(1e-20)
-_BLIND: Final = 1e-6  # a C that moves less than this with any axis is not what can be programmed
+_BLIND: Final = 1e-6  # a C that changes less than this with every axis cannot be programmed
 _SAME: Final = 1e-6  # solutions closer than this in every axis [m, rad] are one
 _FULL_TURN_DEG: Final = 360.0  # places that differ by it are one orientation
 
@@ -47,13 +47,13 @@ class Angle(Protocol):
     """The angle C as an equation."""
 
     def row(self, x: Vector, T: Pose, J: Vector) -> tuple[float, Vector]:
-        """Return how far C still has to go [rad], within half a turn, and its derivative by the SI axis values."""
+        """Return the remaining error of C [rad], within half a turn, and its derivative by the SI axis values."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class PoseAngle:
-    """C as the last angle of the pose; where A and C cannot be told apart (B = ±90) A is 0."""
+    """C as the last angle of the pose; at gimbal lock (B = ±90) A is 0."""
 
     angle_mode: str
     c_deg: float
@@ -96,19 +96,19 @@ def _angle_rates(angle_mode: str, angles: tuple[float, float, float]) -> Vector:
 def as_programmed(
     request: IkRequest, solve: Solve, absolute_c_deg: float | None = None, *, from_start: bool = False
 ) -> tuple[IkRequest, IkResult]:
-    """Return an answer for what is programmed: the pose, or on robots that follow C its position and C.
+    """Return the answer for the programmed pose, or for its position and C on robots with four axes.
 
     Args:
-        request: What is asked.
+        request: The request.
         solve: The solver for a whole pose.
         absolute_c_deg: See `Robot.ik`.
-        from_start: True: `solve` is to begin at the start of the request, whatever the orientation it is handed.
+        from_start: True: `solve` begins at the start of the request for every orientation.
 
     Returns:
-        The request that was answered, with the orientation that A and B were given, and its answer.
+        The request that was answered, with the resulting A and B, and its answer.
 
     Raises:
-        ChainbuildError: an absolute C for a robot whose C does not run on, or one that is not finite.
+        ChainbuildError: an absolute C for a robot whose C does not count turns, or one that is not finite.
     """
     chain = request.mechanism.chain
     if absolute_c_deg is not None:
@@ -128,12 +128,14 @@ def _with_running_c(request: IkRequest, solve: Solve, c_deg: float, from_start: 
     total = mechanism.chain.absolute_c
     if total is None:
         raise ChainbuildError(
-            f"the angle C of {mechanism.chain.title} does not run on beyond a turn",
+            f"the angle C of {mechanism.chain.title} does not count whole turns",
             parameter="absolute_c_deg",
             permitted="robots with an absolute angle C (ROBX 4-axis SCARA with bit 0 of SPECIAL_FEATURE_MASK)",
         )
     if not abs(c_deg) < tolerances.HUGE_AXIS_VALUE:
-        raise ChainbuildError("the absolute angle C is not finite", parameter="absolute_c_deg", permitted="degrees")
+        raise ChainbuildError(
+            "the absolute angle C is not finite", parameter="absolute_c_deg", permitted="a finite number of degrees"
+        )
 
     def turned(asked: IkRequest) -> IkResult:
         found = solve(asked)
@@ -150,7 +152,7 @@ def _with_running_c(request: IkRequest, solve: Solve, c_deg: float, from_start: 
 def _with_reachable_orientation(
     request: IkRequest, angle: Angle, solve: Solve, from_start: bool
 ) -> tuple[IkRequest, IkResult] | None:
-    """Return the answer for a reachable orientation with the C given, or a failure of one, or None: there is none."""
+    """Return the answer for a reachable orientation with the given C, or its failure, or None if there is none."""
     query, failed = BranchQuery.of(request), None
     kinematics = request.mechanism.kinematics
     for x in _orientations_with_c(query, angle):
@@ -166,9 +168,9 @@ def _with_reachable_orientation(
 
 
 def _orientations_with_c(query: BranchQuery, angle: Angle) -> Iterator[Vector]:
-    """Yield SI axis values with the position and the C wanted, with whole turns towards the limits, each once.
+    """Yield SI axis values with the given position and C, with whole turns towards the limits, each once.
 
-    First comes where a descent from the start leads, then what other starts find, nearest to the start first.
+    First the result of a descent from the start, then those of other starts, nearest to the start first.
     """
     near = _descend(query, angle, query.x0.copy())
     if near is not None:
@@ -207,7 +209,7 @@ def _descend(query: BranchQuery, angle: Angle, x: Vector) -> Vector | None:
 
 
 def _with_whole_turns(mechanism: Mechanism, found: IkResult, total: AxisSum, c_deg: float) -> IkResult:
-    """Return a solution whose last rotary axis has made the whole turns that an absolute C asks for."""
+    """Return a solution whose last rotary axis makes the whole turns that an absolute C requires."""
     n = _last_axis(mechanism, total)
     axis, factor = mechanism.axes[n], total.coefficients[n]
     turns = round((c_deg - total.value(found.axes)) / (_FULL_TURN_DEG * factor))

@@ -1,7 +1,7 @@
-"""Which of infinitely many axis values: a preference followed in the null space of a solution.
+"""Redundancy resolution: a preference optimised in the null space of a solution.
 
-A robot with more axes than its task needs can move without moving the tool. From a solution the search goes down a
-preference in those directions alone, mends what curvature does to the pose after every step, and keeps the limits.
+A robot with more axes than its task needs can move without moving the tool. From a solution the search descends a
+preference in the null space, corrects the pose after every step, and keeps the limits.
 The last point that was verified is returned; it is never worse than the solution it started from.
 """
 
@@ -38,21 +38,21 @@ _GROWTH: Final = 2.0  # of the stride after a success; halved after a failure
 _DIFFERENCE: Final = 1e-6  # of central differences of the cost: the best between truncation and rounding
 _RANK: Final = 1e-9  # share of the largest singular value below which a direction is in the null space
 _MIN_GAIN: Final = 1e-12  # share of the cost that a step must gain
-_AT_LIMIT: Final = 1e-9  # an axis this close to its limit [m, rad] is taken to stand at it
+_AT_LIMIT: Final = 1e-9  # an axis this close to its limit [m, rad] counts as being at it
 
 
 def preferred(request: IkRequest, found: IkResult, prefer: Preference | None) -> IkResult:
-    """Return a solution moved to where a preference is best, the tool staying where it is.
+    """Return a solution moved to the optimum of a preference without moving the tool.
 
     Args:
-        request: What was asked; the start counts for "near", without one the middle of the limits.
+        request: The request; "near" refers to its start, else to the middle of the limits.
         found: A solution; a failure is returned as it is.
         prefer: "near": as near to the start as the pose allows [m and rad alike]; "middle": every axis as near to the
-            middle of its limits as it gets, as a share of their range; "dexterous": away from singular positions, where
+            middle of its limits as possible, as a share of their range; "dexterous": away from singularities, where
             the product of the singular values of the Jacobian (metres, radians) is large; None: nothing.
 
     Raises:
-        AxisValueError: held of wrong count, unknown name or not finite.
+        AxisValueError: held has a wrong number of values, an unknown name or a non-finite value.
         ChainbuildError: an unknown preference.
     """
     if prefer is None:
@@ -90,7 +90,7 @@ class _Search:
     free: NDArray[np.intp]
 
     def costs(self, x0: Vector) -> dict[str, Cost]:
-        """Return what each preference makes small."""
+        """Return the cost function of each preference."""
         axes, factors = self.mechanism.axes, self.mechanism.kinematics.si_factors
         middle = np.array([0.5 * (axis.lower + axis.upper) for axis in axes]) * factors
         half = np.array([0.5 * (axis.upper - axis.lower) for axis in axes]) * factors
@@ -135,7 +135,7 @@ class _Search:
     def downhill(self, x: Vector, cost: Cost) -> Vector | None:
         """Return the direction of length 1 that lowers the cost fastest without moving the tool, or None.
 
-        Axes that stand at a limit and would leave it are taken out.
+        Axes at a limit that would leave it are excluded.
         """
         gradient = np.zeros(len(x))
         for n in self.free:

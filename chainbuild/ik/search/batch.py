@@ -1,4 +1,4 @@
-"""Inverse kinematics of many poses that have nothing to do with each other: on all cores where compiled."""
+"""Inverse kinematics of many independent poses, on all cores if compiled."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 _ALONE: Final = 512  # fewer poses are left to one core: waking another that is busy can take milliseconds
-_CHUNK: Final = 8192  # poses between two looks at the progress bar and the keyboard
+_CHUNK: Final = 8192  # poses between updates of the progress bar and checks for interrupts
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,15 +42,15 @@ class Columns:
 
     @classmethod
     def of(cls, rows: int, axes: int) -> Columns:
-        """Return room for so many poses and free axes."""
+        """Return empty arrays for so many poses and free axes."""
         return cls(np.zeros((rows, axes)), np.zeros((rows, 3), np.int64), np.zeros((rows, 2)))
 
     def table(self, problem: Problem, targets: Matrix, starts: Matrix | None, options: IkOptions) -> IkTable:
         """Return the columns as a result that can say why rows failed.
 
         Args:
-            problem: What was asked.
-            targets: (N, 4, 4) of which poses.
+            problem: The problem.
+            targets: (N, 4, 4) the poses.
             starts: (N or 1, n_free) SI values that rows started from, NaN for none; None: none had any.
             options: Tolerances and budget.
         """
@@ -77,7 +77,8 @@ def solve_batch(
     targets, begin = pose_array(poses), start_array(mechanism, starts)
     if begin is not None and len(begin) not in {1, len(targets)}:
         raise AxisValueError(
-            f"{len(begin)} rows of start values for {len(targets)} poses", permitted="one, or one a pose"
+            f"expected 1 or {len(targets)} rows of start values, got {len(begin)}",
+            permitted="one row, or one row per pose",
         )
     with bar(len(targets), progress) as advance:
         if begin is not None and len(begin) > 1 and mechanism.kinematics.has_input_axes:
@@ -137,7 +138,7 @@ def _one_by_one(
 def _row_by_row(
     mechanism: Mechanism, targets: Matrix, begin: Matrix, held: Held | None, options: IkOptions, advance: Any
 ) -> IkTable:
-    """Solve where input axes stand elsewhere in each row: each row is a problem of its own."""
+    """Solve rows whose input axes differ: each row is a problem of its own."""
     axes, errors = np.empty(begin.shape), np.empty((len(targets), 2))
     counts = np.empty((len(targets), 3), np.int64)
     words: dict[int, FailureWords] = {}
@@ -163,7 +164,7 @@ def pose_array(poses: Sequence[Pose] | ArrayLike) -> Matrix:
     try:
         rows = list(poses)  # type: ignore[arg-type]
     except TypeError:
-        raise ChainbuildError("poses must be an array (N, 4, 4) or a sequence of poses") from None
+        raise ChainbuildError("poses must be an array of shape (N, 4, 4) or a sequence of pin.SE3") from None
     result = np.empty((len(rows), 4, 4))
     for row, pose in enumerate(rows):
         try:
@@ -177,7 +178,7 @@ def start_array(mechanism: Mechanism, starts: ArrayLike | None) -> Matrix | None
     """Return start values as an array (1 or N, n_axes), mm and degrees, or None.
 
     Raises:
-        AxisValueError: of another shape, not numbers, or not finite.
+        AxisValueError: wrong shape, not numbers, or not finite.
     """
     if starts is None:
         return None
@@ -188,18 +189,18 @@ def start_array(mechanism: Mechanism, starts: ArrayLike | None) -> Matrix | None
     n = len(mechanism.axes)
     if values.ndim != 2 or values.shape[1] != n or not (np.abs(values) < tolerances.HUGE_AXIS_VALUE).all():
         permitted = f"finite numbers of shape ({n},) or (N, {n})"
-        raise AxisValueError("bad start values", parameter="starts", permitted=permitted)
+        raise AxisValueError("wrong start values", parameter="starts", permitted=permitted)
     return values
 
 
 def at_row(error: ChainbuildError, row: int) -> ChainbuildError:
-    """Return an error on a pose as one on that row of an array."""
+    """Return an error with the index of its row."""
     return ChainbuildError(f"pose {row}: {error.message}", permitted=error.permitted)
 
 
 @contextmanager
 def bar(total: int, shown: bool) -> Iterator[Any]:
-    """Give a function that counts poses done, with a progress bar on standard error where it is wanted."""
+    """Yield a function that counts poses done, with an optional progress bar on standard error."""
     if not shown:
         yield lambda _: None
         return

@@ -1,4 +1,4 @@
-"""What a search hands back before it becomes a result: the same for the plain and the compiled path."""
+"""The raw outcome of a search, the same for the plain and the compiled path."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from chainbuild.arrays import Vector
 
 
 class SearchEnd(NamedTuple):
-    """Where a search ended.
+    """Raw outcome of a search.
 
     Attributes:
         outcome: OK, LIMITS, STALLED or UNREACHABLE of `rules`.

@@ -1,6 +1,6 @@
-"""Through a tight spot of a path: the sequence of branches whose largest axis motion is smallest.
+"""A tight spot of a path: the sequence of branches whose largest axis motion is smallest.
 
-Going on to the nearest branch, pose by pose, can run into a limit a little later and then needs a whole turn. Over a
+Following the nearest branch pose by pose can run into a limit a little later and then needs a whole turn. Over a
 stretch of the path around the spot all branches are followed at once, and dynamic programming chooses among them.
 """
 
@@ -25,8 +25,8 @@ _NEIGHBOURS: Final = 16  # starts around the last solution, at growing distance
 _REACH: Final = 3.0  # of the farthest (rad or m)
 _TABLE_STARTS: Final = 24  # starts from the table of the problem
 _SAME: Final = 1e-6  # solutions closer than this (rad or m) are one
-_MAX_BRANCHES: Final = 48  # kept a pose
-_SUM_SHARE: Final = 1e-3  # of two sequences with the same largest motion the shorter one
+_MAX_BRANCHES: Final = 48  # kept per pose
+_SUM_SHARE: Final = 1e-3  # weight of the total motion, for sequences with the same largest motion
 
 
 def branches(problem: Problem, target: Matrix, last: Vector, options: IkOptions) -> Iterator[Vector]:
@@ -46,13 +46,13 @@ def _starts(problem: Problem, target: Matrix, last: Vector) -> Iterator[Vector]:
 
 
 def best_sequence(problem: Problem, targets: Matrix, last: Vector, spot: int, options: IkOptions) -> Matrix | None:
-    """Return one solution a pose (N, n_free) with the smallest largest motion, or None where a pose has none.
+    """Return one solution per pose (N, n_free) with the smallest largest motion, or None if a pose has none.
 
     Args:
-        problem: What is asked.
+        problem: The problem.
         targets: (N, 4, 4) a stretch of the path.
-        last: (n_free,) where the axes are before it.
-        spot: Index of the pose that made trouble; branches are looked for there and followed both ways.
+        last: (n_free,) axis values before it.
+        spot: Index of the critical pose; branches are searched there and followed both ways.
         options: Tolerances.
     """
     layers = _layers(problem, targets, last, spot, options)

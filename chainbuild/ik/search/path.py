@@ -1,8 +1,8 @@
-"""Inverse kinematics along a path: every pose from the one before, on the same branch as long as that is the nearest.
+"""Inverse kinematics along a path: every pose starts at the previous one, on the nearest branch.
 
 Most poses are one short descent from the last. Where that ends outside the limits, or an axis would move far (near a
-singularity, or where a limit forces a whole turn), all branches that a number of starts leads to are compared and the
-one is taken whose largest axis motion is smallest.
+singularity, or where a limit forces a whole turn), the branches found from several starts are compared and the
+one with the smallest largest axis motion is taken.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from chainbuild.kinematics.inputs import Pose
 
 
-_MAX_STEP: Final = 0.2  # an axis motion (rad or m) beyond which other branches are looked at
-_JUMP: Final = 0.5  # one beyond which the path around it is looked at as a whole
+_MAX_STEP: Final = 0.2  # axis motion (rad or m) beyond which other branches are compared
+_JUMP: Final = 0.5  # axis motion beyond which the path around it is solved as a whole
 _BACK: Final = 60  # so many poses before it
 _AHEAD: Final = 60  # and after it
 _CHUNK: Final = 4096  # poses between two looks at the progress bar and the keyboard
@@ -65,14 +65,14 @@ def solve_path(
                 done = _resolve_jump(problem, targets, row, begin_part, columns, last, options)
             row += done
             good = np.flatnonzero(columns.counts[:row, 0] == rules.OK)
-            # A pose that cannot be met does not move the machine: the next one starts where the last good one was.
+            # A pose that cannot be met does not move the machine: the next one starts at the last solution.
             last = columns.y[good[-1]] if len(good) else last
             advance(done)
     return columns.table(problem, targets, _start_rows(columns, begin_part), options)
 
 
 def _start_rows(columns: Columns, start: Vector | None) -> Matrix | None:
-    """Return where the axes stood before each pose: at the last one met, else at the start, else NaN."""
+    """Return the axis values before each pose: the last solution, else the start, else NaN."""
     met = columns.counts[:, 0] == rules.OK
     if met.all():
         return None
@@ -116,7 +116,7 @@ def _resolve_jump(
 
 
 def _track_rows(problem: Problem, targets: Matrix, last: Vector, columns: Columns, row: int, options: IkOptions) -> int:
-    """Fill rows as long as each pose is one short descent from the one before; return how many."""
+    """Fill rows while each pose is one short descent from the previous one; return how many."""
     targets = targets[:_CHUNK]
     packed = compiled.packed(problem) if options.compiled and compiled.available() else None
     part = slice(row, row + len(targets))
@@ -136,7 +136,7 @@ def _track_rows(problem: Problem, targets: Matrix, last: Vector, columns: Column
 
 
 def _nearest_branch(problem: Problem, target: Matrix, last: Vector | None, options: IkOptions) -> SearchEnd:
-    """Return the solution nearest to where the axes are, over the branches that many starts lead to."""
+    """Return the solution nearest to the current axis values, over the branches found from many starts."""
     best = find(problem, target, last, options)
     if last is None or best.outcome not in {rules.OK, rules.LIMITS}:
         return best

@@ -1,9 +1,9 @@
 """The damped search on Pinocchio, without compiled code; it works with every axis map.
 
 Each step solves (JᵀJ + λ·1)·dy = Jᵀ·e with λ proportional to the squared error (Sugihara 2011): far away the step is
-short and safe, close by it is Newton's. Axes that would leave their limits are turned back by whole turns; where that
-does not help they stop at the limit and the others take over what is left of the step. A descent that stops getting
-better is left for another start.
+short and safe, nearby it is Newton's. Axes that would leave their limits are turned back by whole turns; where that
+does not help they stop at the limit and the others take over what is left of the step. A descent that stalls is
+abandoned for another start.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def plain_search(
     """Search from the start, then from the table of starts.
 
     Args:
-        problem: What is asked.
+        problem: The problem.
         target: (4, 4) tool in the workpiece frame [m].
         start: (n_free,) first point, or None.
         wanted: (n_free,) where whole turns shall end near to.
@@ -42,7 +42,7 @@ def plain_search(
 
 
 class _Search:
-    """One search: what its descents share."""
+    """One search: the state its descents share."""
 
     def __init__(self, problem: Problem, target: Matrix, wanted: Vector, options: IkOptions) -> None:
         self.problem, self.box, self.target, self.wanted = problem, problem.box, target, wanted
@@ -55,7 +55,7 @@ class _Search:
         self.last: Vector | None = None
 
     def run(self, start: Vector | None, restarts: int) -> SearchEnd:
-        """Search until a descent ends inside the limits, the starts are used up or hope is lost."""
+        """Search until a descent ends inside the limits, the starts are used up or the pose counts as unreachable."""
         nearest, least = math.inf, math.inf
         best = outside = self.wanted
         starts = None
@@ -71,9 +71,9 @@ class _Search:
                 found, y = y, self.box.into(y)
                 beyond = 0.0 if y is found and not self.coupled and inside else self.box.excess(y)
                 if beyond <= rules.INSIDE_SLACK:
-                    # To the last digit: a start, or a free descent, may stand a rounding beyond a limit.
+                    # To the last digit: a start, or a free descent, may be beyond a limit by rounding.
                     y = self.box.nearest(self.box.onto_limits(y) if beyond > 0.0 else y, self.wanted)
-                    # The last step was forward kinematics at `found`; what whole turns moved is looked at again.
+                    # The last step was forward kinematics at `found`; what whole turns moved is checked again.
                     distance, angle = self.task.misses(y, self.target, self.last if y is found else None)
                     if self.verified(distance, angle):
                         return SearchEnd(rules.OK, self.iterations, attempt, distance, angle, y, y)
@@ -87,7 +87,7 @@ class _Search:
             ):
                 break
         if start is not None and least < math.inf:
-            # The branch that the start is on tells best what is in the way.
+            # The branch of the start shows best which limit is violated.
             met, y, _ = self.descend(start, False, rules.MAX_STEPS, rules.STALL_SHARE)
             outside = self.box.into(y) if met else outside
         best, nearest = self.approach(best)
@@ -182,7 +182,7 @@ def _is_sharp(step: Vector, share: float) -> bool:
 
 
 class _Starts:
-    """Hands out the starts of the table: the nearest in turn, later on any in turns with them."""
+    """Returns the starts of the table: the nearest in turn, later alternating with any other."""
 
     def __init__(self, problem: Problem, target: Matrix, wanted: Vector) -> None:
         self.problem, self.wanted, self.turned = problem, wanted, problem.turned_starts()

@@ -1,4 +1,4 @@
-"""A task of inverse kinematics without its target: what is asked, of which axes, inside which limits.
+"""An inverse kinematics problem without its target: task, free axes, limits.
 
 Everything here is prepared once for a robot, its held axes and the options, and kept for the next call.
 """
@@ -25,34 +25,34 @@ from chainbuild.kinematics.product import Product
 
 _T = TypeVar("_T")
 
-MAX_PREPARED: Final = 16  # problems kept a mechanism: additional axes may take another value with every pose
+MAX_PREPARED: Final = 16  # problems kept per mechanism: additional axes may take another value with every pose
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """What is asked of which axes.
+    """An inverse kinematics problem without its target.
 
     Attributes:
         mechanism: The mechanism.
         task: "pose", "direction" or "position".
         weights: (6,) weights of the error in the tool frame, 0 where it does not count.
-        axis: Tool axis whose direction alone is asked for (0, 1, 2), or -1 where the whole rotation is.
+        axis: Tool axis whose direction is the task (0, 1, 2), or -1 if the whole rotation is.
         shown_axis: Tool axis whose direction `rotation_error` is about, or -1.
         free: Indices of the axes that may move.
         x: (n_axes,) SI values of the held axes; the others are 0.
         axes: The same in mm and degrees.
         box: Limits of the free axes.
         middle: (n_free,) near the middle of the limits.
-        home: (n_free,) where the search starts without a start given, or None: anywhere in the table. Machine tools
-            stand upright most of the time, where an axis is free: it shall stay near its zero.
+        home: (n_free,) default start of the search, or None: any start of the table. Machine tools are mostly upright,
+            where an axis is free: it stays near its zero.
         factors: (n_free,) mm and degrees to SI.
         reach: Bound on the distance between workpiece and tool [m].
         bounded: Whether the whole distance counts, so that `reach` can refuse a target.
         row: The chain from the workpiece to the tool by the free axes; None where the axis map is not affine.
-        arm: How far the turning joints reach, where all six parts of the pose are asked for and there are no others.
+        arm: Reach of the rotary joints, if the task is the whole pose and there are no other joints.
         starts: Configurations to start from.
-        turns: Whether any turn counts.
-        held_beyond: Words for each held axis that stands outside its limits: no answer is one then.
+        turns: Whether the task includes any rotation.
+        held_beyond: Text for each held axis outside its limits: every pose then fails.
         seed: Seed of the tables.
     """
 
@@ -82,7 +82,7 @@ class Problem:
         return self.mechanism.prepared(kind, make, self, 2 * MAX_PREPARED)
 
     def turned_starts(self) -> TurnedStarts | None:
-        """Return the table of turned starts where all six parts of the pose are asked for and the arm has one."""
+        """Return the table of turned starts if the task is the whole pose and the arm has one."""
         row = self.row
         if row is None or not _whole(self.weights, self.axis):
             return None
@@ -91,7 +91,7 @@ class Problem:
         )
 
     def position_only(self) -> Problem:
-        """Return the problem without its turns."""
+        """Return the problem without its rotations."""
         return self.prepared("position only", self._without_turns)
 
     def _without_turns(self) -> Problem:
@@ -101,12 +101,12 @@ class Problem:
         return replace(self, weights=weights, axis=-1, starts=self.starts.scaled(scale), turns=False, arm=None)
 
     def beyond_bound(self, target: Matrix) -> bool:
-        """Return whether a target (4, 4) is farther away than all parts of the kinematic put in one line."""
+        """Return whether a target (4, 4) is farther away than the stretched kinematic."""
         x, y, z = target[:3, 3].tolist()
         return bool(self.bounded and x * x + y * y + z * z > self.reach**2)
 
     def arm_too_short(self, target: Matrix) -> ArmReach | None:
-        """Return the arm where it is certainly too short for a target (4, 4)."""
+        """Return the arm if it is certainly too short for a target (4, 4)."""
         return self.arm if self.arm is not None and self.arm.distance(target) > self.arm.length else None
 
     def full(self, y: Vector) -> Vector:
@@ -139,7 +139,7 @@ def problem_of(mechanism: Mechanism, start: ArrayLike | None, held: Held | None,
         options: Weights and seed.
 
     Raises:
-        AxisValueError: start or held of wrong count, unknown name or not finite.
+        AxisValueError: start or held has a wrong number of values, an unknown name or a non-finite value.
     """
     if held is None and not mechanism.kinematics.has_input_axes:
         return mechanism.prepared(
@@ -197,7 +197,7 @@ def _prepare(mechanism: Mechanism, held: tuple[Vector, NDArray[np.bool_]] | None
 
 
 def _whole(weights: Vector, axis: int) -> bool:
-    """Return whether all six parts of a pose are asked for."""
+    """Return whether the task is the whole pose."""
     return axis < 0 and bool((weights > 0.0).all())
 
 

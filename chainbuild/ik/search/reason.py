@@ -1,4 +1,4 @@
-"""Why a pose was not reached, in words for people."""
+"""Why a pose was not reached, as text."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from chainbuild.ik.search.problem import Problem
 
 Search = Callable[[Problem, Matrix, Vector | None, IkOptions], SearchEnd]
 
-_RESTARTS: Final = 8  # enough to find out about the position alone
+_RESTARTS: Final = 8  # enough for the position alone
 
 
 def reason_of(problem: Problem, target: Matrix, found: SearchEnd, options: IkOptions, search: Search) -> str:
-    """Return what kept a search from the target.
+    """Return why a search did not reach the target.
 
     Args:
-        problem: What was asked.
+        problem: The problem.
         target: (4, 4) tool in the workpiece frame [m].
-        found: Where the search ended, not with OK.
+        found: The outcome of the search, not OK.
         options: The options it had.
-        search: What to search with for the position alone.
+        search: The search to use for the position alone.
     """
     if problem.held_beyond:
         return "an axis is held outside its limits: " + ", ".join(problem.held_beyond)
@@ -38,7 +38,7 @@ def reason_of(problem: Problem, target: Matrix, found: SearchEnd, options: IkOpt
 
 
 def _unreachable(problem: Problem, target: Matrix, found: SearchEnd, options: IkOptions, search: Search) -> str:
-    """Tell a pose that is too far or too near from one whose orientation is the trouble."""
+    """Separate a pose that is too far or too near from one whose orientation cannot be reached."""
     if problem.beyond_bound(target):
         distance = math.dist(target[:3, 3], (0.0, 0.0, 0.0))
         reach = f"the kinematic reaches {problem.reach * 1000:.1f} mm"
@@ -48,17 +48,17 @@ def _unreachable(problem: Problem, target: Matrix, found: SearchEnd, options: Ik
         place = search(problem.position_only(), target, found.y, replace(options, max_restarts=_RESTARTS))
         if place.outcome == rules.OK:
             what = "orientation" if problem.axis < 0 else "tool direction"
-            words = f"the position can be reached, but not with this {what}; the nearest is {_gap(found)} off"
+            words = f"the position can be reached, but not with this {what}; the nearest pose is {_gap(found)} away"
             return words + _arm_too_short(problem, target)
         if place.outcome == rules.LIMITS:
             limits = ", ".join(_violations(problem, place.outside))
-            return f"the position is reached only outside the limits ({limits}), the orientation not even there"
+            return f"the position is reached only outside the limits ({limits}), the orientation not at all"
     words = f"{_far_or_near(problem, target, place)}: the tool ends {place.distance * 1000:.3f} mm off"
     return words + _arm_too_short(problem, target)
 
 
 def _arm_too_short(problem: Problem, target: Matrix) -> str:
-    """Return the proof where there is one: between its first and its last axis an arm is only so long."""
+    """Return the proof if there is one: the length of the arm between its first and its last axis."""
     arm = problem.arm_too_short(target)
     if arm is None:
         return ""
@@ -80,7 +80,7 @@ def _gap(found: SearchEnd) -> str:
 
 
 def _far_or_near(problem: Problem, target: Matrix, place: SearchEnd) -> str:
-    """Tell which side of the reachable positions a target lies on, seen from their middle."""
+    """Return the side of the reachable positions on which a target lies, seen from their middle."""
     kinematics, centre = problem.mechanism.kinematics, problem.starts.centre
     nearest = kinematics.pose(kinematics.q(problem.full(place.y))).translation
     far = math.dist(target[:3, 3], centre) > math.dist(nearest, centre)

@@ -1,6 +1,6 @@
-"""The damped search: one way in to its plain and its compiled twin, and words for what they found.
+"""The damped search: common entry to its plain and its compiled form, and results with reasons.
 
-Both take the same steps from the same starts; the compiled one (extra `fast`) is used where it is installed and the
+Both take the same steps from the same starts; the compiled form (extra `fast`) is used if it is installed and the
 chain's axis map is affine. Every answer is verified by forward kinematics.
 """
 
@@ -24,13 +24,13 @@ from chainbuild.kinematics.inputs import as_pose
 
 
 def search(request: IkRequest) -> IkResult:
-    """Find axis values for a pose: from the start, else from where a table of configurations comes near.
+    """Find axis values for a pose: from the start, else from the nearest configurations of a table.
 
     Machine tools without a start begin near zero.
 
     Raises:
-        AxisValueError: held of wrong count, unknown name or not finite.
-        ChainbuildError: the target is no rigid transform.
+        AxisValueError: held has a wrong number of values, an unknown name or a non-finite value.
+        ChainbuildError: the target is not a rigid transform.
     """
     mechanism, target, begin, held, options = request
     problem = problem_of(mechanism, begin, held, options)
@@ -39,7 +39,7 @@ def search(request: IkRequest) -> IkResult:
 
 
 def refusal(target: Matrix) -> ChainbuildError:
-    """Return the error for a target that the search takes for no rigid transform."""
+    """Return the error for a target that the search rejects as not rigid."""
     try:
         as_pose(target)
     except ChainbuildError as error:
@@ -48,16 +48,16 @@ def refusal(target: Matrix) -> ChainbuildError:
 
 
 def find(problem: Problem, target: Matrix, start: Vector | None, options: IkOptions) -> SearchEnd:
-    """Search by the path that is installed; a target beyond reach gets one descent, for the nearest pose.
+    """Search by the installed path; a target beyond reach gets one descent, for the nearest pose.
 
     Args:
-        problem: What is asked.
+        problem: The problem.
         target: (4, 4) tool in the workpiece frame [m].
         start: (n_free,) SI values to start from; None: the problem's home, or its table.
         options: Tolerances and budget.
 
     Raises:
-        ChainbuildError: the target is no rigid transform.
+        ChainbuildError: the target is not a rigid transform.
     """
     start = problem.home if start is None else start
     wanted = problem.middle if start is None else start
@@ -76,20 +76,20 @@ def find(problem: Problem, target: Matrix, start: Vector | None, options: IkOpti
 
 
 def certainly_unreachable(request: IkRequest) -> bool:
-    """Return whether a pose is farther away than the kinematic is long: no solver can do better then."""
+    """Return whether a pose is farther away than the kinematic is long: then no solver reaches it."""
     problem = asked(request)
     return problem.beyond_bound(request.target) or problem.arm_too_short(request.target) is not None
 
 
 def _held_inside(problem: Problem, found: SearchEnd) -> SearchEnd:
-    """Return what was found; no success while a held axis stands outside its limits."""
+    """Return an outcome, as a failure if a held axis is outside its limits."""
     if problem.held_beyond and found.outcome == rules.OK:
         return found._replace(outcome=rules.LIMITS)
     return found
 
 
 def result_of(problem: Problem, target: Matrix, found: SearchEnd, options: IkOptions) -> IkResult:
-    """Return a search's end as a result, with words where it failed."""
+    """Return the outcome of a search as a result, with the reason of a failure."""
     outcome, iterations, restarts, distance, angle, y, _ = found
     ok = outcome == rules.OK
     reason = "" if ok else reason_of(problem, target, found, options, find)

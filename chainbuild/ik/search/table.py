@@ -1,4 +1,4 @@
-"""What the solvers of many poses return: columns of results, one row a pose."""
+"""Results of many poses: columns, one row per pose."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from chainbuild.ik.result import STATUSES, IkResult, Status
 
 
 class FailureWords(NamedTuple):
-    """What `IkResult` says about a failure: its `reason` and the names of the limits in the way."""
+    """Explanation of a failure in `IkResult`: `reason` and the names of the violated limits."""
 
     reason: str = ""
     violated: tuple[str, ...] = ()
@@ -28,15 +28,15 @@ Explain = Callable[[int, IkResult], FailureWords]
 class IkTable:
     """Results of many poses; `table[i]` is the i-th as an `IkResult`.
 
-    Why a row failed is found out when its `reason` or `violated` is read, or for all rows by `reasons()`.
+    The reason of a failure is computed when `reason` or `violated` is read, or for all rows by `reasons()`.
 
     Attributes:
-        axes: (N, n_axes) axis values, mm and degrees; where a row failed the best found.
+        axes: (N, n_axes) axis values, mm and degrees; the best found if a row failed.
         counts: (N, 3) index of the status in `STATUSES`, steps over all starts, starts after the first.
-        misses: (N, 2) distance [m] and angle [rad] between the pose wanted and the one reached; the angle of the tool
+        misses: (N, 2) distance [m] and angle [rad] between the requested and the reached pose; the angle of the tool
             vector where the task is not a full pose.
         task: "pose", "direction" or "position": what was solved for.
-        explain: Gives words for a row that failed; None: none are known.
+        explain: Returns the explanation of a row that failed; None: not available.
     """
 
     axes: Matrix
@@ -47,7 +47,7 @@ class IkTable:
 
     @property
     def success(self) -> NDArray[np.bool_]:
-        """(N,) True where the pose is met within tolerance and all limits are kept."""
+        """(N,) True if the pose is met within tolerance and all limits are kept."""
         met: NDArray[np.bool_] = self.counts[:, 0] == 0
         return met
 
@@ -58,7 +58,7 @@ class IkTable:
 
     @property
     def position_error(self) -> Vector:
-        """(N,) distances between the poses wanted and those reached [m]."""
+        """(N,) distances between the requested and the reached poses [m]."""
         return self.misses[:, 0]
 
     @property
@@ -67,7 +67,7 @@ class IkTable:
         return self.misses[:, 1]
 
     def reasons(self) -> list[str]:
-        """Return why each row failed, "" where it did not: a search of its own for each of them."""
+        """Return why each row failed, "" for successes; each failed row takes a search of its own."""
         return [self[row].reason if failed else "" for row, failed in enumerate(self.counts[:, 0] != 0)]
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""Words for the rows of a table that failed, found when somebody asks: a large batch does not wait for them."""
+"""Explanations of failed rows of a table, computed on request so that a large batch does not wait for them."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ _NUMBER: Final = re.compile(r"(?<![\w.])[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Failures:
-    """What the rows that failed had asked for.
+    """Input of the failed rows.
 
     Attributes:
         rows: (M,) their indices in the table, ascending.
         targets: (M, 4, 4) tool in the workpiece frame [m].
         starts: (M or 1, n_free) SI values the search started from, NaN for none; None: none had any.
-        problem: What was asked.
+        problem: The problem.
         options: Tolerances and budget.
-        known: Row → words, of those that were asked for already.
+        known: Row → explanation, of those computed already.
     """
 
     rows: NDArray[np.intp]
@@ -46,7 +46,7 @@ class Failures:
 
         Args:
             row: Its index in the table.
-            result: What the table says of it.
+            result: Its result in the table.
         """
         words = self.known.get(row)
         if words is None:
@@ -59,7 +59,7 @@ class Failures:
         left = (result.position_error, result.rotation_error)
         found = SearchEnd(outcome, result.iterations, result.restarts, *left, y, y)
         if outcome == rules.LIMITS and not problem.held_beyond:
-            # The point outside the limits is not kept: the same search comes upon it again.
+            # The point outside the limits is not kept: the same search finds it again.
             again = find(problem, target, self._start(n), self.options)
             if again.outcome != rules.LIMITS:
                 return FailureWords("reached only outside the limits")
@@ -76,10 +76,10 @@ class Failures:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Said:
-    """Words that are known because every row was a search of its own.
+    """Explanations that are known because every row was a search of its own.
 
     Attributes:
-        words: Row → words.
+        words: Row → explanation.
     """
 
     words: dict[int, FailureWords]
@@ -90,7 +90,7 @@ class Said:
 
 
 def kind_of(reason: str) -> str:
-    """Return a reason without its numbers: rows that failed for the same reason have it in common.
+    """Return a reason without its numbers, equal for rows that failed for the same reason.
 
     >>> kind_of("reached only outside the limits: A3 at 170.123 deg (limit 155.000)")
     'reached only outside the limits: A3 at … deg (limit …)'

@@ -15,7 +15,7 @@ Basic axes: seven arrangements of the first three axes, at mathematical zero str
     IRO    | /     A1    A2         A3 --> forearm: TX3P3
            |/______(|)____(o)_______(o)___________ X         (NR: Rz, Ry, Ry)
 
-R turns about an axis of IRO, T shifts along it. What the manual's figures would have shown and its text does not say is
+R turns about an axis of IRO, T shifts along it. What only the manual's missing figures would show is
 a convention.
 
 
@@ -42,7 +42,7 @@ class InternalAxis:
     """One axis as the transformation numbers it.
 
     Attributes:
-        name: Name of the machine axis that stands for it.
+        name: Name of the machine axis that serves as it.
         drive: Machine axis → factor.
         offset: mm or degrees: value = Σ drive·machine + offset.
     """
@@ -110,7 +110,7 @@ def _elbow(shoulder: InternalAxis, pitch: InternalAxis, choice: str) -> Internal
 
 @dataclass(frozen=True, slots=True)
 class ArmData:
-    """What a recipe is made of.
+    """Input of a recipe.
 
     Attributes:
         axes: The internal axes.

@@ -82,7 +82,7 @@ def _from_vectors(robx: Robx, tool: Tool, choose: Choices) -> Matrix:
     """Return the rotation whose tool axis is $TC_DPV and whose normal axis is $TC_DPVN."""
     if tool.predefined:
         raise MachineDataError(
-            f"$TC_DPV = {tool.predefined} asks for a predefined direction that the ROBX manual does not describe",
+            f"$TC_DPV = {tool.predefined} selects a predefined direction that the ROBX manual does not describe",
             span=tool.span,
             parameter="$TC_DPV",
             permitted="0, with the vector in $TC_DPV3 to $TC_DPV5",
@@ -129,7 +129,7 @@ def active_tool(table: DataTable, overlay: Overlay, collector: Collector) -> Too
 
     The overlay's table `tool` may hold tool data (`TC_DP3 = 120`), name a tool of the file (`number = 4`, `edge = 1`)
     and the working plane (`plane = 18`); its data win over the file's. Without it the only cutting edge of the file is
-    active; of several none is.
+    active; with several, none is.
 
     Raises:
         OverlayError: an unknown key, a list, a plane other than 17, 18, 19, or a tool the file does not hold.
@@ -162,7 +162,7 @@ def _settings(overlay: Overlay) -> dict[str, float]:
 
 
 def _error(overlay: Overlay, key: str, permitted: str) -> OverlayError:
-    return overlay.error(f"the overlay's tool cannot hold this {key}", ("tool", key), permitted)
+    return overlay.error(f"the overlay's [tool] has an invalid {key}", ("tool", key), permitted)
 
 
 def _from_file(
@@ -181,7 +181,7 @@ def _from_file(
     else:
         if edges and not settings.keys() - set(_CHOOSERS):
             text = f"the file holds {len(edges)} cutting edges; none is active"
-            collector.add("CB337", text, span=Span(table.reading.file), hint="name one in the overlay: tool.number")
+            collector.add("CB337", text, span=Span(table.reading.file), hint="choose one in the overlay: tool.number")
         return {}, "", None
     rows = edges[wanted]
     values = {name: row.value for name, row in rows.items() if not isinstance(row.value, str)}

@@ -3,7 +3,7 @@
     WO → TROWO → RO → TIRORO → IRO → A1 A2 A3 → P3 → TX3P3 → X3 → A4 A5 A6 → WP → TFLWP → FL
        → flange axes → TTCFL → TC → TFL_EXT → lengths → tool rotation → TCP
 
-In gripper-referred motion the robot carries the workpiece and the tool stands in WO.
+In gripper-referred motion the robot carries the workpiece and the tool is fixed in WO.
 """
 
 from __future__ import annotations
@@ -124,13 +124,13 @@ def flange_frame(robx: Robx, choose: Choices) -> FrameData:
 
 
 def _from_flange(robx: Robx, length: Matrix, turn: Matrix, choose: Choices) -> list[Element]:
-    """Return what follows on FL; where TFL_EXT stands is the convention `tfl_ext`."""
+    """Return the elements behind FL; the place of TFL_EXT is the convention `tfl_ext`."""
     before, carrier, after = _carrier(robx, choose)
     return [Fixed(before), *flange_axes(robx), Fixed(carrier), Fixed(length), Fixed(after), Fixed(turn)]
 
 
 def _carrier(robx: Robx, choose: Choices) -> tuple[Matrix, Matrix, Matrix]:
-    """Return what stands directly on FL, the carrier behind the flange axes, and what stands behind the lengths."""
+    """Return the transforms directly on FL, of the carrier behind the flange axes, and behind the tool lengths."""
     ext = frames.f_frame((0.0, 0.0, 0.0), robx.tfl_ext_rpy_deg)
     ttcfl = robx.ttcfl.T()
     if not any(robx.tfl_ext_rpy_deg):

@@ -1,1 +1,5 @@
-"""Room."""
+"""From text to the typed data of a transformation.
+
+In reading order: `catalogue`, `values`, `assignment`, `reader`, `misspelt`, `data_table`, `robx`, `transformations`,
+`alarms`.
+"""

@@ -1,4 +1,4 @@
-"""What a line of machine data says."""
+"""The assignment in a line of machine data."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Assignment:
         te4: True where the line uses the older package's name or number (TRAFO6_*, MD626xx).
         index: Element number, axis name in capitals, (tool, edge), or None for a scalar.
         value: Number or string, checked against the catalogue.
-        channel: Channel the line stands in, 1 where the file names none.
+        channel: Channel of the line, 1 where the file names none.
         span: The place of the value.
     """
 

@@ -1,4 +1,4 @@
-"""Catalogue of SINUMERIK machine data: what each datum is called, counts in, may hold and holds by default."""
+"""Catalogue of SINUMERIK machine data: name, unit, permitted values and default of each datum."""
 
 import math
 import tomllib
@@ -32,17 +32,17 @@ class MachineDatum:
         type: Kind of value; ``hex`` is a bit mask, ``bool`` holds 0 or 1.
         unit: Unit the controller counts in; ``mm_or_deg`` follows the kind of the axis.
         dimension: Number of elements; 1 for a scalar, 0 where no source states the length.
-        indexed_by: What stands in brackets: element number, machine axis, or tool and cutting edge.
+        indexed_by: Index in brackets: element number, machine axis, or tool and cutting edge.
         default: One value for each element; None where no source gives it.
-        default_known: The leading elements of a default whose rest the copy of the manual has lost.
+        default_known: The leading elements of a default whose rest is missing in the copy of the manual.
         minimum: Lower limit; None where the manual gives none.
         maximum: Upper limit; None where the manual gives none.
         element_ranges: Limits of each element where they differ (RPY angles).
         step: Values from 0 on are multiples of this; None for any.
         permitted: The discrete values the manual names; empty for a continuous datum.
         labels: Meaning of each permitted value; empty where the value speaks for itself.
-        lost: Fields that the copy of the manual has lost.
-        meaning: What the datum says.
+        lost: Fields that are missing in the copy of the manual.
+        meaning: What the datum means.
         group: Topic.
         manual: Sections of the ROBX manual; empty for general data it does not list.
         aliases: Other spellings the manual itself uses.
@@ -77,7 +77,7 @@ class MachineDatum:
 
     @property
     def identifier(self) -> str:
-        """Name as it stands in a machine data file, for example ``$MC_ROBX_MAIN_AXES``."""
+        """Name as written in a machine data file, for example ``$MC_ROBX_MAIN_AXES``."""
         return f"${self.prefix}_{self.name}"
 
     @property

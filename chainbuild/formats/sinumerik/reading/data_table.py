@@ -19,7 +19,7 @@ _Key = tuple[int, bool, str, ElementIndex]
 
 @dataclass(frozen=True, slots=True)
 class DataTable:
-    """All assignments of a file that count.
+    """The assignments of a file that are in force.
 
     Attributes:
         reading: What was read.
@@ -127,7 +127,7 @@ def tabulate(reading: Reading, collector: Collector) -> DataTable:
             equal.append(row)
         elif before is not None:
             name = written_name(row.datum, row.te4, row.index)
-            text = f"{name} stands in line {before.span.line} already; the last value, {_shown(row.value)}, counts"
+            text = f"{name} is assigned in line {before.span.line}, too; the last value, {_shown(row.value)}, is used"
             collector.add("CB113", text, span=row.span, parameter=name)
         rows[key] = row
     if equal:
@@ -142,7 +142,7 @@ def _shown(value: Value) -> str:
 
 
 def written_name(datum: MachineDatum, te4: bool, index: ElementIndex = None) -> str:
-    """Return a datum's name as it stands in a file."""
+    """Return a datum's name as written in a file."""
     name = f"${datum.prefix}_{datum.te4_name if te4 else datum.name}"
     if index is None:
         return name

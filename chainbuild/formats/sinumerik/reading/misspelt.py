@@ -1,4 +1,4 @@
-"""Findings on lines that look like the transformation's data and assign none: a slip of the pen, a lost name."""
+"""Findings on lines that look like the transformation's data but assign none: a misspelt or missing name."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ _SHOWN: Final = 60  # characters of a name in a message
 
 @dataclass(frozen=True, slots=True)
 class UnknownDatum:
-    """A line that names a datum of the transformation which does not exist.
+    """A line that names an unknown datum of the transformation.
 
     Attributes:
         name: The name as written, shortened.
-        channel: Channel the line stands in.
+        channel: Channel of the line.
         span: The line.
     """
 
@@ -36,7 +36,7 @@ class UnknownDatum:
 
 
 def unknown_datum(line: str, channel: int, span: Span, collector: Collector) -> UnknownDatum | None:
-    """Return what a line names that is no datum; warn of one that names a datum but assigns nothing."""
+    """Return the unknown datum that a line names; warn of a line that names a known one but assigns nothing."""
     named = OWN_DATUM.search(line)
     if named is None:
         return None
@@ -53,7 +53,7 @@ def has_own_name(line: str) -> bool:
 
 
 def warn_of_unknown(unknown: UnknownDatum, assignments: list[Assignment], collector: Collector) -> None:
-    """Warn of a misspelt datum: the nearest name, and the value that counts in its place.
+    """Warn of a misspelt datum, with the nearest name and the value that is used for it.
 
     Args:
         unknown: What the line names.
@@ -73,13 +73,13 @@ def warn_of_unknown(unknown: UnknownDatum, assignments: list[Assignment], collec
             if row.datum is datum and row.te4 == te4 and row.channel == unknown.channel
         }
         short = close[0].partition("_")[2]
-        text += f", and {short} stands at {'' if given else 'its default '}{_shown(datum, given)}"
+        text += f", and {short} keeps {'the value' if given else 'its default'} {_shown(datum, given)}"
         hint = f"did you mean $MC_{close[0]}?"
     collector.add("CB108", text, span=unknown.span, parameter=unknown.name, hint=hint)
 
 
 def _shown(datum: MachineDatum, given: Mapping[ElementIndex, Value]) -> str:
-    """Return the values of a datum that count, as a list: the file's, else the default, else a question mark."""
+    """Return the values of a datum in force, as a list: the file's, else the default, else a question mark."""
     return ", ".join(_elements(datum, given))
 
 
@@ -101,7 +101,7 @@ def warn_nameless(match: re.Match[str] | None, span: Span, collector: Collector)
         return
     te4 = int(match["number"]) == datum.te4_number
     name = f"$MC_{datum.te4_name}" if te4 else datum.identifier
-    text = f"{match['mark'].upper()}{match['number']} is the number of {name}, but the line names no datum: ignored"
+    text = f"{match['mark'].upper()}{match['number']} is the number of {name}, but the line names no datum; ignored"
     collector.add("CB116", text, span=span, hint=f"write MD{match['number']}, or the name")
 
 

@@ -60,8 +60,8 @@ class Reading:
         file: Name for messages.
         assignments: In file order.
         channels: Channels that CHANDATA or headers name, in file order; (1,) where none is named.
-        ignored: Number of lines with data this package has no use for.
-        refused: Number of lines that were refused (only at the lenient door).
+        ignored: Number of lines with data that are not used.
+        refused: Number of lines that were refused (lenient collector only).
     """
 
     file: str
@@ -193,7 +193,7 @@ def _datum(match: re.Match[str]) -> MachineDatum | None:
     """Find the datum a line assigns: by name, or by number alone after MD or SD."""
     if match["name"]:
         datum = lookup(match["name"])
-        # A bare word is a datum only where it cannot be anything else: NC programs stand in archives too.
+        # A bare word is a datum only where it cannot be anything else: archives also contain NC programs.
         return datum if match["name"].startswith("$") or _PLAIN_NAME.fullmatch(match["name"]) else None
     if match["number"] and match["mark"].upper() in _DATUM_MARKS:
         return lookup_number(int(match["number"]))
@@ -209,14 +209,14 @@ def _index(datum: MachineDatum, match: re.Match[str]) -> ElementIndex:
 def _at(line_span: Span, match: re.Match[str]) -> Span:
     """Return the span of a value in its line, or of the line's first character where there is none."""
     raw, value = line_span.text, match["value"]
-    # Escapes stand before the value: what they add to the line is the difference to its beginning.
+    # Escapes come before the value: what they add to the line is the difference to its beginning.
     shift = raw.find(match.string[match.start("value") :], match.start("value")) if value else -1
     column = shift + 1 if shift >= 0 else len(raw) - len(raw.lstrip()) + 1
     return Span(line_span.file, line_span.line, column, raw)
 
 
 def _designation(datum: MachineDatum, te4: bool, index: str | None) -> str:
-    """Return how a datum is called in messages: number, name and index."""
+    """Return the designation of a datum in messages: number, name and index."""
     number, name = (datum.te4_number, datum.te4_name) if te4 else (datum.number, datum.name)
     head = f"MD{number} " if number else ""
     return f"{head}${datum.prefix}_{name}" + (f"[{index.strip()}]" if index is not None else "")
@@ -239,12 +239,12 @@ def _compare_number(state: _State, match: re.Match[str], datum: MachineDatum, te
     number, own = int(match["number"]), datum.te4_number if te4 else datum.number
     if own is None or number == own or (match["mark"].upper() == "N" and lookup_number(number) is None):
         return
-    text = f"{match['mark'].upper()}{number} is not the number of {_designation(datum, te4, None)}; the name counts"
+    text = f"{match['mark'].upper()}{number} is not the number of {_designation(datum, te4, None)}; the name is used"
     state.collector.add("CB109", text, span=span)
 
 
 def _not_ours(state: _State, span: Span, line: str, match: re.Match[str] | None) -> None:
-    """Count a line that assigns nothing of use; warn where it names a datum of the transformation all the same."""
+    """Count a line that assigns no known datum; warn where it nevertheless names one of the transformation."""
     state.ignored += 1
     if not has_own_name(line):
         warn_nameless(match, span, state.collector)

@@ -45,7 +45,7 @@ class Dynamics:
 
 @dataclass(frozen=True, slots=True)
 class Control:
-    """What steers the control and not the geometry.
+    """Data that affect the control and not the geometry.
 
     Attributes:
         kinclass: 1 standard, 2 special kinematics.
@@ -163,7 +163,7 @@ class Robx:
     """A transformation of type 4100 (ROBX) or 4099 (TE4).
 
     Attributes:
-        data: The channel's data, for spans and for what has no field.
+        data: The channel's data, for spans and for data without a field.
         transformation: x of TRAFO_TYPE_x.
         package: "ROBX" or "TE4".
         axes_in: Channel axis at each of the inputs 0 … 14, 0 for none.
@@ -173,10 +173,10 @@ class Robx:
         mames: mm or degrees, by the kind of the axis.
         axis_seq: Input axis that serves as internal axis i + 1.
         toa_start: First $TC_DPC parameter of the tool angles; 0 none, -1 vectors.
-        feature_mask: Bit 0 runs the angle C of a 4-axis SCARA on.
+        feature_mask: Bit 0 lets the angle C of a 4-axis SCARA continue over whole turns.
         c_angle_offset_deg: C at mathematical zero with its sign reversed.
         parallel_limits_deg: Limit angles of the parallelogram.
-        control: What does not change the geometry.
+        control: Data that do not change the geometry.
     """
 
     data: ChannelData
@@ -222,7 +222,7 @@ class Robx:
 
     @property
     def tflwp_c_given(self) -> bool:
-        """False where the third angle of `tflwp` is a default, which the manual has lost."""
+        """False where the third angle of `tflwp` is a default, which is missing in the manual."""
         return self.data.row("ROBX_TFLWP_RPY", 2) is not None
 
     def span(self, *names: str) -> Span | None:

@@ -1,6 +1,6 @@
 """Finding the ROBX and TE4 transformations of a channel: TRAFO_TYPE_x, package and refusals (ROBX manual 5.1.3).
 
-A `DatumReport` puts findings on one: the same words for number, name and place of a datum everywhere.
+A `DatumReport` adds findings on one, with number, name and place of a datum in the same form everywhere.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from chainbuild.formats.sinumerik.reading.robx import Robx, read_robx
 
 @dataclass(frozen=True, slots=True)
 class DatumReport:
-    """A transformation and where findings on it go."""
+    """A transformation and the collector of its findings."""
 
     robx: Robx
     collector: Collector
@@ -38,13 +38,13 @@ class DatumReport:
 
         Args:
             code: Finding number.
-            text: What is the matter.
+            text: What is wrong.
             data: Names without ROBX_: the first is the parameter at fault, the first that the file gives the place.
             general: Name of a datum that is not ROBX's, in place of `data`.
             permitted: What would be accepted.
             alarm: The controller's alarm.
             hint: What to do.
-            error: Class to raise at the strict door.
+            error: Class that a strict collector raises.
         """
         span = self.robx.span(*data)
         parameter = self.robx.parameter(data[0]) if data else None
@@ -87,7 +87,7 @@ def find_transformations(table: DataTable, collector: Collector) -> tuple[Robx, 
 
 
 def _transformation(table: DataTable, channel: int, n: int) -> Robx | None:
-    """Return the transformation in data set n, or None where another kind or none stands there."""
+    """Return the transformation in data set n, or None where the set has another kind or none."""
     data = table.channel(channel)
     kind = int(data.number(f"TRAFO_TYPE_{n}"))
     if kind == ROBX_TYPE and (data.package_rows(te4=False) or not data.package_rows(te4=True)):

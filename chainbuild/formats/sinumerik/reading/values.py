@@ -1,4 +1,4 @@
-"""Values and indices of SINUMERIK machine data: what a text may be, and what the catalogue permits it to be."""
+"""Values and indices of SINUMERIK machine data: syntax, and what the catalogue permits."""
 
 from __future__ import annotations
 
@@ -84,16 +84,16 @@ def parse_value(text: str, *, string: bool = False) -> Value:
 
     Args:
         text: The value.
-        string: True where a string is due: nothing else is asked for then.
+        string: True where a string is expected.
 
     Raises:
-        Refusal: no value, no number, not finite or a decimal comma; no string where one is due.
+        Refusal: no value, no number, not finite or a decimal comma; no string where one is expected.
     """
     text = text.strip()
     if not text:
-        raise Refusal("CB101", "there is no value", "a string in double quotes" if string else "a number")
+        raise Refusal("CB101", "the value is missing", "a string in double quotes" if string else "a number")
     if string and not _STRING.fullmatch(text):
-        raise Refusal("CB107", f"{text[:40]} is no string", "a string in double quotes")
+        raise Refusal("CB107", f"{text[:40]} is not a string", "a string in double quotes")
     if match := _NUMBER.fullmatch(text):
         number = float(match[1] + match[2].upper().replace("EX", "E"))
         if math.isfinite(number):
@@ -123,7 +123,7 @@ def _mask(text: str, base: str, digits: str) -> float:
 
 
 def parse_index(datum: MachineDatum, text: str | None) -> ElementIndex:
-    """Return what stands in brackets behind a datum: element number, axis name, (tool, edge), or None for a scalar.
+    """Return the index in brackets behind a datum: element number, axis name, (tool, edge), or None for a scalar.
 
     Raises:
         Refusal: a missing index, one outside the dimension, or one of the wrong kind.

@@ -1,1 +1,4 @@
-"""Room."""
+"""What is refused or doubted, and what a chain needs beyond its links.
+
+In reading order: `plausible`, `axes`, `few_axes`, `arms`, `chain_data`.
+"""

@@ -41,7 +41,7 @@ def check_geometry(robx: Robx, translation: Translation, tool: Tool, choose: Cho
     """Check a translated transformation.
 
     Raises:
-        MachineDataError: geometry that the controller refuses or that is no machine (strict collector).
+        MachineDataError: geometry that the controller refuses or that is impossible (strict collector).
     """
     report = DatumReport(robx, collector)
     _check_lengths(report)
@@ -78,7 +78,7 @@ def _check_wrist(report: DatumReport) -> None:
                 text = f"the axes of a {WRISTS[robx.wrist]} meet in one point, but {name} is not 0"
                 report.add("CB306", text, (name,), permitted="0, or wrist type 5 or 6 with six axes")
     elif d and abs(d[0]) > _LENGTH_MM:
-        report.add("CB307", "the manual gives this wrist DHPAR4_5D[0] = 0", ("DHPAR4_5D",), permitted="0")
+        report.add("CB307", "the manual requires DHPAR4_5D[0] = 0 for this wrist", ("DHPAR4_5D",), permitted="0")
     if robx.wrist in (_CENTRAL, _ANGLED):
         _check_right_angles(report, alpha)
     _check_slant(report, alpha)
@@ -91,7 +91,7 @@ def _check_right_angles(report: DatumReport, alpha: Sequence[float]) -> None:
         report.add("CB306", text, ("DHPAR4_5ALPHA",), permitted="(-90, 90), or wrist type 3 or 6")
     elif len(alpha) == 2 and alpha[0] * alpha[1] > 0:
         wrist = f"DHPAR4_5ALPHA is ({alpha[0]:g}, {alpha[1]:g}), but the two angles of a {WRISTS[robx.wrist]}"
-        hint = "is one of the signs a slip?"
+        hint = "check the signs"
         text = f"{wrist} are opposite to each other. The chain follows the data"
         report.add("CB345", text, ("DHPAR4_5ALPHA",), permitted="(-90, 90)", hint=hint)
     elif tuple(alpha) != _PRINTED_ALPHA[: len(alpha)]:
@@ -104,7 +104,7 @@ def _check_slant(report: DatumReport, alpha: Sequence[float]) -> None:
     for n, angle in enumerate(alpha):
         sine = abs(frames.cos_sin_deg(angle)[1])
         if sine < _RIGHT_ANGLE_DEG and report.robx.wrist == _INCLINED:
-            text = f"DHPAR4_5ALPHA[{n}] = {angle:g} makes axes {4 + n} and {5 + n} one and the same"
+            text = f"DHPAR4_5ALPHA[{n}] = {angle:g} makes axes {4 + n} and {5 + n} coincide"
             report.add("CB309", text, ("DHPAR4_5ALPHA",), permitted="other than 0 and ±180")
         elif sine < frames.cos_sin_deg(_DEGENERATE_DEG)[1]:
             text = f"DHPAR4_5ALPHA[{n}] = {angle:g} is within 10 degrees of parallel: the wrist is nearly degenerate"
@@ -132,16 +132,16 @@ def _listed(robx: Robx) -> str | None:
         return "the manual does not list this wrist for it"
     a, d = any(link.a_mm for link in robx.dh), any(link.d_mm for link in robx.dh)
     if robx.arrangement == "NR":
-        return "the manual asks for DHPAR4_5A = 0" if a else None
+        return "the manual requires DHPAR4_5A = 0" if a else None
     if robx.arrangement == "SC":
-        return "the manual asks for DHPAR4_5D = 0" if d else None
+        return "the manual requires DHPAR4_5D = 0" if d else None
     first, second = robx.dh
     fits = not a and first.d_mm == 0.0 and (first.alpha_deg, second.alpha_deg) == _PRINTED_ALPHA
-    return None if fits else "the manual asks for DHPAR4_5A = 0, DHPAR4_5D[0] = 0 and DHPAR4_5ALPHA = (-90, 90)"
+    return None if fits else "the manual requires DHPAR4_5A = 0, DHPAR4_5D[0] = 0 and DHPAR4_5ALPHA = (-90, 90)"
 
 
 def _check_axis_types(report: DatumReport, translation: Translation) -> None:
-    """Warn where AXES_TYPE fits the arrangement neither before nor after AXIS_SEQ; the arrangement counts."""
+    """Warn where AXES_TYPE fits the arrangement neither before nor after AXIS_SEQ; the arrangement is used."""
     robx = report.robx
     kinds = [move.kind for move in basic_moves(translation.basic)] + ["revolute"] * (robx.num_axes - 3)
 
@@ -156,7 +156,7 @@ def _check_axis_types(report: DatumReport, translation: Translation) -> None:
     due = ", ".join("1" if kind == "prismatic" else "3" for kind in kinds)
     shown = ", ".join(str(kind) for kind in internal)
     state = f"is {shown}" if robx.given("AXES_TYPE") else f"is missing (its default is {shown})"
-    text = f"AXES_TYPE {state}, but a {robx.arrangement} has {due}; the arrangement counts"
+    text = f"AXES_TYPE {state}, but a {robx.arrangement} has {due}; the arrangement is used"
     report.add("CB330", text, ("AXES_TYPE", "MAIN_AXES"), permitted=due)
 
 

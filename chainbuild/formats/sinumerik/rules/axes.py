@@ -1,6 +1,6 @@
 """Rules on axes that need no geometry: assignment, sequence, wrist type, additional axes, gripper-referred motion.
 
-What the controller would refuse is refused with its alarm; what is sound but outside the manual's lists is a warning.
+Data that the controller refuses are refused with its alarm; sound data outside the manual's lists leave a warning.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ _OPTION_ELEMENT: Final = 3  # of TECHNO_EXTENSION_MASK that holds the option
 
 
 def check_axes(robx: Robx, table: DataTable, collector: Collector) -> None:
-    """Check everything that can be judged without conventions.
+    """Check everything that does not depend on conventions.
 
     Raises:
-        MachineDataError: the data cannot be a machine (strict collector).
+        MachineDataError: the data describe no machine (strict collector).
         UnsupportedKinematicError: spindle drives.
     """
     report = DatumReport(robx, collector)
@@ -161,7 +161,7 @@ def _check_direction(report: DatumReport, axis: ExtraAxis) -> None:
         text = f"the direction of additional axis {axis.name} is the zero vector"
         report.add("CB324", text, (name,), permitted="a vector of length 1")
     elif abs(length - 1.0) > tolerances.UNIT_VECTOR:
-        text = f"the direction of additional axis {axis.name} has length {length:.9g}; it is taken as normalised"
+        text = f"the direction of additional axis {axis.name} has length {length:.9g}; it is normalised"
         report.add("CB325", text, (name,), permitted="a vector of length 1")
 
 
@@ -212,7 +212,7 @@ def check_gripper(robx: Robx, collector: Collector, *, asked: bool) -> None:
         text = "gripper-referred motion excludes additional axes of the workpiece and of the flange"
         report.add("CB328", text, ("GRIP_REL_RESET_MODE",), permitted="additional axes of the base only")
     elif not asked:
-        text = "after a reset this machine stands in gripper-referred motion; the chain is built without it"
+        text = "after a reset this machine is in gripper-referred motion; the chain is built without it"
         report.add("CB329", text, ("GRIP_REL_RESET_MODE",), hint="choose the kinematic 'gripper' for it")
 
 

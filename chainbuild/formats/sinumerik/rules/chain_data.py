@@ -1,4 +1,4 @@
-"""What a chain needs to know beyond its links.
+"""Data of a chain beyond its links.
 
 Limits and speeds of its axes, the limit of a parallelogram, the absolute angle C, the control's own checks.
 
@@ -73,10 +73,10 @@ def _endless(axis: Axis) -> Axis:
 
 
 def machine_axis_names(robx: Robx, table: DataTable, channel_axis: int) -> tuple[str, ...]:
-    """Return the names under which axis data may stand: AXn, and the machine axis' own name; none without machine axis.
+    """Return the names that axis data may use: AXn, and the machine axis' own name; none without machine axis.
 
     The channel axis' number is the machine axis' unless $MC_AXCONF_MACHAX_USED says otherwise. Archives may write the
-    channel axis' name (MD11230 MD_FILE_STYLE, bit 2); it counts where no machine axis bears it.
+    channel axis' name (MD11230 MD_FILE_STYLE, bit 2); it is used where no machine axis has this name.
     """
     used = robx.data.row("AXCONF_MACHAX_USED", channel_axis - 1)
     number = int(used.value) if used is not None and not isinstance(used.value, str) else channel_axis
@@ -96,7 +96,7 @@ def machine_axis_names(robx: Robx, table: DataTable, channel_axis: int) -> tuple
 def warn_of_orphans(table: DataTable, transformations: Sequence[Robx], collector: Collector) -> None:
     """Warn of software limits of axes that no transformation has, where they may be meant for one of its axes.
 
-    Other axes of the machine may have limits, too: what the file itself names as an axis is not doubted, nor AXn
+    Other axes of the machine may have limits, too: an axis that the file itself names leaves no warning, nor does AXn
     where every axis of the transformations has its limits.
     """
     used = [names for robx in transformations for axis in robx.axes_in if (names := _names_of(robx, table, axis))]
@@ -126,7 +126,7 @@ def _limited(axis: Axis, robx: Robx, table: DataTable, channel_axis: int, collec
         found = sorted((r for name in names if (r := table.axis(datum, name))), key=lambda r: r.span.line)
         if len(found) > 1 and found[0].value != found[-1].value:
             first, last = (written_name(r.datum, False, r.index) for r in (found[0], found[-1]))
-            text = f"{first} in line {found[0].span.line} and {last} are the same axis; the last value counts"
+            text = f"{first} in line {found[0].span.line} and {last} are the same axis; the last value is used"
             collector.add("CB113", text, span=found[-1].span, parameter=last)
         return found[-1] if found else None
 

@@ -1,4 +1,4 @@
-"""Doubts about a transformation that is sound: vectors given in part, defaults that surprise, strange lengths.
+"""Plausibility of a sound transformation: vectors given in part, unexpected defaults, unusual lengths.
 
 All of them are warnings or remarks: the chain follows the data.
 """
@@ -26,7 +26,7 @@ _RADIAN_DIGITS: Final = 5e-4  # 1.571, 1.5708 and 1.570796 are quarter turns, 1.
 
 
 def check_plausible(robx: Robx, collector: Collector) -> None:
-    """Note what is sound but hardly meant."""
+    """Note data that are sound but probably not intended."""
     report = DatumReport(robx, collector)
     _check_extra_vectors(report)
     for name in _other_vectors(robx):
@@ -38,7 +38,7 @@ def check_plausible(robx: Robx, collector: Collector) -> None:
 
 
 def _check_radians(report: DatumReport) -> None:
-    """Warn of angles that are quarter turns in radians, to the digits given: machine data count in degrees."""
+    """Warn of angles that are quarter turns in radians, to the digits given: machine data are in degrees."""
     data = report.robx.data
     for row in data.package_rows(te4=data.te4):
         if row.datum.unit != "deg" or isinstance(row.value, str):
@@ -47,7 +47,7 @@ def _check_radians(report: DatumReport) -> None:
         if quarters and abs(quarters) <= _MAX_QUARTERS and abs(row.value - quarters * _QUARTER) < _RADIAN_DIGITS:
             name = row.datum.name.removeprefix("ROBX_")
             element = "" if row.index is None else f"[{row.index}]"
-            text = f"{name}{element} is {row.value:g}: machine data count angles in degrees, is this {90 * quarters}°?"
+            text = f"{name}{element} is {row.value:g}: machine data give angles in degrees; is {90 * quarters}° meant?"
             report.collector.add("CB350", text, span=row.span, parameter=report.robx.parameter(name))
 
 
@@ -62,11 +62,11 @@ def _check_extra_vectors(report: DatumReport) -> None:
         verb = "moves along" if axis.name.startswith("EX") else "turns about"
         letter = _LETTERS[axis.direction.index(1.0)] if sorted(axis.direction) == [0.0, 0.0, 1.0] else "its default"
         shown = ", ".join(f"{c:g}" for c in axis.direction)
-        report.add("CB347", f"{axis.name} {verb} {letter}: {name} stands at its default ({shown})", (name,))
+        report.add("CB347", f"{axis.name} {verb} {letter}: {name} has its default ({shown})", (name,))
 
 
 def _other_vectors(robx: Robx) -> Iterator[str]:
-    """Yield the data whose default is not zero, so that a part left out is no harmless zero."""
+    """Yield the data whose default is not zero, so that an element left out is not a harmless zero."""
     if robx.arrangement in _USE_LENGTH_B:
         yield "MAIN_LENGTH_AB"
     if robx.num_axes == 6:
@@ -82,7 +82,7 @@ def _check_parts(report: DatumReport, name: str) -> None:
         return
     default = datum.default or datum.default_known
     shown = ", ".join(f"[{n}] = {default[n]:g}" if n < len(default) else f"[{n}]" for n in missing)
-    count = "the default counts" if len(missing) == 1 else "the defaults count"
+    count = "the default is used" if len(missing) == 1 else "the defaults are used"
     report.add("CB346", f"{name} is given in part: for {shown} {count}", (name,))
 
 
@@ -95,11 +95,11 @@ def _check_forearm_frame(report: DatumReport) -> None:
 
 
 def _check_upper_arm(report: DatumReport) -> None:
-    """Warn of an arm whose lengths the file leaves to the default: 500 mm are hardly anybody's."""
+    """Warn of an arm whose lengths the file leaves to the default: 500 mm are rarely right."""
     robx = report.robx
     if robx.arrangement in _USE_LENGTH_B and not robx.given("MAIN_LENGTH_AB"):
         shown = ", ".join(f"{length:g}" for length in robx.lengths_mm[:2])
-        text = f"{robx.parameter('MAIN_LENGTH_AB')} is missing: its default {shown} mm counts"
+        text = f"{robx.parameter('MAIN_LENGTH_AB')} is missing: its default {shown} mm is used"
         report.add("CB351", text, ("MAIN_LENGTH_AB",))
 
 
@@ -114,9 +114,7 @@ def _check_lengths(report: DatumReport) -> None:
     # Linear axes reach by their travel: what is short here says nothing there.
     if robx.arrangement in _REACH or reach > tolerances.ARM_REACH_MM[1]:
         span = robx.span("MAIN_LENGTH_AB", "TX3P3_POS")
-        check_reach_magnitude(
-            reach, span, "machine data count in mm: are these metres or micrometres?", report.collector
-        )
+        check_reach_magnitude(reach, span, "machine data are in mm: check for metres or micrometres", report.collector)
 
 
 def _arms(robx: Robx) -> Sequence[ArmLength]:

@@ -112,8 +112,8 @@ class _Building:
         T = frames.transform(rotation, position)
         seen_from_mcs = self.choose[_OPEN] == "carrier_seen_from_mcs"
         if _OPEN not in self.choose.chosen:
-            text = f"the way that the basic offset of {self.name(member)} counts is open"
-            hint = f"look at convention {_OPEN}: {self.choose[_OPEN]} is taken"
+            text = f"the direction in which the basic offset of {self.name(member)} counts is open"
+            hint = f"check convention {_OPEN}: {self.choose[_OPEN]} is used"
             entry = next(e for key, e in member.extras.items() if key.startswith("base["))
             self.collector.add("CB454", text, span=entry.span, parameter=f"{member.prefix}.base", hint=hint)
         return frames.inverse(T) if seen_from_mcs else T
@@ -173,8 +173,8 @@ class _Building:
     def locks(self, chain: Chain) -> Mapping[int, tuple[str, ...]]:
         """Return the coordinates that lock_dof locks, by partial.
 
-        Its index is that of an axis of the channel: six TCP axes, then the axes of each partial, which bear its
-        coordinates while the coupling is active.
+        Its index is that of an axis of the channel: six TCP axes, then the axes of each partial, which represent
+        its coordinates while the coupling is active.
         """
         found: dict[int, tuple[str, ...]] = {}
         members = [member for group in self.groups for member in group.members]
@@ -187,7 +187,7 @@ class _Building:
             if n is None:
                 last = ahead + len(chain.axes) - 1
                 raise MachineDataError(
-                    f"{entry.name} is no axis of a partial kinematic", span=entry.span, parameter=entry.name,
+                    f"{entry.name} is not an axis of a partial kinematic", span=entry.span, parameter=entry.name,
                     permitted=f"{ahead} to {last}", code="CB455",
                 )  # fmt: skip
             partial = chain.partials[n]

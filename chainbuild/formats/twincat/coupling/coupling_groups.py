@@ -63,7 +63,7 @@ def coupling_data() -> Mapping[str, Any]:
 
 
 def coupling_error(number: int, text: str, *, span: Span | None, parameter: str, permitted: str) -> MachineDataError:
-    """Return the refusal that stands for an error number of the controller; 0: the manual gives none."""
+    """Return the error with a number of the controller; 0: the manual gives none."""
     return MachineDataError(
         text, span=span, parameter=parameter, permitted=permitted, alarm=number or None, code="CB455"
     )
@@ -93,7 +93,7 @@ def member_named(label: str, trafos: Iterable[Trafo]) -> list[Trafo]:
 
 @dataclass(slots=True)
 class _Draft:
-    """A group as written: its name or id, and where it stands."""
+    """A group as written: its name or id, and its place."""
 
     index: int
     label: str
@@ -118,7 +118,7 @@ class _Reading:
         members = [member for group in groups for member in group.members]
         for n, member in enumerate(members):
             if member in members[:n]:
-                text = f"the kinematic {member.name or member.id} is a member twice"
+                text = f"the kinematic {member.name or member.id} is listed twice"
                 raise self.refusal(NOT_UNIQUE, text, self.coupling.span, "group", "each kinematic once")
         if len(members) > coupling_data()["max_partials"]:
             text = f"the coupling has {len(members)} partial kinematics"
@@ -126,7 +126,7 @@ class _Reading:
         return groups
 
     def drafts(self) -> list[_Draft]:
-        """Return the configured groups; those that are empty may only stand at the end."""
+        """Return the configured groups; empty ones are permitted at the end only."""
         indices = sorted({k for k, _ in self.entries()})
         by_id = any(f"group[{k}].id" in self.coupling.extras for k in indices)
         configured = [k for k in indices if self.configured(k, by_id)]
@@ -135,10 +135,10 @@ class _Reading:
         limit = coupling_data()["max_groups"]
         if configured[-1] >= limit:
             k = configured[-1]
-            raise self.refusal(0, f"group[{k}] is one too many", self.span(k), f"group[{k}]", f"{limit} groups")
+            raise self.refusal(0, f"group[{k}] is one too many", self.span(k), f"group[{k}]", f"at most {limit} groups")
         if configured != list(range(len(configured))):
             k = configured[-1]
-            text = f"group[{k}] stands behind a group that is not configured"
+            text = f"group[{k}] follows a group that is not configured"
             raise self.refusal(_GAP, text, self.span(k), f"group[{k}]", "groups without a gap")
         drafts = [_Draft(k, self.label(k), self.span(k)) for k in configured]
         labels = [draft.label for draft in drafts if draft.label]
@@ -148,14 +148,14 @@ class _Reading:
         return drafts
 
     def entries(self) -> list[tuple[int, Assignment]]:
-        """Return what the list says of groups, each with the group's index."""
+        """Return the list's entries on groups, each with the group's index."""
         found = ((_GROUP.match(key), entry) for key, entry in self.coupling.extras.items())
         return [(int(match[1]), entry) for match, entry in found if match]
 
     def unknown_names(self) -> None:
         for key, entry in self.coupling.extras.items():
             if not _KNOWN.fullmatch(key):
-                text = f"{entry.name} is no parameter of KIN_TYP {COUPLING}; it is ignored"
+                text = f"{entry.name} is not a parameter of KIN_TYP {COUPLING}; it is ignored"
                 self.collector.add("CB456", text, span=entry.span, parameter=entry.name)
 
     def configured(self, k: int, by_id: bool) -> bool:
@@ -202,7 +202,7 @@ class _Reading:
                 text = f"{label} is taken for {found[0].name}: the letters differ in case"
                 self.collector.add("CB456", text, span=entry.span, parameter=entry.name)
         if not found:
-            text = f"{label} is no configured kinematic"
+            text = f"{label} is not a configured kinematic"
             raise self.refusal(_UNKNOWN_MEMBER, text, entry.span, entry.name, _known(self.others))
         if len(found) > 1:
             text = f"{len(found)} kinematics are called {label}"
@@ -221,7 +221,7 @@ class _Reading:
         for entry in entries:
             found = [m for m in members if label_of(entry).lower() in (m.name.lower(), str(m.id))]
             if len(found) != 1:
-                text = f"{label_of(entry)} is no member of {name}"
+                text = f"{label_of(entry)} is not a member of {name}"
                 raise self.refusal(_INCOMPLETE_PRIORITY, text, entry.span, entry.name, _known(members))
             ranked.append(found[0])
         if sorted(t.index for t in ranked) != sorted(t.index for t in members):
@@ -238,7 +238,7 @@ class _Reading:
         found = [other.index for other in drafts if other is not draft and other.label == label]
         if not found:
             others = ", ".join(other.label for other in drafts if other is not draft) or "another group"
-            text = f"{label} is no other group of the coupling"
+            text = f"{label} is not another group of the coupling"
             raise self.refusal(_UNKNOWN_WORKPIECE, text, entry.span, entry.name, others)
         return found[0]
 
@@ -256,7 +256,7 @@ def label_of(entry: Assignment, *, empty: bool = False) -> str:
 
     Args:
         entry: The entry.
-        empty: True where an empty value is none at all; else it is refused.
+        empty: True where an empty value is permitted; else it is refused.
 
     Raises:
         ParseError: no value.

@@ -1,4 +1,4 @@
-"""Transformations of two steps: what the first makes of the axes, the second takes for axis values.
+"""Transformations of two steps: the coordinates that the first gives are the axis values of the second.
 
 The steps are numbered in the direction of the forward transformation: step 0 turns the axis values of the machine into
 programmed coordinates, step 1 takes these for the axis values of its own kinematic. The chain is that of step 1, moved
@@ -50,7 +50,7 @@ def two_steps(first: Chain, first_trafo: Trafo, second: Chain, second_trafo: Tra
             f"KIN_TYP {second_trafo.type} takes {_units(wanted)}, KIN_TYP {first_trafo.type} gives {_units(kinds)}",
             span=second_trafo.span, parameter=f"{second_trafo.prefix}.id", permitted="steps that fit", code="CB460",
         )  # fmt: skip
-    text = f"KIN_TYP {second_trafo.type} takes the coordinates of KIN_TYP {first_trafo.type} for its axis values"
+    text = f"KIN_TYP {second_trafo.type} takes the coordinates of KIN_TYP {first_trafo.type} as its axis values"
     hint = "joints are those of the second step, which no drive moves by itself"
     collector.add("CB459", text, span=second_trafo.span, hint=hint)
     return replace(
@@ -68,7 +68,7 @@ def _coordinates(chain: Chain, trafo: Trafo) -> Coordinates:
     rtcp = known is not None or _is_rtcp(trafo)
     if not rtcp:
         raise UnsupportedKinematicError(
-            f"KIN_TYP {trafo.type} as a complete transformation cannot stand below a second step", span=trafo.span,
+            f"KIN_TYP {trafo.type} as a complete transformation cannot precede a second step", span=trafo.span,
             parameter=f"{trafo.prefix}.rtcp", permitted="1", code="CB460",
         )  # fmt: skip
     return Coordinates(chain, "axes")
@@ -131,7 +131,7 @@ class TwoStepMap:
     """Joint values of step 1 from the axis values of step 0.
 
     Attributes:
-        coordinates: What step 0 makes of the axis values.
+        coordinates: The coordinates that step 0 gives.
         second: The map of step 1.
         taken: How many of the coordinates step 1 takes.
         n_q: Number of joints.
@@ -168,7 +168,7 @@ class TwoStepMap:
                 return values
             J = self.coordinates.derivative(values)[: self.taken]
             values = values + (np.linalg.pinv(J, rcond=1e-9) @ error) / factors
-        raise ChainbuildError("the first transformation step was not brought to these joint values")
+        raise ChainbuildError("no axis values of the first transformation step found for these joint values")
 
     def refusal(self, axes: Vector) -> ChainbuildError | None:
         """Return why one of the steps has no joint values, or None."""

@@ -26,7 +26,7 @@ from chainbuild.formats.twincat.recipes.recipe import Drive, Params, Recipe, Rec
 from chainbuild.frames import rot_x, rot_z
 from chainbuild.units import m_from_mm
 
-# Tilt of the nozzle of KIN_TYP 25 where nobody gives limits: its length grows beyond all bounds towards 90 degrees.
+# Tilt of the nozzle of KIN_TYP 25 without given limits: its length grows beyond all bounds towards 90 degrees.
 _NOZZLE_TILT_DEG: Final = 80.0
 
 

@@ -55,7 +55,7 @@ def kin_60(p: Params, choose: Choices) -> Recipe:
 
 @dataclass(frozen=True, slots=True)
 class _Head:
-    """What tells 59 and 60 apart: the inner axis, its direction, and how its offsets are called."""
+    """What distinguishes 59 and 60: the inner axis, its direction, and the names of its offsets."""
 
     inner: str
     direction: tuple[float, float, float]
@@ -98,7 +98,7 @@ def _angles(p: Params, choose: Choices, offsets: _Offsets, side: float = 1.0, ax
     if p.flag("machine_angles"):
         return _Angles((c, inner), None)
     if abs(cos_sin_deg(tilt)[1]) < tolerances.ZERO_VECTOR:
-        text = f"with HD7 = {tilt:g} degrees the inner axis is parallel to C: the head cannot lean the tool"
+        text = f"with HD7 = {tilt:g} degrees the inner axis is parallel to C: the head cannot tilt the tool"
         p.refuse("tilt_angle", text, "an angle other than 0 and 180 degrees, typically 30 to 60")
         return _Angles((c, inner), None)
     exact = flip(choose, "spatial_angle_offsets", "direction_exact", c, inner) < 0
@@ -109,7 +109,7 @@ def _angles(p: Params, choose: Choices, offsets: _Offsets, side: float = 1.0, ax
 def _recipe(
     p: Params, choose: Choices, head: _Head, angles: _Angles, before: Sequence[Element], after: Sequence[Element]
 ) -> Recipe:
-    """Return the chain; `before` and `after` stand around the innermost shift."""
+    """Return the chain; `before` and `after` enclose the innermost shift."""
     machine = _vector(p, "c_to_machine")
     inner, point = _vector(p, head.inner_to_c), _vector(p, head.point_to_inner)
     s = towards_slide(choose, *(length for vector in (machine, inner, point) for length in vector[:2]))
@@ -157,7 +157,7 @@ def _back(vector: tuple[float, float, float], s: float) -> Element:
 
 
 def _options(p: Params, choose: Choices, head: _Head, angles: _Angles) -> tuple[list[Element], list[Element]]:
-    """Return what HD20 puts before and behind the innermost shift."""
+    """Return the elements that HD20 puts before and behind the innermost shift."""
     option = p.flag("option")
     if option == _UNDERFLOOR and p.deg("option_angle"):
         turns = choose["kin59_underfloor"] == "turns_tool"

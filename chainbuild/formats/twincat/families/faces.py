@@ -55,7 +55,7 @@ def kin_202(p: Params, choose: Choices) -> Recipe:
 
 
 def kin_203(p: Params, choose: Choices) -> Recipe:
-    """Build the face machining with a tool arm: ZL carries YL, the arm stands off from YL by HD10."""
+    """Build the face machining with a tool arm: ZL carries YL, the arm is offset from YL by HD10."""
     length = p.mm("arm_length")
     x, y = _ARM_ZERO[choose["kin203_arm_zero"]] if length else (0.0, 0.0)
     return Recipe(

@@ -1,6 +1,6 @@
 """Robots on a linear unit: KIN_TYP 206 (five rotary axes) and 208 (four).
 
-Every axis is given where it stands at the machine's zero: a point on it, in machine coordinates, and two small
+Every axis is given as it lies at the machine's zero: a point on it, in machine coordinates, and two small
 deviation angles of its direction. A1 is the linear unit; A1 to A4 and A6 lie nominally along X, A5 along Y.
 """
 

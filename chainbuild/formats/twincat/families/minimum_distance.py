@@ -169,11 +169,11 @@ def kin_98(p: Params, choose: Choices) -> Recipe:
 
 
 def _limited_law(p: Params, choose: Choices) -> DistanceLaw:
-    """Return the law of a configured type; a limit that leaves the tool no tilt at all is refused."""
+    """Return the law of a configured type; a limit that permits no tilt is refused."""
     law = distance_law(p, choose)
     if law.limit_deg > 0:
         return law
-    text = f"HD4 is {law.limit_deg:g} deg: above that inclination the controller stops, so that the tool could not lean"
+    text = f"HD4 is {law.limit_deg:g} deg: above that inclination the controller stops, so that the tool could not tilt"
     p.refuse("inclination_limit", text, "an angle above 0 deg")
     return replace(law, limit_deg=_UPSIDE_DOWN_DEG)
 

@@ -1,6 +1,6 @@
 """Machines whose rotary axes all carry the workpiece: KIN_TYP 34, 52, 57, 58, 64, 80, 81.
 
-In 57, 58, 64, 80 and 81 X, Y, Z carry the tool and the table stands by itself::
+In 57, 58, 64, 80 and 81 X, Y, Z carry the tool and the table is separate::
 
     machine zero -- offset -- outer axis -- offset -- inner axis -- offset -- workpiece zero
 

@@ -25,7 +25,7 @@ _UNS32: Final = 2**32 - 1  # largest value of the mode, an unsigned 32-bit numbe
 
 @dataclass(frozen=True, slots=True)
 class AxisList:
-    """What one axis list says.
+    """Contents of one axis list.
 
     Attributes:
         span: Where it begins.
@@ -55,7 +55,7 @@ def read_axis_list(parameters: ParameterList, facts: Mapping[str, str], collecto
         collector: Takes findings.
 
     Raises:
-        ParseError: a value is no number.
+        ParseError: a value is not a number.
     """
 
     def number(name: str) -> float | None:
@@ -96,7 +96,7 @@ def with_limits(
     """Return the axes with the limits of their lists.
 
     A list belongs to the axis that the channel calls by the same name or logical number, or whose channel index it
-    bears. Where none does, the type's own axis names decide if they fit all lists or all axes; else the lists are taken
+    has. Where none does, the type's own axis names decide if they fit all lists or all axes; else the lists are taken
     in channel order, with a finding. (A channel may call its axes A1 to A6 where KIN_TYP 45 has an A1 of its own.)
 
     Args:
@@ -145,7 +145,7 @@ def _limited(axis: Axis, entry: AxisList | None, collector: Collector) -> Axis:
     lower, upper = scale(entry.lower), scale(entry.upper)
     if not lower < upper:
         text = f"the software limits of axis {axis.name} leave no range: {lower:g} to {upper:g} {axis.unit}"
-        # Both at one value may mean that none are set; an endless axis does not heed them.
+        # Both at one value may mean that none are set; an endless axis ignores them.
         code = "CB230" if lower == upper or axis.endless else "CB234"
         permitted = f"swe_pos above {entry.lower:g}" if code == "CB234" else None
         collector.add(code, text, span=entry.span, parameter="kenngr.swe_neg, kenngr.swe_pos", permitted=permitted)

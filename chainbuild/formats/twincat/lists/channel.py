@@ -37,7 +37,7 @@ def read_channel(parameters: ParameterList, collector: Collector, index: int = 0
 
     Raises:
         MachineDataError: an index, id or value out of range, a kinematic without id, a repeated id.
-        ParseError: a value that is no number or string.
+        ParseError: a value that is not a number or string.
     """
     found = [*_grouped(parameters, collector, "kin_step"), *_grouped(parameters, collector, "kinematik")]
     trafos = sorted((t for t in found if t), key=lambda t: (t.step, t.span.line))
@@ -146,7 +146,7 @@ def _warn_unknown(trafo: Trafo, collector: Collector) -> None:
         if is_general(name):
             continue
         known = named_parameter(name) is not None
-        what = f"has no effect on KIN_TYP {trafo.type}" if known else "is no parameter of a kinematic"
+        what = f"has no effect on KIN_TYP {trafo.type}" if known else "is not a parameter of a kinematic"
         near = None if known else nearest_name(name)
         hint = f"did you mean {trafo.prefix}.{near}?" if near else None
         text = f"{entry.name[:80]} {what}; it is ignored"

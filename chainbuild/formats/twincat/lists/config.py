@@ -21,7 +21,7 @@ UNKNOWN_ID_ALARM: Final = 21630
 
 @dataclass(frozen=True, slots=True)
 class RawValue:
-    """A number of a list in its own counts (1e-4 mm, 1e-4 degrees or bare), where it stands and how it is written."""
+    """A number of a list in its own counts (1e-4 mm, 1e-4 degrees or bare), its place and its spelling."""
 
     value: float
     name: str
@@ -77,7 +77,7 @@ class ChannelAxis:
 
 @dataclass(frozen=True, slots=True)
 class Default:
-    """Which kinematic of a step is active after start-up; id and name each with the place where it stands."""
+    """Which kinematic of a step is active after start-up; id and name each with its place."""
 
     id: int | None = None
     name: str | None = None
@@ -99,14 +99,14 @@ class Default:
         has_name = any(trafo.name == self.name for trafo in here)
         what = f"the default kinematic is id {self.id} and name {self.name!r}"
         if has_id and has_name:
-            return f"{what}, which contradict each other: no kinematic bears both", self.name_span, known
-        lacks = f"no kinematic bears this {'name' if has_id else 'id' if has_name else 'id or name'}"
+            return f"{what}, which contradict each other: no kinematic has both", self.name_span, known
+        lacks = f"no kinematic has this {'name' if has_id else 'id' if has_name else 'id or name'}"
         return f"{what}, but {lacks}: it is not configured", self.name_span if has_id else self.span, known
 
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """What one channel list says.
+    """Contents of one channel list.
 
     Attributes:
         index: Number of the channel in the file, from 0.
@@ -138,7 +138,7 @@ class Channel:
 
 @contextmanager
 def errors_collected_by(collector: Collector) -> Iterator[None]:
-    """Keep an error as a finding at the lenient door; let it pass at the strict one."""
+    """Keep an error as a finding where the collector is lenient; raise it where it is strict."""
     try:
         yield
     except ChainbuildError as error:

@@ -1,6 +1,6 @@
 """TwinCAT projects (.tsproj, .xti): parameter lists inside XML, with the line numbers of the container.
 
-Lists are told by content. A channel list is the text of an `SdaMds` element, or any text that configures a `trafo`;
+Lists are detected by content. A channel list is the text of an `SdaMds` element, or any text that configures a `trafo`;
 an axis list (`AchsMds`) sets `kenngr`, a tool list (`WerkzD`) sets `wz`.
 """
 

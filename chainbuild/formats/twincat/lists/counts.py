@@ -1,4 +1,4 @@
-"""Doubts about the numbers of a list: it counts in 1e-4 mm and 1e-4 degrees, people think in mm and degrees."""
+"""Plausibility of the numbers of a list: counts of 1e-4 mm and 1e-4 degrees, or mm and degrees by mistake?"""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from chainbuild.units import deg_from_raw, mm_from_tenth_um, raw_from_mm
 
 Unit = Literal["mm", "deg", "mm or deg", ""]
 _UNIVERSAL: Final = 91
-# Everything behind a number is comment. One that is a unit and nothing else was hardly meant as such.
+# Everything behind a number is a comment. One that is only a unit was probably meant as a unit.
 _UNIT_BEHIND: Final = re.compile(
     r"\S+\s+(mm|cm|m|µm|um|°|deg|degrees?|grad|rad|in|inch|zoll)\.?\s*(?:$|[(#;/])", re.IGNORECASE
 )
@@ -51,7 +51,7 @@ def check_counts(trafo: Trafo, collector: Collector) -> None:
         try:
             number = entry.number()
         except ChainbuildError:
-            continue  # whoever reads it says so
+            continue  # the reader reports it
         check_number(number, entry.raw, entry.name, entry.span, unit, collector)
 
 
@@ -82,5 +82,5 @@ def _hint(value: float, unit: Unit) -> str | None:
 
 
 def check_number(value: float, raw: str, name: str, span: Span, unit: Unit, collector: Collector) -> None:
-    """Warn of a doubtful number that is no parameter of a kinematic; see `check_count`."""
+    """Warn of a doubtful number outside a kinematic's parameters; see `check_count`."""
     check_count(RawValue(value, name, span, raw), unit, collector)

@@ -72,7 +72,7 @@ class HdRow:
 
 @dataclass(frozen=True, slots=True)
 class TypeData:
-    """What the KIN_TYP manual's tables say of one type.
+    """The KIN_TYP manual's tables of one type.
 
     Attributes:
         number: KIN_TYP.
@@ -98,7 +98,7 @@ class TypeData:
         """Return an HD row by name or number.
 
         Raises:
-            KeyError: there is none; recipes name rows, so this is a slip in the recipe.
+            KeyError: there is none; recipes name rows, so this is an error in the recipe.
         """
         for row in self.hd:
             if key in (row.n, row.name):

@@ -28,7 +28,7 @@ class NamedParameter:
         kind: "length" (1e-4 mm), "angle" (1e-4 degrees) or "bare".
         source: Its number among the channel parameters.
         meaning: What it does.
-        slot: Numbers of PARAM[] that stand for it in KIN_TYP 91, or an empty string.
+        slot: Its numbers of PARAM[] in KIN_TYP 91, or an empty string.
     """
 
     kind: Literal["length", "angle", "bare"]

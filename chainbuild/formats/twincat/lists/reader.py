@@ -1,4 +1,4 @@
-"""Parameter lists of TwinCAT CNC: `name value` lines become assignments that know where they stand."""
+"""Parameter lists of TwinCAT CNC: `name value` lines become assignments with their place in the file."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Assignment:
         name: Name as written, without blanks.
         keys: Name in parts, lower case: (("trafo", 0), ("param", 3)).
         raw: Everything after the name, comments included.
-        span: Where the name stands.
+        span: Place of the name.
         value_column: Column of the value.
     """
 
@@ -161,7 +161,7 @@ class _Reading:
             hint = "name and value are separated by blanks, without `=`" if "=" in line.text else None
             hint = f"a name holds no blanks; did you mean {squeezed}?" if squeezed else hint
             self.collector.add(
-                "CB201", "the line is no `name value` assignment", span=self.span(line), hint=hint, error=ParseError
+                "CB201", "the line is not a `name value` assignment", span=self.span(line), hint=hint, error=ParseError
             )
             return
         written = re.sub(r"\s", "", match["name"])
@@ -194,7 +194,7 @@ class _Reading:
             self.equal.append(entry.span)
         elif earlier is not None:
             self.collector.add(
-                "CB205", f"{entry.name} stands twice; this value counts, the one of line {earlier.span.line} does not",
+                "CB205", f"{entry.name} is assigned twice; this value is used, not the one in line {earlier.span.line}",
                 span=entry.span, parameter=entry.name,
             )  # fmt: skip
         self.found[name] = Assignment(entry.name, keys, entry.raw, entry.span, entry.value_column)
@@ -245,7 +245,7 @@ def read_list(lines: Iterable[Line], file: str, collector: Collector) -> Paramet
         collector: Takes findings; strict: the first error is raised.
 
     Raises:
-        ParseError: a line about kinematics, tools or axes is no assignment, or an index is no number.
+        ParseError: a line about kinematics, tools or axes is not an assignment, or an index is not a number.
     """
     reading = _Reading(file, collector)
     first: Span | None = None
@@ -254,7 +254,7 @@ def read_list(lines: Iterable[Line], file: str, collector: Collector) -> Paramet
         reading.line(line)
     if reading.strange:
         line = reading.strange[0]
-        text = f"{len(reading.strange)} line(s) are no parameters, first {line.text.strip()[:60]!r}"
+        text = f"{len(reading.strange)} line(s) are not parameters, first {line.text.strip()[:60]!r}"
         collector.add("CB207", text, span=reading.span(line))
     for root, where in reading.misspelt.items():
         text = f"entries that begin with '{root[:_NAME_SHOWN]}' are not read: {len(where)}"
@@ -264,5 +264,5 @@ def read_list(lines: Iterable[Line], file: str, collector: Collector) -> Paramet
         text = f"entries repeated with the same value: {len(reading.equal)}"
         collector.add("CB214", text, span=reading.equal[0])
     if reading.late is not None:
-        collector.add("CB208", "the list goes on after `Ende`; nothing behind it is read", span=reading.late)
+        collector.add("CB208", "the list continues after `Ende`; nothing behind it is read", span=reading.late)
     return ParameterList(reading.found, reading.ignored, first, tuple(reading.unread))

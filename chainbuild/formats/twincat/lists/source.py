@@ -27,7 +27,7 @@ class Source:
         tool_length_mm: Length of the tool, all sources added.
         axis_lists: Axis lists in file order.
         overlay: What the file beside the machine file adds.
-        second: The kinematic of the second transformation step that stands on this one, or None.
+        second: The kinematic of the second transformation step on this one, or None.
         main: False where another kinematic of the file is the one that the overlay is written for.
     """
 

@@ -23,7 +23,7 @@ from chainbuild.units import mm_from_tenth_um
 
 _MAX_TOOL: Final = 65535  # largest tool number: 16 bits
 _MILLIMETRES: Final = 0  # value of mass_einheit; any other is inches
-# What of a tool acts on a kinematic, and how near another name must come to be taken for a slip.
+# Tool parameters that act on a kinematic, and the similarity from which another name is taken as misspelt.
 _NAMES: Final = ("laenge", "radius", "kin_id", "kin_name", "mass_einheit", "kinematic", "kinematik", "wz_kopf_versatz")
 _MISSPELT: Final = 0.8  # likeness by difflib
 
@@ -57,7 +57,7 @@ def read_tools(parameters: ParameterList, collector: Collector) -> dict[int, Too
     """Return the tools of a list by number.
 
     Raises:
-        ParseError: a value is no number or string.
+        ParseError: a value is not a number or string.
         MachineDataError: an index or value is out of range.
     """
     grouped: dict[int, list[Assignment]] = {}
@@ -102,12 +102,12 @@ def _tool(number: int, entries: Iterable[Assignment], collector: Collector) -> T
 
 
 def _warn_misspelt(entry: Assignment, collector: Collector) -> None:
-    """Warn of an entry that looks like geometry but is not read; most entries of a tool are none of our business."""
+    """Warn of an entry that looks like geometry but is not read; most entries of a tool do not concern its geometry."""
     name = entry.keys[1][0] if len(entry.keys) > 1 else ""
     close = difflib.get_close_matches(name[:80], _NAMES, 1, _MISSPELT)
     if close:
         meant = {"kinematic": "kinematic.param[k]", "kinematik": "kinematic.param[k]"}.get(close[0], close[0])
-        text = f"{entry.name[:80]} is no tool parameter that is read; it is ignored"
+        text = f"{entry.name[:80]} is not a tool parameter that is read; it is ignored"
         hint = f"did you mean wz[{entry.keys[0][1]}].{meant}?"
         collector.add("CB245", text, span=entry.span, parameter=entry.name[:80], hint=hint)
 
@@ -118,7 +118,7 @@ def find_tool(tools: Mapping[int, Tool], number: float, span: Span) -> Tool:
     Args:
         tools: The tools of the file.
         number: Its number.
-        span: Where the number stands.
+        span: Place of the number.
 
     Raises:
         MachineDataError: the list has no such tool, or counts it in inches.

@@ -26,10 +26,10 @@ def real_number(raw: str, name: str, span: Span) -> float:
     Args:
         raw: Everything after the parameter's name.
         name: Parameter, for messages.
-        span: Where the value stands.
+        span: Place of the value.
 
     Raises:
-        ParseError: no number, a decimal comma, or not finite.
+        ParseError: not a number, a decimal comma, or not finite.
         MachineDataError: larger than any machine.
     """
     token = _TOKEN_END.split(raw, maxsplit=1)[0]
@@ -69,7 +69,7 @@ def whole_number(raw: str, name: str, span: Span, lowest: int, highest: int) -> 
     """Return a whole number within bounds.
 
     Raises:
-        ParseError: no number.
+        ParseError: not a number.
         MachineDataError: not whole or out of bounds.
     """
     value = real_number(raw, name, span)

@@ -1,1 +1,4 @@
-"""Room."""
+"""Nonlinear axis maps.
+
+In reading order: `heads`, `length`.
+"""

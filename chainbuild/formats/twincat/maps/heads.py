@@ -43,7 +43,7 @@ def nonzero(cosine: float) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VirtualTurnMap:
-    """KIN_TYP 70: the programmed B, A give a tool vector, CV turns it about Z, the head stands at B', A' for it.
+    """KIN_TYP 70: the programmed B, A give a tool vector, CV turns it about Z, the head moves to B', A'.
 
     v = Ry(b)·Rx(a)·e_z, v' = Rz(CV)·v = Ry(b')·Rx(a')·e_z; of the two solutions the one that CV = 0 leaves unchanged.
 
@@ -124,7 +124,7 @@ def _nearest_turn(angle: float, wanted: float) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpatialAnglesMap:
-    """KIN_TYP 59, 60 with HD21 = 0: spatial angles C_s, A_s are programmed, joints C, A stand at machine angles.
+    """KIN_TYP 59, 60 with HD21 = 0: spatial angles C_s, A_s are programmed, joints C, A are at machine angles.
 
     With tilt δ: A_m = side·2·asin(sin(A_s/2)/sin δ), C_m = C_s - atan2(cos δ·sin(A_m/2), cos(A_m/2)); the joint
     angles are these minus the zero offsets. A lean beyond twice the tilt has no machine angle.
@@ -177,7 +177,7 @@ class SpatialAnglesMap:
             return None
         lean = deg_from_rad(self.largest_tilt)
         return AxisValueError(
-            f"the head cannot lean the tool by {self.axis} = {axes[_A]:g} deg: twice the tilt of its axis (HD7) is all",
+            f"the head cannot tilt the tool by {self.axis} = {axes[_A]:g} deg: twice its axis' tilt (HD7) is the most",
             parameter=self.axis,
             permitted=f"{-lean:.9g} to {lean:.9g} deg",
         )

@@ -1,4 +1,4 @@
-"""Doubts about the arms of a kinematic: lengths that it cannot do without, by KIN_TYP."""
+"""Plausibility of the arms of a kinematic: the lengths that it needs, by KIN_TYP."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _ARMS: Final[Mapping[int, Mapping[str, tuple[str, ...]]]] = {
 
 
 def check_arm_magnitudes(p: Params) -> None:
-    """Warn of arms without length, of very different length or of a strange reach."""
+    """Warn of arms without length, of very different length or of an unusual reach."""
     arms = []
     for what, names in _ARMS.get(p.data.number, {}).items():
         row = p.data.row(names[0])

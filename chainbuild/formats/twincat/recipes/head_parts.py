@@ -9,7 +9,7 @@ from chainbuild.formats.twincat.recipes.recipe import Params
 
 
 def flip(choose: Choices, convention: str, reversing: str, *values: float) -> float:
-    """Return -1 where a convention has the choice `reversing`, else +1; asked only where one of the values is not 0."""
+    """Return -1 where a convention has the choice `reversing`, else +1; used only where one of the values is not 0."""
     return -1.0 if any(values) and choose[convention] == reversing else 1.0
 
 

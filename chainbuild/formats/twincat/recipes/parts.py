@@ -31,7 +31,7 @@ def tool_end(p: Params, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> list[
 
 
 def asked_sign(choose: Choices, convention: str, *values: float) -> float:
-    """Return the sign a plus/minus convention gives to values; it is asked only where one of them is not zero."""
+    """Return the sign a plus/minus convention gives to values; it is used only where one of them is not zero."""
     return float(choose.sign(convention)) if any(values) else 1.0
 
 
@@ -43,7 +43,7 @@ def asked_offset(p: Params, choose: Choices, convention: str, name: str) -> Fixe
 def coded_sign(p: Params, choose: Choices, key: str | int) -> float:
     """Return a direction of motion of KIN_TYP 22, 23 and 52, whose coding is not printed (convention `sign_coding`).
 
-    Zero counts as +1 in both readings and leaves a finding; they part at positive values only. Other values than
+    Zero counts as +1 in both readings and leaves a finding; they differ at positive values only. Other values than
     -1, 0 and 1 are refused.
     """
     row, value = p.data.row(key), p.number(key)
@@ -64,7 +64,7 @@ def flagged_axis(
 ) -> Move:
     """Return a rotary axis with the HDs direction_NAME and offset_NAME (KIN_TYP 57, 58, 61, 63, 64, 80 to 82).
 
-    The manual names these flags without their values, so a number that is no flag is decoded, not refused; it
+    The manual names these flags without their values, so a number other than a flag is decoded, not refused; it
     leaves finding CB430.
     """
     flag = f"direction_{name.lower()}"

@@ -118,10 +118,10 @@ class Params:
         self.collector.add(code, text, span=self._span(key), hint=hint, parameter=self._name(key))
 
     def refuse(self, key: str | int, text: str, permitted: str, *, alarm: int | None = None) -> None:
-        """Refuse the value of an HD (CB401); returns only at the lenient door.
+        """Refuse the value of an HD (CB401); returns only where the collector is lenient.
 
         Raises:
-            MachineDataError: always at the strict door.
+            MachineDataError: always where the collector is strict.
         """
         self.collector.add(
             "CB401", text, span=self._span(key), parameter=self._name(key), permitted=permitted, alarm=alarm,
@@ -167,8 +167,8 @@ class Drive:
 def zero_and_sign(choose: Choices, sign: float, zero_deg: float, *, printed: Literal["inside", "outside"]) -> Drive:
     """Return how a direction sign and a zero offset make an internal angle: the one place for it.
 
-    inside: sign·(axis - zero); outside: sign·axis - zero. The two part only at a reversed axis with an offset; only
-    there convention `offset_inside_flag` is asked.
+    inside: sign·(axis - zero); outside: sign·axis - zero. The two differ only at a reversed axis with an offset; only
+    there convention `offset_inside_flag` is used.
 
     Args:
         choose: Conventions.
@@ -186,7 +186,7 @@ def zero_and_sign(choose: Choices, sign: float, zero_deg: float, *, printed: Lit
 def table_flag(p: Params, choose: Choices, key: str | int) -> float:
     """Return the direction of a table axis by its flag: +1 or -1 (convention `table_flag_coding`)."""
     value = p.number(key)
-    if value > 0:  # only here do the codings part
+    if value > 0:  # only here do the codings differ
         return 1.0 if choose["table_flag_coding"] == "plus_minus_one" else -1.0
     return -1.0 if value < 0 else 1.0
 
@@ -197,7 +197,7 @@ def driven(name: str, direction: Direction, drive: Drive) -> Move:
 
 
 def mapped(name: str, direction: Direction) -> Move:
-    """Return a revolute joint that the recipe's axis map drives: its angle is no axis alone."""
+    """Return a revolute joint that the recipe's axis map drives: no axis alone is its angle."""
     return rotary(name, direction, drive={})
 
 
@@ -218,7 +218,7 @@ def table_rotary(
     """Return a rotary axis of a table machine: printed as sign·(axis - zero) (KIN_TYP 1, 57, 58, 61, 63, 64, 80 to 82).
 
     Args:
-        choose: Conventions; `table_rotary_sense` is asked for axes that carry the workpiece.
+        choose: Conventions; `table_rotary_sense` is used for axes that carry the workpiece.
         name: Axis name.
         direction: "x", "-y", … .
         sign: +1 or -1.

@@ -1,1 +1,4 @@
-"""Room."""
+"""The catalogue of the types and the chain of one of them.
+
+In reading order: `catalogue`, `draft`.
+"""

@@ -16,7 +16,7 @@ from chainbuild.formats.twincat import families
 from chainbuild.formats.twincat.lists.hdtable import AxisRow, HdRow, TypeData, type_data
 from chainbuild.formats.twincat.recipes.recipe import RecipeFunction
 
-# Types that are no serial chain, or are given as a list of axes; titles for messages and `kinematics()`.
+# Types that are not a serial chain, or are given as a list of axes; titles for messages and `kinematics()`.
 _OTHER_TITLES: Final[Mapping[int, str]] = {
     12: "Tripod",
     19: "Three columns carry the workpiece platform",

@@ -3,7 +3,7 @@
     T_91 = Π M(axis), from the workpiece over the machine origin to the tool
     pose of the type = S⁻¹ · T_91
 
-S is where the type's workpiece frame stands at zero, seen from the machine: KIN_TYP 91 counts from the machine's
+S is the type's workpiece frame at zero, seen from the machine: KIN_TYP 91 refers to the machine's
 coordinate system there. It is written into the list as a comment; on the controller it is a zero offset.
 """
 
@@ -168,13 +168,13 @@ def list_text(chain: Chain, universal: Universal, lengthens: bool = True) -> str
     Args:
         chain: What it was made from.
         universal: Its axes.
-        lengthens: False where a tool length acts otherwise there; the list then says so.
+        lengthens: False where a tool length acts differently there; the list then says so.
     """
     lines = [
         f"# {chain.title}: {chain.kinematic} written as KIN_TYP 91, the universal kinematic.",
         *(f"# Convention {used.convention.name} = {used.choice}" for used in chain.conventions),
         *_shift_lines(universal),
-        *(() if lengthens else ("# For tools of length 0 only: a tool length acts otherwise in the type.",)),
+        *(() if lengthens else ("# For tools of length 0 only: a tool length acts differently in the type.",)),
         "trafo[0].id 91",
         *_vector("zero_orientation", universal.T_zero[:3, 2]),
         *_vector("zero_position", _counts(universal.T_zero[:3, 3])),
@@ -199,7 +199,7 @@ def _shift_lines(universal: Universal) -> list[str]:
     x, y, z = (_plain(mm_from_m(float(value)), 9) for value in universal.shift[:3, 3])
     lines = []
     if np.abs(universal.shift - np.eye(4)).max() < _NOISE:
-        lines.append("# Both count from the same coordinate system.")
+        lines.append("# Both refer to the same coordinate system.")
     else:
         lines.append(f"# Constant shift: the type's workpiece zero lies at X {x} Y {y} Z {z} (mm) of this kinematic.")
     if np.abs(universal.shift[:3, :3] - np.eye(3)).max() >= _NOISE:

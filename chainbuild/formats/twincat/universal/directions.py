@@ -62,15 +62,15 @@ DIRECTION_MODES: Final[Mapping[int, DirectionMode]] = MappingProxyType(
 def tool_direction(mode: int, values: Sequence[float]) -> Vector:
     """Return the tool direction (3,) of length 1 that a mode's programmed values mean.
 
+    >>> tool_direction(17, (90.0, 30.0)).round(4)  # C90 A30
+    array([0.5  , 0.   , 0.866])
+
     Args:
         mode: 10, or 14 to 21.
         values: U, V, W of any length but zero in mode 10; else the two angles in degrees, in the order of the mode.
 
     Raises:
         ChainbuildError: another mode, or the zero vector.
-
-    >>> tool_direction(17, (90.0, 30.0)).round(4)  # C90 A30
-    array([0.5  , 0.   , 0.866])
     """
     if mode == POINT_VECTOR_MODE:
         return unit(values)

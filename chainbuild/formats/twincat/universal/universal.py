@@ -4,8 +4,8 @@
     tool tip = T·(zero_position - L·zero_orientation),  tool vector = R(T)·zero_orientation
 
 Everything is entered in one coordinate system, that of the machine at zero. Axes met before the machine origin carry
-the workpiece; their directions are entered multiplied by -1, so that the product is the pose. The list does not tell
-which ones they are: the chain hangs, from the workpiece to the tool, on its own coordinate system.
+the workpiece; their directions are entered multiplied by -1, so that the product is the pose. The list does not
+mark them: the whole chain, from the workpiece to the tool, is rooted in the list's coordinate system.
 """
 
 from __future__ import annotations
@@ -109,9 +109,9 @@ def _stretch(axis: UniversalAxis, name: str, choose: Choices, collector: Collect
     if abs(length - 1.0) < 1e-12:
         return 1.0
     scaled = choose["kin91_linear_length"] == "scales"
-    effect = f"the axis moves {length:.9g} mm a millimetre" if scaled else "its length does not count"
+    effect = f"the axis moves {length:.9g} mm per millimetre" if scaled else "its length is ignored"
     text = f"the direction of the linear axis {name} has the length {length:.9g}; {effect}"
-    collector.add("CB453", text, span=axis.span, hint="enter a vector of length 1, or decide kin91_linear_length")
+    collector.add("CB453", text, span=axis.span, hint="enter a unit vector, or set convention kin91_linear_length")
     return length if scaled else 1.0
 
 

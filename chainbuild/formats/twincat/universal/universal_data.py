@@ -40,7 +40,7 @@ _KNOWN: Final = re.compile(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UniversalAxis:
-    """One axis: kind, direction as entered (3), point on a rotary axis (3) [mm], and where its direction stands."""
+    """One axis: kind, direction as entered (3), point on a rotary axis (3) [mm], and the place of its direction."""
 
     kind: AxisKind
     orientation: Vector
@@ -50,7 +50,7 @@ class UniversalAxis:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UniversalData:
-    """What the list says.
+    """Contents of the list.
 
     Attributes:
         axes: Axes by index, which is the order of the channel.
@@ -118,7 +118,7 @@ class _Reading:
     def unknown_names(self) -> None:
         for name, entry in self.trafo.extras.items():
             if not _KNOWN.fullmatch(name):
-                text = f"{entry.name} is no parameter of KIN_TYP 91; it is ignored"
+                text = f"{entry.name} is not a parameter of KIN_TYP 91; it is ignored"
                 self.collector.add("CB450", text, span=entry.span, parameter=entry.name)
 
     def axis_count(self) -> int:
@@ -203,7 +203,7 @@ class _Reading:
             return (0.0 if by_slot is None else by_slot.value) + added
         value = entry.number()
         if by_slot is not None and by_slot.value != value:
-            text = f"{entry.name} is {value:g}, {by_slot.name} says {by_slot.value:g}; the name counts"
+            text = f"{entry.name} is {value:g}, {by_slot.name} says {by_slot.value:g}; the name is used"
             self.collector.add("CB450", text, span=by_slot.span, parameter=by_slot.name)
         return value + added
 
@@ -218,7 +218,7 @@ class _Reading:
         return name in self.trafo.extras or slot in self.trafo.params
 
     def span(self, name: str, slot: int | None) -> Span | None:
-        """Return where a parameter, or the first element of one, stands."""
+        """Return the place of a parameter, or of its first element."""
         for known, entry in self.trafo.extras.items():
             if known == name or known.startswith(f"{name}["):
                 return entry.span

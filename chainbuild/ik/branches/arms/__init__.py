@@ -1,1 +1,4 @@
-"""Room."""
+"""Arms solved by subproblems: a position half and an orientation half.
+
+In reading order: `orientation`, `two_joints`, `general_reach`, `positioner`, `arms`, `spin`.
+"""

@@ -5,7 +5,7 @@
 - *Parallel arm*: a column, three parallel axes and a hand axis across them (palletisers).
 - *Position*: two or three axes and nothing else.
 
-A robot that carries the workpiece stands on its wrist: the same arms are solved from the other end.
+A robot that carries the workpiece is such an arm reversed; it is solved from the other end.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ if TYPE_CHECKING:
 
 ArmName = Literal["spherical wrist", "single wrist axis", "parallel arm", "position"]
 
-# Why each of them is solved as it is, for `SolverPlan`.
+# The reason of each, for `SolverPlan`.
 ARMS: Final[Mapping[str, str]] = {
-    "spherical wrist": "the hand axes meet in a point: three joints place it, three turn about it",
+    "spherical wrist": "the wrist axes meet in a point: three joints place it, three turn about it",
     "single wrist axis": "three joints place a point of the fourth axis, the fourth turns about it",
     "parallel arm": "a column, three parallel axes and a hand axis across them",
-    "position": "two or three axes that place the tip and nothing else",
+    "position": "two or three axes that place the TCP, without orientation",
 }
 
 _ACROSS: Final = 1e-9  # cosine of two axes at right angles, but for rounding
@@ -43,7 +43,7 @@ _ALONG: Final = (0.0, 0.25, -0.25, 0.4)  # m
 
 
 def arm_solver(serial: Serial, task: Task) -> tuple[ArmName, ArmSolver] | None:
-    """Return name and solver of an arm, or None where no closed form is known here.
+    """Return name and solver of an arm, or None if no closed form is known.
 
     Args:
         serial: The chain as screws.
@@ -167,7 +167,7 @@ class _SingleWrist:
 
 
 def _point_off_other_axes(screws: Sequence[Screw]) -> Vector:
-    """Return a point of the last axis that is not on another: there it would not tell how that one is turned."""
+    """Return a point of the last axis that is on no other axis: there it would not determine that axis' angle."""
     *others, last = screws
     axes = [screw for screw in others if screw.kind == "revolute"]
     points = [last.point + along * last.direction for along in _ALONG]

@@ -1,4 +1,4 @@
-"""Three joints that bring a point to a place where no two axes help by being parallel or meeting: quartics.
+"""Three joints without parallel or intersecting axes that bring a point to a place: quartics.
 
 Every solver takes a row of screws, the point at their zero, its place and the values to keep, and returns all joint
 values. Two equations without the outer turn — the height along its axis and the distance from a point on it — leave one
@@ -102,7 +102,7 @@ def slide_turn_slide(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[
     inner, inner_slope = u + share * lift_c * c.direction, lift_a * c.direction
     outer, outer_slope = goal - share * lift_a * a.direction, lift_c * a.direction
     found = []
-    # The point must come as far from b on the one side as its place is on the other; heights agree already.
+    # The point must be as far from b as its place is on the other side; heights agree already.
     for t in _quadratic(
         float(inner_slope @ inner_slope) - float(outer_slope @ outer_slope),
         float(inner @ inner_slope) - float(outer @ outer_slope),

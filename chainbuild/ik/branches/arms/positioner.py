@@ -1,6 +1,6 @@
 """Three joints that bring a point to a place: the position half of an arm, in closed form.
 
-Solved is every row of slides and rotary axes that reaches a volume: by subproblems where two axes are parallel or
+Solves every sequence of linear and rotary axes that reaches a volume: by subproblems if two axes are parallel or
 intersect, else by a quartic (`general_reach`). The equation is
 exp(s1·q1)·exp(s2·q2)·exp(s3·q3)·p = d; read backwards, exp(−s3·q3)·exp(−s2·q2)·exp(−s1·q1)·d = p has the same form,
 which halves the cases.
@@ -43,7 +43,7 @@ _ROTATED: Final = 1e-12  # determinant below which directions do not span space
 
 
 def positioner(screws: Sequence[Screw]) -> Reach | None:
-    """Return the function (point, place, kept values) → joint values of three screws, or None where none is known.
+    """Return the function (point, place, kept values) → joint values of three screws, or None if none is known.
 
     The point is given at the zero of the joints; the values that are free at a singular place are kept.
     """

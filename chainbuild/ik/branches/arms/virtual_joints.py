@@ -1,9 +1,9 @@
-"""Joints that no machine has: they bring a task to the form that a solver of six joints knows.
+"""Virtual joints that bring a task to the form of a solver for six joints.
 
-Five joints reach a position and a direction with whatever turn about the tool vector comes of it. With a sixth joint at
-the tip, the *spin*, that undoes this turn, the same pose is reached as a whole, and every solver of six joints finds
-all branches. Fewer joints than the task determines get *idle* ones in arbitrary places: among the solutions are those
-in which these stand still, and the caller, who verifies all, keeps no others.
+Five joints reach a position and a direction with some rotation about the tool vector. A sixth joint at the tip, the
+*spin*, undoes this rotation, so that the whole pose is reached and every solver for six joints finds all branches.
+Fewer joints than the task determines are supplemented by *idle* joints in arbitrary places: the caller verifies all
+solutions and keeps those in which the idle joints do not move.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def orientation_from_chain(solver: ArmSolver, serial: Serial, column: int, axis:
 
 
 def with_spin_joint(serial: Serial, column: int) -> Serial:
-    """Return a chain that goes on with a turn about its tool vector.
+    """Return a chain with one more joint that turns about its tool vector.
 
     Args:
         serial: The chain as screws.

@@ -1,1 +1,4 @@
-"""Room."""
+"""What all closed forms use.
+
+In reading order: `subproblems`, `roots`, `serial`, `query`, `axis_values`, `branches`.
+"""

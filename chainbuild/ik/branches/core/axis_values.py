@@ -20,9 +20,9 @@ _MAP_STEPS: Final = 20  # Newton steps that bring a nonlinear axis map to given 
 _MAP_STARTS: Final = 12  # the start, its own joint values, and some anywhere within a turn
 _MAP_STRIDE: Final = 1.0  # longest step [rad]
 _MAP_EXACT: Final = 1e-14  # m and rad: nothing is gained by another step
-_MAP_CLOSE: Final = 1e-9  # what rounding may leave; the pose is verified and polished afterwards
+_MAP_CLOSE: Final = 1e-9  # residual of rounding; the pose is verified and polished afterwards
 _ROUNDED_TURN: Final = 1e-9  # turns of a joint are counted with so much to spare
-_MAX_TURNS: Final = 4096  # bound on the combinations of whole turns that are looked at for one branch
+_MAX_TURNS: Final = 4096  # bound on the combinations of whole turns tried for one branch
 
 
 def axes_for(query: BranchQuery, joints: Indices, values: Vector, columns: Indices) -> list[Vector]:
@@ -52,7 +52,7 @@ def axes_for(query: BranchQuery, joints: Indices, values: Vector, columns: Indic
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Block:
-    """The part of an affine map that leads from some axes to some joints, turned round.
+    """The inverse of the part of an affine map from some axes to some joints.
 
     Attributes:
         rows: Which of the joints determine the axes.
@@ -72,7 +72,7 @@ class _Block:
 
 
 def _block_of(mechanism: Mechanism, axis_map: AffineMap, joints: Indices, columns: Indices) -> _Block | None:
-    """Return the block of some joints and axes, prepared at first use; None where they do not determine the axes."""
+    """Return the block of some joints and axes, prepared at first use; None if they do not determine the axes."""
     return mechanism.prepared(
         "block of an axis map",
         lambda: _prepare_block(mechanism, axis_map, joints, columns),
@@ -95,7 +95,7 @@ def _prepare_block(mechanism: Mechanism, axis_map: AffineMap, joints: Indices, c
 
 
 def _through_nonlinear_map(query: BranchQuery, joints: Indices, values: Vector, columns: Indices) -> Vector | None:
-    """Return SI axis values whose joints stand at the values, by Newton from the map's own inverse and around it.
+    """Return SI axis values with given joint values, by Newton steps from the map's own inverse and around it.
 
     A map that drives more axes than joints (a virtual axis) cannot know the inverse at the start's value of the others.
     """
@@ -143,7 +143,7 @@ def turned_axes(query: BranchQuery, x: Vector, columns: Indices) -> Iterator[Vec
 
 
 def _whole_turns(query: BranchQuery, value: float, n: int) -> list[float]:
-    """Return value + whole turns within the limits of axis n, nearest to the start first; [value] if none is."""
+    """Return value + whole turns within the limits of axis n, nearest to the start first; [value] if there is none."""
     lower, upper, wanted = float(query.lower[n]), float(query.upper[n]), float(query.x0[n])
     slack = float(query.slack[n])
     nearest = round((wanted - value) / math.tau)

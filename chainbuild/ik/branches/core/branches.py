@@ -20,7 +20,7 @@ Candidate = tuple[Vector, tuple[str, ...]]  # SI axis values, and the names of a
 
 # Errors above this are polished by Newton steps: closed forms lose digits near singular points.
 _POLISH_FROM: Final = 1e-11
-# Errors above this are no lost digits but another place.
+# Errors above this mean another position, not lost digits.
 _POLISH_TO: Final = 1e-3
 _POLISH_STEPS: Final = 3  # from a thousandth, Newton needs two
 _POLISH: Final = shrinking(0.0, 1e-14)
@@ -32,7 +32,7 @@ class Branch(IkResult):
     """One of the solutions for a pose.
 
     Attributes:
-        free_axes: Names of axes that have no bearing on this pose; they keep their start value.
+        free_axes: Names of axes that do not affect this pose; they keep their start value.
         status_bits: Pose status as the controller numbers it (KIN_TYP 45), else None.
         turn_bits: Signs of the axes as the controller numbers them (KIN_TYP 45), else None.
         method: What found it; the name of a `SolverPlan`.
@@ -53,7 +53,7 @@ class Branches(Sequence[Branch]):
         position_error: (k,) distances to the pose wanted [m].
         rotation_error: (k,) angles to it [rad]; of the tool vector where the task is not a full pose.
         iterations: (k,) polishing steps.
-        free_axes: For each the names of axes that have no bearing on the pose.
+        free_axes: For each the names of axes that do not affect the pose.
         status_bits: (k,) pose status as the controller numbers it (KIN_TYP 45), else None.
         turn_bits: (k,) signs of the axes as the controller numbers them (KIN_TYP 45), else None.
         task: "pose", "direction" or "position": what was solved for.
@@ -112,18 +112,18 @@ class VerifiedRow(NamedTuple):
     free_axes: tuple[str, ...] = ()
 
     def branch(self, task: Task) -> Branch:
-        """Return it as a branch by itself."""
+        """Return it as a single branch."""
         return Branch(True, self.axes, "ok", self.distance, self.angle, self.steps, 0, task, free_axes=self.free_axes)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solutions:
-    """What a closed form came up with.
+    """The result of a closed form.
 
     Attributes:
         branches: Solutions inside all limits, nearest first.
         beyond: The nearest solution outside them, or None.
-        outside: Names of the limits in the way where there is no branch inside.
+        outside: Names of the violated limits if there is no branch inside.
     """
 
     branches: Branches

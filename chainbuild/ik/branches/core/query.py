@@ -1,4 +1,4 @@
-"""The question that closed forms answer: a request with its structure and its limits."""
+"""The input of closed forms: a request with its structure and its limits."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from chainbuild.tolerances import LIMIT_SLACK
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BranchQuery:
-    """One question: which axis values bring the tool there?
+    """One inverse kinematics problem.
 
     Attributes:
         mechanism: Whose axis values.
         target: Tool in the workpiece frame [m].
-        x0: (n_axes,) start in SI; held axes stand at their values.
+        x0: (n_axes,) start in SI; held axes have their values.
         structure: Which axes are free and what they move.
         lower: (n_axes,) limits in SI, infinite where endless.
         upper: The same.
@@ -48,8 +48,8 @@ class BranchQuery:
         """Build the query of a request.
 
         Raises:
-            AxisValueError: held of wrong count, unknown name or not finite.
-            ChainbuildError: the target is no rigid transform.
+            AxisValueError: held has a wrong number of values, an unknown name or a non-finite value.
+            ChainbuildError: the target is not a rigid transform.
         """
         mechanism = request.mechanism
         x0, fixed = request.start_point()

@@ -1,4 +1,4 @@
-"""Real roots of trigonometric and ordinary polynomials that are known by their values: all of them.
+"""All real roots of trigonometric and ordinary polynomials that are given by their values.
 
 A trigonometric polynomial of degree n in an angle t is a polynomial of degree 2n in z = exp(i·t); its real angles are
 the roots on the unit circle. Both kinds are interpolated at roots of unity, where that loses no digits.

@@ -1,4 +1,4 @@
-"""A chain unrolled for closed forms: one row of screws from the workpiece to the tool.
+"""A chain unrolled for closed forms: one sequence of screws from the workpiece to the tool.
 
 Seen from the workpiece, T_workpiece_tool = exp(s1·q1) · … · exp(sn·qn) · M. The joints of the workpiece branch come
 first, the one next to the workpiece leading, with their directions reversed; joints that do not move are part of the
@@ -42,7 +42,7 @@ class Screw:
         direction: (3,) unit vector in the workpiece frame.
         point: (3,) a point on the axis [m].
         joint: Index in `Chain.joints`.
-        sense: -1 where the joint counts against the direction that its recipe draws, else +1.
+        sense: -1 if the joint counts against the direction that its recipe draws, else +1.
     """
 
     kind: JointKind
@@ -178,7 +178,7 @@ _MAX_SERIALS: Final = 64  # a held axis makes a chain of its own for every value
 
 
 def unrolled(mechanism: Mechanism, q: Vector, moving: Indices) -> Serial:
-    """Return `unroll` of a robot's chain, remembered as long as the constant joints stand still."""
+    """Return `unroll` of a robot's chain, cached for the values of the constant joints."""
     constant = np.ones(len(q), dtype=bool)
     constant[moving] = False
     key = moving.tobytes() + q[constant].tobytes()
@@ -190,7 +190,7 @@ def unroll(chain: Chain, q: Vector, moving: Indices) -> Serial:
 
     Args:
         chain: A checked chain.
-        q: (n_q,) joint values; those of the moving joints are not looked at.
+        q: (n_q,) joint values; those of the moving joints are ignored.
         moving: Joints that move; the others are constants.
     """
     moves = {chain.joints[n].child for n in moving}

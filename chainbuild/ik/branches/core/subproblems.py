@@ -5,7 +5,7 @@
     3  |q − Rot(k, θ)·p| = δ                at most two turns
     4  h·Rot(k, θ)·p = d                    at most two turns
 
-Axes are unit vectors through the origin, angles radians in (−π, π]. Where an angle has no bearing on the equation
+Axes are unit vectors through the origin, angles radians in (−π, π]. Where an angle does not affect the equation
 (the vector lies on the axis) it is *free*: the value to keep is returned and the angle is marked.
 
 References: Paden 1986, "Kinematics and Control of Robot Manipulators"; Murray, Li, Sastry 1994, section 3.3;
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from chainbuild.arrays import Vector
 
-# A vector whose part across an axis is below this share of its length lies on the axis: its turn says nothing.
+# A vector whose part across an axis is below this share of its length lies on the axis: its turn has no effect.
 ON_AXIS: Final = 1e-9
 # How far beyond its range a cosine may be, or a height off its plane, and still count as touching.
 TOUCH: Final = 1e-9

@@ -1,1 +1,4 @@
-"""Room."""
+"""Six joints without a known structure.
+
+In reading order: `conformal`, `loop`, `eliminant`, `elimination`, `eaik_arm`.
+"""

@@ -54,8 +54,8 @@ def eaik_solver(serial: Serial, otherwise: ArmSolver | None) -> ArmSolver | None
 
     Args:
         serial: Six screws.
-        otherwise: Who is asked, too, where EAIK has approximations among its answers or none at all: at some poses
-            whose branches coincide it misses them.
+        otherwise: Solver used in addition if EAIK returns approximations or nothing: at some poses whose branches
+            coincide it misses them.
     """
     robot = eaik_robot(serial)
     if robot is None:

@@ -2,8 +2,8 @@
 
 With x, y, h standing for exp(i·q) of a rotary joint (for q of a slide), the equations are sums of hᵃ·xᵇ·yᶜ with a, b, c
 from 0 to 2. Multiplied by x they are twelve equations in the twelve products 1…x³ × 1…y²: for a solution the matrix
-of their coefficients, quadratic in h, must be singular. That is an eigenvalue problem of size 24, and no solution
-escapes it. For the values of h that are real joints, x and y are read from the kernel of the matrix.
+of their coefficients, quadratic in h, must be singular. That is an eigenvalue problem of size 24 and includes every
+solution. For the values of h that are real joints, x and y are read from the kernel of the matrix.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from chainbuild.ik.branches.core.roots import NEARLY_REAL
 
 Kinds = tuple[JointKind, JointKind, JointKind]
 
-SINGULAR: Final = 1e12  # condition above which the equations do not tell solutions apart
-# Singular values below such a share of the largest belong to the kernel: where solutions nearly coincide, one reading
-# of it takes two for one, another takes them apart.
+SINGULAR: Final = 1e12  # condition above which the equations do not separate solutions
+# Singular values below such a share of the largest belong to the kernel: where solutions nearly coincide, one threshold
+# merges two of them, another separates them.
 _KERNELS: Final = (1e-8, 1e-6, 1e-4)
 _MAX_NULLITY: Final = 6  # of a kernel: as many solutions with one value of the joint are told apart
 _AT_INFINITY: Final = 1e-7  # singular values below this share of the largest belong to solutions without finite x or y
-_MAX_DISTANCE: Final = 1e6  # slides beyond this many arm lengths stand for infinity
-_MIX: Final = 0.7317  # an arbitrary weight: tells apart solutions that share x
+_MAX_DISTANCE: Final = 1e6  # linear joints beyond this many arm lengths count as infinite
+_MIX: Final = 0.7317  # an arbitrary weight: separates solutions that share x
 _LOOKED_FROM: Final = (0.3, 1.5, 2.7, -0.9, -2.1)  # angles of the views, of which the best conditioned is taken
 
 
@@ -40,7 +40,7 @@ class Eliminant:
         blocks: (3, 6, 3, 3) coefficients: power of h, equation, power of x, power of y.
         kinds: Kinds of the joints h, x, y.
         view: Möbius map (a, b, c, e) that leads from a real number w to h = (a·w + b)/(c·w + e).
-        condition: Of the eigenvalue problem; above SINGULAR its answers mean nothing.
+        condition: Of the eigenvalue problem; above SINGULAR its solutions are meaningless.
         quadratic: (3, 12, 12) coefficients of the powers of w.
     """
 
@@ -68,7 +68,7 @@ class Eliminant:
     def solutions(self) -> tuple[list[tuple[float, float, float]], bool]:
         """Return the real joint values (h, x, y), some of them perhaps twice, and whether these are all.
 
-        They may not be where several solutions share h and others run away to infinity there.
+        They may be incomplete where several solutions share h and others tend to infinity.
         """
         found, settled = [], True
         for h in self._hidden_values():
@@ -145,7 +145,7 @@ def _pairs_of(rows: Complex, count: int) -> tuple[list[tuple[complex, complex]],
 
 
 def _joint_value(number: complex, kind: JointKind) -> float | None:
-    """Return the joint value that stands behind x, y or h, or None where it is not real."""
+    """Return the joint value of x, y or h, or None if it is not real."""
     if not cmath.isfinite(number):
         return None
     if kind == "prismatic":

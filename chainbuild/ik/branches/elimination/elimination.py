@@ -2,8 +2,8 @@
 
 The row of joints closes to a loop (`loop`) whose equations become an eigenvalue problem for one of them (`eliminant`).
 The loop may be opened before any joint: where it opens best depends on which axes meet or are parallel, and is found by
-trial. At a pose whose equations are singular in themselves — solutions coincide, or are curves — a pose a hair's
-breadth beside it is solved, and its solutions are brought to the pose by Newton steps.
+trial. At a pose whose equations are singular in themselves — solutions coincide, or are curves — a nearby pose is
+solved, and its solutions are brought to the pose by Newton steps.
 
 References: Raghavan and Roth 1990, "Kinematic analysis of the 6R manipulator of general geometry"; Manocha and Canny
 1994, "Efficient inverse kinematics for general 6R manipulators".
@@ -30,12 +30,12 @@ if TYPE_CHECKING:
 Opening = tuple[int, int]  # the joint before which the loop is opened, and which of the inner joints is solved for
 
 JOINTS: Final = 6  # of the loop: what a pose determines
-_TRIED: Final = 4  # the best openings, of which those that leave no doubt are preferred
+_TRIED: Final = 4  # the best openings, of which well-conditioned ones are preferred
 _TRIALS: Final = 2  # poses on which the openings of the loop are tried
 _GOOD: Final = 1e5  # condition up to which one opening of the loop is enough
 _MAX_OPENINGS: Final = 3  # solved for one pose before the solutions found so far are taken
-_PERTURBATION: Final = 1e-4  # how far beside a singular pose another one is solved [arm lengths, rad]
-_NO_SOLUTION: Final = 1e-2  # values that miss by more are none
+_PERTURBATION: Final = 1e-4  # distance of the nearby pose from a singular one [arm lengths, rad]
+_NO_SOLUTION: Final = 1e-2  # residuals above this are no solutions
 _DEPENDENT: Final = 1e-9  # singular values below this share of the largest are rounding
 _STEPS: Final = 8  # Newton's: from a solution of few digits, far more than are needed
 _MAX_STEP: Final = 0.3  # rad or arm lengths: a longer step is none towards the solution nearby
@@ -59,13 +59,13 @@ class Elimination:
         self.openings = self._openings()
 
     def solve(self, target: Matrix, _keep: Sequence[float]) -> list[Solution]:
-        """Return the joint values of a pose (4, 4); some of them may be off, or there twice."""
+        """Return the joint values of a pose (4, 4); some may be inexact or duplicates."""
         G = self._scaled(target @ self.back)
         found, settled = self._solved(G)
         if not settled:
             beside, _ = self._solved(_perturbed(G))
             found += [self._refined(G, values) for values in beside]
-        # The most exact first: the caller keeps the first of those that are one.
+        # The most exact first: the caller keeps the first of duplicates.
         ranked = sorted(((self._miss(G, values), n) for n, values in enumerate(found)))
         return [(self._unscaled(found[n]), (False,) * JOINTS) for miss, n in ranked if miss < _NO_SOLUTION]
 
@@ -92,7 +92,7 @@ class Elimination:
         return found, False
 
     def _refined(self, G: Matrix, values: Vector) -> Vector:
-        """Return values near a solution brought nearer by Newton steps; where axes have no bearing they stay."""
+        """Return values improved by Newton steps; axes that have no effect keep theirs."""
         for _ in range(_STEPS):
             T, J = self._pose_and_jacobian(values)
             rest = G @ inverse(T)
@@ -178,7 +178,7 @@ def _values(loop: OpenedLoop, solutions: list[tuple[float, float, float]], openi
 
 
 def elimination(serial: Serial) -> Elimination | None:
-    """Return the solver of a row of six joints, or None where the equations never tell solutions apart."""
+    """Return the solver of a row of six joints, or None if the equations never separate solutions."""
     if len(serial.screws) != JOINTS:
         return None
     solver = Elimination(serial)
@@ -186,7 +186,7 @@ def elimination(serial: Serial) -> Elimination | None:
 
 
 def _perturbed(G: Matrix) -> Matrix:
-    """Return a pose a hair's breadth beside another, in no direction that an axis might have."""
+    """Return a pose next to another, displaced in a generic direction."""
     rng = np.random.default_rng(20240229)
     axis = rng.normal(size=3)
     R = rotation(axis / float(np.linalg.norm(axis)), _PERTURBATION)

@@ -1,6 +1,6 @@
-"""A loop of six joints, opened before one of them: its equations, and its outer joints once the inner are known.
+"""A loop of six joints, opened before one of them: its equations, and its outer joints from the inner ones.
 
-E1·E2·E3·E4·E5·E6 = G. An arrow on the axis of joint 6 does not see it turn: E3·E4·E5·arrow = E2⁻¹·E1⁻¹·G·arrow are
+E1·E2·E3·E4·E5·E6 = G. An arrow on the axis of joint 6 is not changed by it: E3·E4·E5·arrow = E2⁻¹·E1⁻¹·G·arrow are
 fourteen equations. Without the eight products of joints 1 and 2 on the right, six are left for joints 3, 4 and 5.
 """
 
@@ -36,7 +36,7 @@ class OpenedLoop:
         row: The six joints in the order of the loop.
         parts: Their coefficients, (3, 15, 15) each; see `conformal.coefficients`.
         end: (15,) the arrow on the last joint.
-        goal: (15,) where the loop wants it.
+        goal: (15,) its place in the closed loop.
     """
 
     row: list[Screw]
@@ -93,7 +93,7 @@ def inner_order(hidden: int) -> tuple[int, int, int]:
 
 
 def closed(loop: OpenedLoop, inner: tuple[float, float, float], G: Matrix) -> list[list[float]]:
-    """Return all six values, given those of joints 3, 4, 5: once, or more often where several outer joints fit."""
+    """Return all six values, given those of joints 3, 4, 5; several if several outer joints fit."""
     middle = np.eye(4)
     for screw, value in zip(loop.row[2:5], inner, strict=True):
         middle = middle @ screw.T(value)
@@ -116,7 +116,7 @@ def _outer_pairs(loop: OpenedLoop, middle: Matrix, G: Matrix) -> list[JointPair]
     first = _value(loop.row[0], table[:, :2].ravel(), table[:, 1:].ravel())
     if sizes[-1] > _DEPENDENT * sizes[0] and _miss(loop, (first, second), middle, G) < _MET:
         return [(first, second)]
-    # At this pose the products do not tell the two joints apart: by geometry then.
+    # At this pose the products do not separate the two joints: solve by geometry.
     candidates = [(first, second), *_by_geometry(loop, middle, G)]
     return [pair for pair in candidates if _miss(loop, pair, middle, G) < _NEAR]
 

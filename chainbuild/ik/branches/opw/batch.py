@@ -23,30 +23,30 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_CHUNK: Final = 2048  # poses at a time: what they need stays in the processor's cache
+_CHUNK: Final = 2048  # poses at a time: their data stay in the processor's cache
 _LAST_ROW: Final = (0.0, 0.0, 0.0, 1.0)  # of a rigid transform
 
 
 def ik_all_batch(
     mechanism: Mechanism, poses: Sequence[Pose] | ArrayLike, *, limits: bool = True, compiled: bool = True
 ) -> Array:
-    """Return all branches (n, 8, 6) of poses, mm and degrees; not a number where a branch does not exist.
+    """Return all branches (n, 8, 6) of poses, mm and degrees; NaN where a branch does not exist.
 
-    They are the branches of `ik_all` without a start: whole turns end near the middle of the limits, where an axis
-    without bearing on a pose also stands. Every row of numbers was confirmed by forward kinematics to 1e-6 m and
+    They are the branches of `ik_all` without a start: whole turns end near the middle of the limits, and an axis that
+    does not affect a pose is placed there. Every row of numbers was confirmed by forward kinematics to 1e-6 m and
     1e-6 rad. Slot 4·flip + 2·shoulder + elbow is the same branch in every pose: flip 0 has θ5 ≥ 0 (the wrist turned
     from straight in the one sense), shoulder 0 the arm in front of axis 1, elbow 0 and 1 its two bends. Branches that
     coincide fill the first of their slots.
 
     Args:
-        mechanism: A six-axis arm whose axes stand at right angles or parallel, with a spherical wrist.
+        mechanism: A six-axis arm with axes at right angles or parallel and a spherical wrist.
         poses: (n, 4, 4) tool in the workpiece frame [m], or `pin.SE3`.
         limits: True: axes are moved by whole turns into their limits, and branches outside them left out; False:
-            every branch, whatever the limits.
-        compiled: False: NumPy, even where numba is installed.
+            every branch, regardless of limits.
+        compiled: False: NumPy, even if numba is installed.
 
     Raises:
-        ChainbuildError: the robot is no such arm, or a pose is no rigid transform.
+        ChainbuildError: the robot is not such an arm, or a pose is not a rigid transform.
     """
     targets = pose_array(poses)
     constants = _constants(mechanism, limits)
@@ -69,7 +69,7 @@ def _constants(mechanism: Mechanism, limits: bool) -> Array:
     constants = mechanism.prepared("OPW constants", lambda: opw_constants(mechanism, limits=limits), limits)
     if constants is None:
         raise ChainbuildError(
-            "there is no closed form over arrays for this kinematic",
+            "ik_all_batch does not support this kinematic",
             permitted="six-axis arms with axes at right angles or parallel and a spherical wrist",
         )
     return constants
@@ -102,7 +102,7 @@ def _keep_sums(mechanism: Mechanism, axes: Array) -> None:
 
 
 def _refuse_what_is_not_rigid(targets: Array, doubtful: NDArray[np.intp]) -> None:
-    """Raise for the first pose that is no rigid transform; only those are looked at that have no confirmed branch."""
+    """Raise for the first pose that is not a rigid transform; only poses without a confirmed branch are checked."""
     for first in range(0, len(doubtful), _CHUNK):
         rows = doubtful[first : first + _CHUNK]
         T = targets[rows]

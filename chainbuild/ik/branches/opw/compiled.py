@@ -39,7 +39,7 @@ for _name in _FORMULAS:
 
 @overload(root, jit_options=_INLINE)
 def _root(value):
-    # No formula hands over anything negative; the compiler has to see it, else it calls the library, which sets errno.
+    # No formula passes a negative value; the compiler must see it, else it calls the library, which sets errno.
     return lambda value: math.sqrt(abs(value))
 
 
@@ -94,7 +94,7 @@ def _sine_cosine(angle):
 
 
 def _sine_cosine_without_jumps(angle):
-    """Sine and cosine to 1e-11: Taylor's series on ±π/2, mirrored for every half turn. It is there for confirming."""
+    """Sine and cosine to 1e-11: Taylor's series on ±π/2, mirrored for every half turn. Used for confirming."""
     half_turns = np.rint(angle * (1.0 / math.pi))
     r = angle - half_turns * math.pi
     sign = 1.0 - 4.0 * abs(0.5 * half_turns - np.rint(0.5 * half_turns))
@@ -147,7 +147,7 @@ def _lane(poses, constants, found):
 
 @numba.njit(**FAST)
 def _block(poses, constants, axes, doubtful):
-    """Find the branches of poses, lane by lane; what stands between fits into the processor's nearest cache."""
+    """Find the branches of poses, lane by lane; intermediate data fit into the processor's nearest cache."""
     found = np.empty(48 * _LANE)
     for first in range(0, len(poses), _LANE):
         last = min(first + _LANE, len(poses))
@@ -170,7 +170,7 @@ def _all_branches(fingerprint: int) -> Any:
             poses: (N, 4, 4) tool in the workpiece frame [m].
             constants: (n, 6), see `opw_branches.CONSTANTS`.
             axes: (N, 48) out: eight times six axis values, mm and degrees.
-            doubtful: (N,) out: True where no branch vouches for a pose or its last row is not 0 0 0 1.
+            doubtful: (N,) out: True where no branch confirms a pose or its last row is not 0 0 0 1.
         """
         if len(poses) < _ALONE:
             _block(poses, constants, axes, doubtful)

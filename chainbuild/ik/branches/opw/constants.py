@@ -22,15 +22,15 @@ _NO_LIMIT: Final = 1e300  # infinity times zero turns would be no number
 _SHORTEST: Final = 1e-6  # upper arm and forearm of at least this [m]
 _WHOLE: Final = 1e-9  # a determinant so near to 1 is one but for rounding: axes and joints make the same turns
 _SAMPLES: Final = 16  # any wrong constant shows in the first one
-_EXACT: Final = 1e-9  # what samples may miss [m, rad]
+_EXACT: Final = 1e-9  # permitted error of samples [m, rad]
 
 
 def opw_constants(mechanism: Mechanism, *, limits: bool) -> Matrix | None:
-    """Return the constants (n, 6) of a robot, see `opw_branches.CONSTANTS`; None where the closed form is not its own.
+    """Return the constants (n, 6) of a robot, see `opw_branches.CONSTANTS`; None if the closed form does not apply.
 
     Args:
         mechanism: The mechanism.
-        limits: False: as if no axis had any.
+        limits: False: ignore the limits.
     """
     axis_map = mechanism.chain.axis_map
     if not isinstance(axis_map, AffineMap) or len(mechanism.axes) != 6 or mechanism.chain.loops:
@@ -81,7 +81,7 @@ def _filled(arm: OpwArm, back: Matrix, zero: Matrix, query: BranchQuery, limits:
 
 
 def _confirmed(mechanism: Mechanism, constants: Matrix) -> bool:
-    """Return whether what branches are confirmed by is the robot's own forward kinematics, on random axis values."""
+    """Return whether the formulas that confirm branches match the robot's forward kinematics, on random axis values."""
     base, flange, arm, _, backward, _ = constant_rows(constants)
     axes = np.random.default_rng(0).uniform(-170.0, 170.0, (_SAMPLES, 6))
     T = mechanism.fk_batch(axes)[:, :3].reshape(_SAMPLES, 12).T

@@ -29,8 +29,8 @@ CONSTANTS: Final = (
     "flange",  # twelve numbers: inverse of the tool on the sixth axis
     "lengths",  # a1, b, c1, c2, forearm, its square [m]
     "bend",  # angle of the forearm's line from its c3, its cosine, its sine; a2, c3
-    "keep",  # cosine and sine of θ1 and θ4 at the start: where an angle without bearing stands
-    "tip",  # tool on the sixth axis [m], squares of what may be missed [m², rad²]
+    "keep",  # cosine and sine of θ1 and θ4 at the start: values of an angle without effect
+    "tip",  # tool on the sixth axis [m], squared tolerances [m², rad²]
     "turn",  # (6, 6) axis values = turn·θ + shift, mm and degrees
     "shift",
     "back",  # (6, 6) θ = back·axes + zero
@@ -67,7 +67,7 @@ def where(condition: Operand, a: Operand, b: Operand) -> Operand:
 
 
 def constant_rows(constants: Operand) -> Operand:
-    """Return constants (n, 6) as tuples: what stands in variables of its own is read once, not at every pose."""
+    """Return constants (n, 6) as tuples: separate variables are read once, not at every pose."""
     return (
         six(constants, 0) + six(constants, 1),
         six(constants, 2) + six(constants, 3),
@@ -93,7 +93,7 @@ def six(c: Operand, row: int) -> Operand:
 
 
 def all_branches(T: Operand, rows: Operand) -> Operand:
-    """Return the axis values of eight branches, six each; not a number where there is none."""
+    """Return the axis values of eight branches, six each; NaN where there is none."""
     M, a, b, c, d = upper_branches(T, rows)
     return (
         finished(a, M, rows), finished(b, M, rows), finished(c, M, rows), finished(d, M, rows),
@@ -135,7 +135,7 @@ def product(a: Operand, b: Operand) -> Operand:
 def shoulders(M: Operand, arm: Operand) -> Operand:
     """Return cosine and sine of θ1 and the reach from axis 2 on, in front of axis 1 and behind it.
 
-    The wrist centre stands at `out` along the arm and b aside of it. On axis 1 θ1 has no bearing, and the arm behind it
+    The wrist centre is at `out` along the arm and b beside it. On axis 1 θ1 has no effect, and the arm behind it
     is the same as the arm in front.
     """
     a1, b = arm[0][0], arm[0][1]
@@ -171,13 +171,13 @@ def elbows(reach: Operand, z: Operand, arm: Operand) -> Operand:
 
 
 def in_range(cosine: Operand) -> Operand:
-    """Return a cosine; what rounding took out of its range is put back, not a number where it is out by more."""
+    """Return a cosine, clipped to its range within rounding; NaN beyond."""
     inside = np.minimum(np.maximum(cosine, -1.0), 1.0)
     return where(np.abs(cosine) < 1.0 + TOUCH, inside, np.nan)
 
 
 def both_elbows(M: Operand, c1: Operand, s1: Operand, triangle: Operand, arm: Operand) -> Operand:
-    """Return the six angles of both elbows, each with whether its wrist stands straight."""
+    """Return the six angles of both elbows, each with whether its wrist is straight."""
     cos_line, sin_line, cos_lift, sin_lift, cos_elbow, sin_elbow, bend, one = triangle
     bent, cos_bend, sin_bend = arm[1][0], arm[1][1], arm[1][2]
     first = arctan2(s1, c1)
@@ -193,7 +193,7 @@ def both_elbows(M: Operand, c1: Operand, s1: Operand, triangle: Operand, arm: Op
 
 
 def wrist_angles(M: Operand, c1: Operand, s1: Operand, s23: Operand, c23: Operand, arm: Operand) -> Operand:
-    """Return θ4, θ5, θ6 and whether θ5 is a multiple of π, where θ4 has no bearing on its own."""
+    """Return θ4, θ5, θ6 and whether θ5 is a multiple of π, where θ4 has no effect of its own."""
     ahead_0, ahead_1, ahead_2 = M[0] * c1 + M[4] * s1, M[1] * c1 + M[5] * s1, M[2] * c1 + M[6] * s1
     side_0, side_1, side_2 = M[4] * c1 - M[0] * s1, M[5] * c1 - M[1] * s1, M[6] * c1 - M[2] * s1
     up_0, up_1, up_2 = ahead_0 * c23 - M[8] * s23, ahead_1 * c23 - M[9] * s23, ahead_2 * c23 - M[10] * s23
@@ -213,7 +213,7 @@ def flipped(branch: Operand) -> Operand:
 
 
 def finished(branch: Operand, M: Operand, rows: Operand) -> Operand:
-    """Return the axis values of a branch inside the limits that meets the pose, else what is no number."""
+    """Return the axis values of a branch if it is inside the limits and meets the pose, else NaN."""
     _, _, arm, forward, backward, limits = rows
     x = affine(branch, forward)
     x0, in_0 = inside(x[0], limits, 0)

@@ -1,6 +1,6 @@
 """Parameters of an ortho-parallel arm with a spherical wrist, measured on the axes of a chain.
 
-The seven lengths and the zero pose are those of Brandstötter, Angerer, Hofbaur 2014: at zero the arm stands straight
+The seven lengths and the zero pose are those of Brandstötter, Angerer, Hofbaur 2014: at zero the arm points straight
 up, axis 1 along z, axes 2, 3 and 5 along y, axes 4 and 6 along z.
 """
 
@@ -30,7 +30,7 @@ class OpwArm:
         signs: (6,) joint value → angle from the zero pose.
         offsets: (6,) added after the sign [rad].
         T_base_arm: (4, 4) the arm's own base in the workpiece frame.
-        T_flange_tool: (4, 4) what stands on its sixth axis.
+        T_flange_tool: (4, 4) tool on its sixth axis.
     """
 
     parameters: dict[str, float]
@@ -59,10 +59,10 @@ class OpwArm:
 
 
 def opw_arm(serial: Serial) -> OpwArm | None:
-    """Return the parameters of an arm, or None where it is no ortho-parallel arm with a spherical wrist."""
+    """Return the parameters of an arm, or None if it is not an ortho-parallel arm with a spherical wrist."""
     if len(serial.screws) != 6 or any(screw.kind != "revolute" for screw in serial.screws):
         return None
-    # As drawn: which side is in front, and which way the wrist bends, is no matter of how the axes count.
+    # As drawn: the front side and the bend of the wrist do not depend on how the axes count.
     w = [screw.sense * screw.direction for screw in serial.screws]
     centre = wrist_centre(serial.screws[3:])
     crossing = ((0, 1), (2, 3), (3, 4), (4, 5))

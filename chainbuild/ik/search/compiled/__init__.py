@@ -1,1 +1,4 @@
-"""Room."""
+"""The compiled twins of the plain search (extra `fast`).
+
+In reading order: `packing`, `kernels`, `limits`, `starts`, `search`, `entries`.
+"""

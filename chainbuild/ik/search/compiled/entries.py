@@ -1,7 +1,7 @@
 """Entry points of the compiled path, kept on disk.
 
 numba compiles an entry point at its first call and keeps the machine code beside this file (or in the user's cache
-folder), so that only the first call after an installation takes long. It tells stale code by this file and by the
+folder), so that only the first call after an installation takes long. It detects stale code by this file and by the
 variables an entry point closes over, not by the files of the functions it calls: hence the fingerprint.
 """
 

@@ -65,13 +65,13 @@ class Work(NamedTuple):
     small: Any  # (9,)
     features: Any  # (12,)
     W: Any  # (3, 4)
-    seen: Any  # (13,) what is looked up of turned starts, and the azimuth
+    seen: Any  # (13,) lookup data of turned starts, and the azimuth
     key: Any  # (6,) the same in single precision
 
 
 @jit
 def unpack(data, rows, sizes):
-    """Return views of a problem that lies in two arrays: handing over two costs less than twenty.
+    """Return views of a problem packed in two arrays: passing two costs less than passing twenty.
 
     sizes: k, n, coupled limits, starts, axis, shown axis, rows, weighted, turned starts, their first and last axis,
     then where each part ends.
@@ -185,7 +185,7 @@ def tilt(T, target, axis, error, d):
 
 @jit
 def tool_error(T, target, axis, error, small):
-    """Write what the tool still has to move, in its own frame: shift, then turn (of one axis where `axis` ≥ 0)."""
+    """Write the remaining motion of the tool in its own frame: shift, then rotation (of one axis if `axis` ≥ 0)."""
     x, y, z = target[0, 3] - T[0, 3], target[1, 3] - T[1, 3], target[2, 3] - T[2, 3]
     for i in range(3):
         error[i] = T[0, i] * x + T[1, i] * y + T[2, i] * z

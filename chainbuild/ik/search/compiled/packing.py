@@ -1,4 +1,4 @@
-"""The door to the compiled path: is it there, and problems as its arrays."""
+"""Entry to the compiled path: whether it is installed, and problems packed as its arrays."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from chainbuild.ik.search.starts.turned import TurnedStarts
 
 @cache
 def available() -> bool:
-    """Return whether numba is installed (extra `fast`) and goes with the NumPy there is."""
+    """Return whether numba is installed (extra `fast`) and supports the installed NumPy."""
     try:
         import_module("numba")
     except ImportError:
@@ -41,7 +41,7 @@ def compiled_search(
 
 @cache
 def entries() -> Any:
-    """Return the module of compiled entry points; numba is imported here, not before it is needed."""
+    """Return the module of compiled entry points; numba is imported here, at first use."""
     from chainbuild.ik.search.compiled import entries as compiled_entries
 
     return compiled_entries
@@ -81,7 +81,7 @@ def _pack(problem: Problem) -> Packed | None:
 def _turned(
     starts: TurnedStarts | None, n: int
 ) -> tuple[tuple[int, int, int], NDArray[np.float32], tuple[ArrayLike, ...]]:
-    """Return sizes, what is in single precision, and what is not of turned starts, empty where there are none."""
+    """Return sizes, single-precision and double-precision data of turned starts, empty if there are none."""
     if starts is None:
         parts = (np.empty((0, n)), np.empty((0, n + 2, 12)), np.eye(4), np.eye(4), (1.0, 1.0), (1.0,))
         return (0, 0, 0), np.empty((8, 0), np.float32), parts

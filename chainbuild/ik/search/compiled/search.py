@@ -50,7 +50,7 @@ def stop_at_limits(problem, y, work, damping):
 def descend(problem, target, y, work, inside, goal, close_enough, steps, stall_share):
     """Iterate y from one start; return whether the pose is met, the squared error and the steps taken.
 
-    The arrays are named here once: every look into a tuple counts references, which costs more than the arithmetic.
+    The arrays are named once here: every tuple access counts references, which costs more than the arithmetic.
     """
     fixed, prismatic, A, b, weights = problem.fixed, problem.prismatic, problem.A, problem.b, problem.weights
     lower, upper, axis, rows, weighted = problem.lower, problem.upper, problem.axis, problem.rows, problem.weighted
@@ -205,12 +205,12 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
             turned = turn_inside(problem, y)
             beyond = excess(problem, y)
             if beyond <= _SLACK:
-                if beyond > 0.0:  # to the last digit; a start, or a free descent, may stand a rounding beyond
+                if beyond > 0.0:  # to the last digit; a start, or a free descent, may be beyond by rounding
                     for n in range(len(y)):
                         y[n] = min(max(y[n], problem.lower[n]), problem.upper[n])
                     onto_sums(problem, y)
                     turned = True
-                # The last step of the descent was forward kinematics at y; only what moved since is looked at again.
+                # The last step of the descent was forward kinematics at y; only what moved since is checked again.
                 if near(problem, y, wanted) or turned or problem.weighted or problem.axis != problem.shown_axis:
                     distance, angle = errors(problem, target, y, work)
                 else:
@@ -228,7 +228,7 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
         ):
             break
     if has_start and least < np.inf:
-        # The branch that the start is on tells best what is in the way.
+        # The branch of the start shows best which limit is violated.
         y[:] = start
         inside = attempt < 0  # numba would compile the descent once more for a literal
         met, _, taken = descend(
@@ -262,21 +262,21 @@ def too_far(problem, target):
 
 @jit
 def turns_count(problem):
-    """Return whether the task asks for any turn."""
+    """Return whether the task includes any rotation."""
     return problem.weights[3] + problem.weights[4] + problem.weights[5] > 0.0
 
 
 @jit
 def track(problem, work, targets, last, accuracy, most, y, counts, misses):
-    """Follow a path, each pose from the one before, as long as it stays easy.
+    """Follow a path, each pose from the previous one, while single short descents suffice.
 
     Args:
         problem: Arrays.
         work: Scratch.
         targets: (N, 4, 4) poses.
-        last: (n,) where the axes are before the first.
+        last: (n,) axis values before the first pose.
         accuracy: (4,) see `search`.
-        most: Largest step of an axis that is taken without looking for a nearer branch.
+        most: Largest step of an axis that is accepted without a search for a nearer branch.
         y: (N, n) out: answers.
         counts: (N, 3) out: outcome, steps, starts after the first.
         misses: (N, 2) out: distance and angle left.
@@ -289,7 +289,7 @@ def track(problem, work, targets, last, accuracy, most, y, counts, misses):
     for i in range(len(targets)):
         now = y[i]
         now[:] = last
-        if i >= 2:  # where the axes would be if they went on as they do
+        if i >= 2:  # extrapolated axis values
             for n in range(len(now)):
                 now[n] = min(max(2.0 * last[n] - y[i - 2, n], problem.lower[n]), problem.upper[n])
         met, _, taken = descend(

@@ -24,7 +24,7 @@ fastmath_jit: Final[Any] = numba.njit(error_model="numpy", fastmath=True)
 
 @jit
 def rank_starts(problem, work, target, distances):
-    """Write how far each start is from the target; of turned starts, fill `work` with what is looked up."""
+    """Write how far each start is from the target; of turned starts, fill `work` with the lookup data."""
     if len(problem.turned_values) > 0:
         _look(problem, work, target)
         _rank(problem.turned_rows, work.key, distances)
@@ -43,7 +43,7 @@ def rank_starts(problem, work, target, distances):
 
 @fastmath_jit
 def _rank(rows, key, distances):
-    """Write the weighted squared distance of each point's key, and what it stands at the edge."""
+    """Write the weighted squared distance of each point's key, plus its penalty at the edge."""
     a, b, c, d, e, f = key[0], key[1], key[2], key[3], key[4], key[5]
     for s in range(len(distances)):
         near = a * rows[0, s] + b * rows[1, s] + c * rows[2, s]
@@ -53,14 +53,14 @@ def _rank(rows, key, distances):
 
 @fastmath_jit
 def remove_edge_penalty(rows, distances):
-    """Take off what points stand at the edge: that is for the first start alone."""
+    """Remove the edge penalty of points: it applies to the first start only."""
     for s in range(rows.shape[1]):
         distances[s] -= rows[7, s]
 
 
 @fastmath_jit
 def _least(distances):
-    """Return the smallest of some numbers, none of which is NaN; four at a time, for each waits for the one before."""
+    """Return the smallest of some numbers without NaN; four at a time, since each waits for the previous one."""
     count = len(distances)
     a = b = c = d = distances[0]
     for s in range(0, count - 3, 4):

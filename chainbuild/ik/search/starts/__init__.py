@@ -1,1 +1,4 @@
-"""Room."""
+"""Where a search begins.
+
+In reading order: `sampled`, `arm_reach`, `turned`.
+"""

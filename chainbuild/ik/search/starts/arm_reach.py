@@ -1,8 +1,8 @@
-"""What an arm certainly cannot reach: its turning joints, stretched out, are too short.
+"""Poses that an arm certainly cannot reach: even stretched out it is too short.
 
-With T = F·M₀(u₀)·…·Mₖ(uₖ)·E, first and last joint included, the origin of W = F⁻¹·T·E⁻¹ is not farther away than all
-lengths in between put in a line. How the tool stands is in this, for E⁻¹ takes the tool off: many poses that only their
-orientation puts out of reach are found out, too. What lies along the first or the last axis is moved to F and E. Where
+With T = F·M₀(u₀)·…·Mₖ(uₖ)·E, first and last joint included, the origin of W = F⁻¹·T·E⁻¹ is not farther away than the
+sum of all lengths in between. This includes the orientation, since E⁻¹ removes the tool: many poses that only their
+orientation puts out of reach are detected, too. What lies along the first or the last axis is moved to F and E. Where
 axes are parallel, what lies along them adds up with its signs and stands square to what lies across: an arm of two
 lengths l and m with its parts stepping aside by a and back by b reaches the diagonal of l + m and a − b.
 """
@@ -25,7 +25,7 @@ _ROUNDED: Final = 1e-9  # m: a stretched arm reaches its own length, rounding in
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ends:
-    """What stands before the first and behind the last joint that the free axes move.
+    """Constant transforms before the first and after the last joint that the free axes move.
 
     Attributes:
         begin: Index of the first such joint.
@@ -55,7 +55,7 @@ class ArmReach:
     length: float
 
     def distance(self, target: Matrix) -> float:
-        """Return how far away the last joint would have to be for a target (4, 4) [m]."""
+        """Return the distance of the last joint that a target (4, 4) requires [m]."""
         x, y, z = self.before.dot(target).dot(self.after)[:3, 3].tolist()
         return math.sqrt(x * x + y * y + z * z)
 
@@ -84,7 +84,7 @@ def _held(arm: Product, begin: int, end: int) -> Matrix:
 
 
 def arm_reach(arm: Product) -> ArmReach | None:
-    """Return the reach of an arm of turning joints, or None where one of them shifts or there are fewer than two.
+    """Return the reach of an arm of rotary joints, or None if one is linear or there are fewer than two.
 
     Args:
         arm: From the workpiece to the tool, by the free axes.

@@ -1,7 +1,7 @@
 """Configurations to start a search from: a fixed table whose poses are known.
 
-The search begins where the table comes nearest to the target. A few hundred points are enough to make most searches
-end in the first descent, and looking through them costs less than one step of it.
+The search begins where the table comes nearest to the target. With a few hundred points most searches end in
+the first descent, and a lookup costs less than one of its steps.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import poses_at
 
 _COUNT: Final = 256  # points: ranked in a few microseconds
-_TURN_SHARE: Final = 0.3  # a squared turn counts as much as this share of the squared spread of the positions
-_KEPT_TRIES: Final = 8  # candidates drawn a point where coupled limits forbid some
+_TURN_SHARE: Final = 0.3  # weight of a squared rotation as a share of the squared spread of the positions
+_KEPT_TRIES: Final = 8  # candidates drawn per point if coupled limits exclude some
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,7 +52,7 @@ class Starts:
         return _starts(self.points, features, scale, self.centre)
 
     def distances(self, target: Matrix) -> Vector:
-        """Return how far each start's pose (count,) is from a target (4, 4), less a number that is the same for all."""
+        """Return how far each start's pose (count,) is from a target (4, 4), up to a common constant."""
         squared: Vector = self.offsets - self.rows.dot(target[:3].ravel() * self.doubled)
         return squared
 
@@ -126,14 +126,14 @@ def off_middle(box: Box, middle: Vector, points: Matrix) -> Matrix:
 
 
 def _one_turn(box: Box, middle: Vector) -> tuple[Vector, Vector]:
-    """Return limits to draw from: of an axis that may turn more than once no more than one turn, about the middle."""
+    """Return limits to draw from: at most one turn of a rotary axis, about the middle."""
     lower, upper = finite_span(box.lower, box.upper)
     most = np.where(box.periodic, math.pi, math.inf)
     return np.maximum(lower, middle - most), np.minimum(upper, middle + most)
 
 
 def _poses(mechanism: Mechanism, x: Matrix) -> tuple[Matrix, NDArray[np.bool_]]:
-    """Return the poses (N, 4, 4) and where there is one."""
+    """Return the poses (N, 4, 4) and which of them exist."""
     product = mechanism.kinematics.product
     if product is not None:
         return poses_at(product, x, np.ones(x.shape[1])), np.ones(len(x), dtype=bool)

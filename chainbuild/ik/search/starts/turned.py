@@ -1,11 +1,11 @@
 """Starts for arms whose first axis turns the whole arm and whose last one turns the tool.
 
-What the two can do needs no search: of the six freedoms of a pose they leave four, and a table of a thousand points
-is dense in four. A point is looked up by the key of the target (below), moved by one Newton step towards
+These two axes need no search: of the six freedoms of a pose they leave four, and a table of a thousand points is
+dense in four. A point is looked up by the key of the target (below), moved by one Newton step towards
 it, and turned: by the first axis into the plane of the target, by the last one upright.
 
-With T = F·Rz(u)·M·Rz(v)·E the matrix W = F⁻¹·T·E⁻¹ shows M but for a turn about z on either side. What such turns leave
-alone, seen in the plane through z and the origin of W, are five numbers, the key:
+With T = F·Rz(u)·M·Rz(v)·E the matrix W = F⁻¹·T·E⁻¹ is M up to a rotation about z on either side. The invariants of such
+rotations, in the plane through z and the origin of W, are five numbers, the key:
 
         z ▲        ╱ direction of the last axis (3 numbers of length 1)
           │      ●
@@ -31,28 +31,28 @@ from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import Product, poses_at
 
 COUNT: Final = 1024  # of points: dense in four dimensions, and ranked in some microseconds
-DIRECTION_SHARE: Final = 0.4  # of the spread of radius and height: so much does the direction count
-NO_RADIUS: Final = 1e-9  # m: on the first axis any plane will do
+DIRECTION_SHARE: Final = 0.4  # weight of the direction, as a share of the spread of radius and height
+NO_RADIUS: Final = 1e-9  # m: on the first axis any plane fits
 
 _STEP: Final = 1e-6  # rad or m, of the derivatives
 _DAMPING: Final = 1e-5  # share of the squared spread
-_STIFF: Final = 0.05  # share of the spread: a point whose key follows its axes less than this counts as one that does
-_EDGE: Final = 0.2  # of the spread: by so much is a point taken to be farther for each axis at the edge of its range
+_STIFF: Final = 0.05  # share of the spread: lower bound of how much a point's key follows its axes
+_EDGE: Final = 0.2  # share of the spread: distance added to a point for each axis at the edge of its range
 _NEAR_AXIS: Final = 0.3  # of the spread: points of a smaller radius are also seen from behind
 _FREEDOMS: Final = 4  # of a key: its direction is of length 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TablePoints:
-    """Points of an arm; nothing here depends on where it stands or what it holds.
+    """Points of an arm, independent of its base and its tool.
 
     Attributes:
         values: (count, n_free) SI values; that of the axis which turns the arm less what it takes to azimuth 0.
         scale: What makes directions comparable with lengths [m].
         rows: (6, count) and
         offsets: (count,) of the weighted squared distance to a key k: offsets + (k, k·k)·rows. In single precision.
-        edges: (count,) what makes a point count as farther whose axes stand at the edge of their ranges: of points
-            about as near, the first start is one in the middle. In single precision.
+        edges: (count,) distance added to points whose axes are at the edge of their ranges: of points about as near,
+            the first start is one in the middle. In single precision.
         maps: (count, n_free + 2, 12) applied to (key, X and Y of W in its plane, 1): how far each axis moves towards
             the key, then cosine and sine of the turn of the last axis, which comes on top.
     """
@@ -74,7 +74,7 @@ def table_points(
     signs: tuple[float, float],
     seed: int,
 ) -> TablePoints:
-    """Draw the points and look how their keys follow their axes.
+    """Draw the points and measure how their keys follow their axes.
 
     Args:
         arm: From the workpiece to the tool, by the free axes.
@@ -125,7 +125,7 @@ def table_points(
 
 
 def _points_facing(arm: Product, ends: tuple[Matrix, Matrix], values: Matrix) -> tuple[Matrix, Vector]:
-    """Return points and how they are seen: those near the first axis once more, from behind.
+    """Return points and their viewing sides: those near the first axis also from behind.
 
     An arm that reaches just behind the first axis is next to one that reaches just before it, half a turn away.
     """
@@ -135,7 +135,7 @@ def _points_facing(arm: Product, ends: tuple[Matrix, Matrix], values: Matrix) ->
 
 
 def _spread(keys: Matrix) -> float:
-    """Return the mean square of what radius and height of keys (N, 5) are off their mean [m²]."""
+    """Return the mean squared deviation of radius and height of keys (N, 5) [m²]."""
     return float(((keys[:, :2] - keys[:, :2].mean(axis=0)) ** 2).sum(axis=1).mean()) or 1.0
 
 
@@ -163,15 +163,15 @@ def _half_turn(angles: Vector) -> Vector:
     return turned
 
 
-LARGEST_STEP: Final = 0.5  # rad or m that an axis goes from its point to the start handed out
+LARGEST_STEP: Final = 0.5  # rad or m that an axis moves from its point to the start
 
-_MIN_JOINTS: Final = 4  # below that nothing is worth a table
-_MAX_TABLES: Final = 2  # tables a robot: where axes between are held at ever other values, none is worth its making
+_MIN_JOINTS: Final = 4  # fewer do not need a table
+_MAX_TABLES: Final = 2  # tables per robot: if axes in between are held at ever new values, a table does not pay
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TableKey:
-    """What is looked up for a target.
+    """Lookup data of a target.
 
     Attributes:
         key: (6,) its key and the key's square, in single precision.
@@ -186,7 +186,7 @@ class TableKey:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TurnedStarts:
-    """The table of an arm as it stands.
+    """The table of an arm with its base and tool.
 
     Attributes:
         points: The table.
@@ -205,7 +205,7 @@ class TurnedStarts:
     signs: tuple[float, float]
 
     def query(self, target: Matrix) -> TableKey:
-        """Return what is looked up for a target (4, 4)."""
+        """Return the lookup data of a target (4, 4)."""
         (a, b, dx, x), (d, e, dy, y), (g, h, dz, z), _ = self.before.dot(target).dot(self.after).tolist()
         radius = math.hypot(x, y)
         c, s = (x / radius, y / radius) if radius > NO_RADIUS else (1.0, 0.0)
@@ -240,7 +240,7 @@ class TurnedStarts:
 
 
 def turned_starts(mechanism: Mechanism, arm: Product, box: Box, middle: Vector, seed: int) -> TurnedStarts | None:
-    """Return the table of an arm, or None where its first or last axis is no such turn.
+    """Return the table of an arm, or None if its first or last axis is not such a rotation.
 
     Args:
         mechanism: The mechanism.

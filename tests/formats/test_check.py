@@ -1,0 +1,94 @@
+"""`check` reports content and never raises on it; it agrees with what `load` and `chain` refuse."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import chainbuild
+from chainbuild.errors import ChainbuildError, FileAccessError
+from tests.kit.machine_files import machine_file
+
+
+def errors(path: Path, **options: Path) -> list[str]:
+    return [finding.text for finding in chainbuild.check(path, **options) if finding.severity == "error"]
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"", "empty"),
+        (b" \n\t", "empty"),
+        (b"trafo[0].id 9\n\0", "NUL"),
+        (b"\xff\xfe", "neither SINUMERIK"),
+        (b"trafo[0].id 9\n#" + b"x" * 200_000, "characters"),
+        (b"hello", "neither SINUMERIK"),
+        (b"<a" * 100, "malformed"),
+    ],
+)
+def test_faulty_content_is_a_finding(content: bytes, says: str, tmp_path: Path) -> None:
+    path = tmp_path / "bad.lis"
+    path.write_bytes(content)
+    (text,) = errors(path)
+    assert says in text
+    with pytest.raises(ChainbuildError, match=says):
+        chainbuild.load(path)
+    overlay = tmp_path / "bad.toml"
+    overlay.write_bytes(content)
+    found = errors(Path("irb2600"), overlay=overlay)
+    assert bool(found) == bool(content.strip(b"\xff\xfe \n\t"))
+
+
+def test_a_file_that_is_too_large(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("chainbuild.tolerances.MAX_FILE_BYTES", 10)
+    path = tmp_path / "large.lis"
+    path.write_text("trafo[0].id 9\n", "utf-8")
+    assert "14 bytes" in errors(path)[0]
+
+
+def test_a_device_that_never_ends_does_not_fill_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("chainbuild.tolerances.MAX_FILE_BYTES", 10)
+    (text,) = errors(Path("/dev/zero"))
+    assert text == "the file has 11 bytes"
+
+
+def test_what_cannot_be_read_is_raised(tmp_path: Path) -> None:
+    for path in (tmp_path, tmp_path / "missing.lis"):
+        with pytest.raises(FileAccessError):
+            chainbuild.check(path)
+        with pytest.raises(FileAccessError):
+            chainbuild.check("irb2600", overlay=path)
+
+
+def test_an_unsupported_kinematic_beside_the_default_is_a_warning(tmp_path: Path) -> None:
+    path = machine_file(tmp_path, "trafo[0].id 9\ntrafo[1].id 37\n")
+    (finding,) = [f for f in chainbuild.check(path) if f.severity != "info"]
+    assert (finding.code, finding.severity) == ("CB223", "warning")
+    assert finding in chainbuild.load(path).findings
+    assert chainbuild.load(path).chain().kinematic == "KIN_TYP 9"
+
+
+@pytest.mark.parametrize("overlay", ["", "kinematic = 37"])
+def test_an_unsupported_default_is_an_error(overlay: str, tmp_path: Path) -> None:
+    text = "trafo[0].id 9\ntrafo[1].id 37\n" if overlay else "kinematik_id 37\ntrafo[0].id 9\ntrafo[1].id 37\n"
+    path = machine_file(tmp_path, text, overlay)
+    assert any("Delta robot" in text for text in errors(path))
+    with pytest.raises(ChainbuildError, match="Delta robot"):
+        chainbuild.load(path).chain()
+
+
+def test_an_unsupported_kinematic_that_the_overlay_passes_over_is_a_warning(tmp_path: Path) -> None:
+    path = machine_file(tmp_path, "kinematik_id 37\ntrafo[0].id 9\ntrafo[1].id 37\n", "kinematic = 9")
+    assert errors(path) == []
+    assert chainbuild.load(path).chain().kinematic == "KIN_TYP 9"
+
+
+def test_another_fault_of_a_second_kinematic_stays_an_error(tmp_path: Path) -> None:
+    path = machine_file(tmp_path, "trafo[0].id 9\ntrafo[1].id 45\ntrafo[1].param[20] 7\n")
+    assert any("HD21 is 7" in text for text in errors(path))
+
+
+def test_shipped_machines_have_no_errors() -> None:
+    for name in chainbuild.shipped():
+        assert errors(Path(name)) == []

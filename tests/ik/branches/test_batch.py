@@ -1,0 +1,279 @@
+"""Branches over arrays: the same as one by one, limits kept, every branch confirmed, bad poses refused."""
+
+from __future__ import annotations
+
+import math
+import tracemalloc
+from dataclasses import replace
+
+import numpy as np
+import py_opw_kinematics
+import pytest
+from scipy.spatial.transform import RigidTransform
+
+import chainbuild
+from chainbuild.chain.axismap import AffineMap
+from chainbuild.errors import ChainbuildError
+from chainbuild.ik.branches.core.query import BranchQuery
+from chainbuild.ik.branches.opw import (
+    batch,
+)
+from chainbuild.ik.branches.opw import (
+    compiled as compiled_opw,
+)
+from chainbuild.ik.branches.opw import (
+    constants as opw_constants,
+)
+from chainbuild.ik.branches.opw import (
+    formulas as opw_branches,
+)
+from chainbuild.ik.branches.opw.batch import ik_all_batch
+from chainbuild.ik.branches.opw.formulas import CONSTANTS
+from chainbuild.ik.branches.opw.parameters import opw_arm
+from chainbuild.ik.request import IkRequest
+from chainbuild.robot import Robot
+from tests.kit.kin_robots import poses
+from tests.kit.robots import arm, table_machine
+
+MACHINES = ("arm", "kr6r900", "tx2_60", "irb2600", "parallelogram_nr")
+both_paths = pytest.mark.parametrize("compiled", [True, False])
+
+
+def machine(name: str) -> Robot:
+    return arm() if name == "arm" else chainbuild.Robot.load(name)
+
+
+def row_of(name: str) -> int:
+    """Return where a constant of six numbers a row stands."""
+    lengths = {"base": 2, "flange": 2, "turn": 6, "back": 6}
+    return sum(lengths.get(before, 1) for before in CONSTANTS[: CONSTANTS.index(name)])
+
+
+def compare_with_single(robot: Robot, targets: np.ndarray, found: np.ndarray) -> int:
+    """Compare with `ik_all`, pose by pose, and with Pinocchio; return how many branches there are."""
+    count = 0
+    for row, target in zip(found, targets, strict=True):
+        kept = row[np.isfinite(row).all(axis=1)]
+        single = np.array([branch.axes for branch in robot.ik_all(target)]).reshape(-1, 6)
+        assert len(kept) == len(single)
+        for one in kept:
+            assert np.abs(one - single).max(axis=1).min() < 1e-5
+            assert robot.violated_limits(one) == ()
+            assert np.abs(robot.fk(one).homogeneous - target).max() < 1e-9
+        count += len(kept)
+    return count
+
+
+@both_paths
+@pytest.mark.parametrize("name", MACHINES)
+def test_the_same_branches_as_one_by_one(name: str, compiled: bool) -> None:
+    robot = machine(name)
+    targets = robot.fk_batch(np.array(poses(robot, 150)))
+    assert compare_with_single(robot, targets, ik_all_batch(robot, targets, compiled=compiled)) > 150
+
+
+@both_paths
+@pytest.mark.parametrize("name", MACHINES)
+def test_the_same_where_the_wrist_is_straight(name: str, compiled: bool) -> None:
+    robot = machine(name)
+    axes = np.array(poses(robot, 40))
+    axes[:, 4] = 0.0
+    targets = robot.fk_batch(axes)
+    found = ik_all_batch(robot, targets, compiled=compiled)
+    assert compare_with_single(robot, targets, found) > 20
+
+
+@both_paths
+def test_the_same_where_the_wrist_stands_on_the_first_axis(compiled: bool) -> None:
+    robot = machine("kr6r900")
+    axes = np.array(poses(robot, 400))
+    axes[:, 0] = np.linspace(-100.0, 100.0, len(axes))
+    targets = robot.fk_batch(axes)
+    # The wrist centre, 80 mm behind the flange, moved onto axis 1: as far from it as it was high.
+    centre = targets[:, :3, 3] - 0.08 * targets[:, :3, 2]
+    targets[:, :3, 3] += np.stack([-centre[:, 0], -centre[:, 1], 0.0 * centre[:, 2]], axis=1)
+    found = ik_all_batch(robot, targets, compiled=compiled)
+    assert compare_with_single(robot, targets, found) > 100
+
+
+@both_paths
+def test_without_limits_every_branch_is_exact(compiled: bool) -> None:
+    robot = arm()
+    targets = robot.fk_batch(np.array(poses(robot, 200)))
+    found = ik_all_batch(robot, targets, limits=False, compiled=compiled)
+    exists = np.isfinite(found).all(axis=2)
+    assert exists.sum(axis=1).min() >= 4
+    for n, slot in zip(*np.nonzero(exists), strict=True):
+        assert np.abs(robot.fk(found[n, slot]).homogeneous - targets[n]).max() < 1e-9
+
+
+@both_paths
+def test_a_slot_is_a_branch(compiled: bool) -> None:
+    """Along a path every slot moves continuously: it is the same branch in every pose."""
+    robot = machine("irb2600")
+    share = np.linspace(0.0, 1.0, 400)[:, None]
+    first, last = np.array([10.0, 20.0, -30.0, 40.0, 50.0, 60.0]), np.array([40.0, 0.0, 10.0, 60.0, 70.0, 10.0])
+    targets = robot.fk_batch(first + share * (last - first))
+    found = ik_all_batch(robot, targets, limits=False, compiled=compiled)
+    whole = np.isfinite(found).all(axis=(0, 2))
+    assert whole.sum() >= 4
+    steps = np.diff(found[:, whole], axis=0)
+    assert np.abs((steps + 180.0) % 360.0 - 180.0).max() < 1.0
+
+
+@both_paths
+@pytest.mark.parametrize("name", ["arm", "irb2600", "tx2_60"])
+def test_slots_are_those_of_another_closed_form(name: str, compiled: bool) -> None:
+    """py-opw-kinematics numbers its branches alike; it is handed the arm's lengths and answers in the arm's angles."""
+    robot = machine(name)
+    serial = BranchQuery.of(IkRequest(robot, np.eye(4))).serial()
+    known = opw_arm(serial)
+    assert known is not None
+    targets = robot.fk_batch(np.array(poses(robot, 200)))
+    inward = np.array([known.inward(T) for T in targets])
+    model = py_opw_kinematics.Robot(py_opw_kinematics.KinematicModel(**known.parameters), degrees=False)
+    theirs = np.asarray(model.reach(RigidTransform.from_matrix(inward)).joints)
+    found = ik_all_batch(robot, targets, limits=False, compiled=compiled)
+    joints = [screw.joint for screw in serial.screws]
+    ours = np.array([[known.theta(robot.q(row)[joints]) for row in pose] for pose in np.nan_to_num(found)])
+    np.testing.assert_array_equal(np.isnan(found).any(axis=2), np.isnan(theirs).any(axis=2))
+    exists = np.isfinite(found).all(axis=2)
+    off = (ours - theirs)[exists]
+    assert np.abs((off + np.pi) % (2.0 * np.pi) - np.pi).max() < 1e-7
+
+
+@both_paths
+def test_out_of_reach_is_not_a_number(compiled: bool) -> None:
+    far = np.eye(4)
+    far[0, 3] = 9.0
+    assert np.isnan(ik_all_batch(arm(), far[None], compiled=compiled)).all()
+    assert ik_all_batch(arm(), np.empty((0, 4, 4)), compiled=compiled).shape == (0, 8, 6)
+
+
+@both_paths
+def test_what_forward_kinematics_does_not_confirm_is_left_out(monkeypatch: pytest.MonkeyPatch, compiled: bool) -> None:
+    """A closed form that goes wrong by 2e-4 degrees in one axis gives nothing; by 2e-8 degrees it is within."""
+    robot = arm()
+    targets = robot.fk_batch(np.array(poses(robot, 50)))
+    right = opw_constants.opw_constants(robot, limits=False)
+    assert right is not None
+    for shift, count in ((2e-4, 0), (2e-8, np.isfinite(ik_all_batch(robot, targets, limits=False)).sum())):
+        for axis in range(6):
+            wrong = right.copy()
+            wrong[row_of("shift"), axis] += shift
+            monkeypatch.setattr(batch, "_constants", lambda *_, wrong=wrong: wrong)
+            found = ik_all_batch(robot, targets, limits=False, compiled=compiled)
+            assert np.isfinite(found).sum() == count
+        monkeypatch.undo()
+
+
+@pytest.mark.parametrize("length", ["a1", "a2", "b", "c1", "c2", "c3"])
+def test_lengths_that_are_not_the_robots_are_refused(monkeypatch: pytest.MonkeyPatch, length: str) -> None:
+    measured = opw_constants.opw_arm
+
+    def wrong(serial):
+        found = measured(serial)
+        return replace(found, parameters={**found.parameters, length: found.parameters[length] + 1e-6})
+
+    monkeypatch.setattr(opw_constants, "opw_arm", wrong)
+    assert opw_constants.opw_constants(arm(), limits=True) is None
+
+
+@both_paths
+def test_chunks_do_not_change_the_answer(monkeypatch: pytest.MonkeyPatch, compiled: bool) -> None:
+    robot = machine("parallelogram_nr")
+    targets = robot.fk_batch(np.array(poses(robot, 2100)))
+    whole = ik_all_batch(robot, targets, compiled=compiled)
+    one_by_one = np.concatenate([ik_all_batch(robot, target[None], compiled=compiled) for target in targets[:70]])
+    np.testing.assert_allclose(one_by_one, whole[:70], rtol=0.0, atol=1e-9)
+    monkeypatch.setattr(batch, "_CHUNK", 7)
+    np.testing.assert_allclose(ik_all_batch(robot, targets, compiled=compiled), whole, rtol=0.0, atol=1e-9)
+    monkeypatch.undo()
+    # Enough for all cores, the last block short.
+    many = ik_all_batch(robot, np.tile(targets, (5, 1, 1)), compiled=compiled)
+    np.testing.assert_allclose(many, np.tile(whole, (5, 1, 1)), rtol=0.0, atol=1e-9)
+
+
+@both_paths
+def test_memory_is_the_answers(compiled: bool) -> None:
+    robot = arm()
+    targets = np.repeat(robot.fk_batch(np.array(poses(robot, 50))), 1000, axis=0)
+    ik_all_batch(robot, targets[:50], compiled=compiled)
+    tracemalloc.start()
+    found = ik_all_batch(robot, targets, compiled=compiled)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 1.5 * found.nbytes
+
+
+@both_paths
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (lambda T: T.__setitem__((slice(3), slice(3)), 1.001 * T[:3, :3]), "rotation"),
+        (lambda T: T.__setitem__((slice(3), 0), -T[:3, 0]), "rotation"),
+        (lambda T: T.__setitem__((3, 0), 0.5), "last row"),
+        (lambda T: T.__setitem__((0, 3), math.nan), "finite"),
+    ],
+)
+def test_poses_that_are_not_rigid_are_refused_by_number(spoil, message: str, compiled: bool) -> None:
+    robot = arm()
+    targets = robot.fk_batch(np.array(poses(robot, 70)))
+    spoil(targets[66])
+    with pytest.raises(ChainbuildError, match=r"pose 66: ") as caught:
+        ik_all_batch(robot, targets, compiled=compiled)
+    with pytest.raises(ChainbuildError) as single:
+        robot.ik_all(targets[66])
+    assert caught.value.message == f"pose 66: {single.value.message}"
+
+
+def test_other_kinematics_are_refused() -> None:
+    with pytest.raises(ChainbuildError, match="ik_all_batch does not support this kinematic"):
+        ik_all_batch(table_machine(), np.eye(4)[None])
+    geared = arm().chain
+    A = geared.axis_map.dq_daxes(np.zeros(6)).copy()
+    A[5, 4] = 0.01
+    axis_map = AffineMap.of(A, np.zeros(6), ["rotary"] * 6)
+    with pytest.raises(ChainbuildError, match="ik_all_batch does not support this kinematic"):
+        ik_all_batch(Robot(replace(geared, axis_map=axis_map)), np.eye(4)[None])
+    with pytest.raises(ChainbuildError, match="pose"):
+        ik_all_batch(arm(), np.eye(4))
+
+
+def test_compiled_angles_are_those_of_the_library() -> None:
+    import numba
+
+    @numba.njit
+    def angle(y, x):
+        return opw_branches.arctan2(y, x)
+
+    @numba.njit
+    def pair(a):
+        return opw_branches.sine_cosine(a)
+
+    assert compiled_opw.write_branches is not None  # registers the formulas
+    rng = np.random.default_rng(0)
+    points = rng.normal(size=(20_000, 2)) * 10.0 ** rng.uniform(-9.0, 3.0, (20_000, 2))
+    special = [(0.0, 1.0), (0.0, -1.0), (1.0, 0.0), (-1.0, 0.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1e-300, -1.0)]
+    for y, x in [*points.tolist(), *special]:
+        assert angle(y, x) == pytest.approx(math.atan2(y, x), rel=4e-16, abs=1e-300)
+    for a in rng.uniform(-20.0, 20.0, 5000):
+        assert pair(a) == pytest.approx((math.sin(a), math.cos(a)), abs=1e-11)
+
+
+@pytest.mark.parametrize("name", ["kr6r900", "kr6r900_2", "tx2_60", "irb2600", "parallelogram_nr"])
+def test_slots_tell_the_shoulder_as_it_is_drawn(name: str) -> None:
+    """Shoulder 0 is the wrist ahead of axis 1, in X of the column's frame, whichever way the axes count."""
+    robot = chainbuild.Robot.load(name)
+    first, wrist = (robot.chain.joints[n].child for n in (0, 4))
+    seen = set()
+    for axes in np.random.default_rng(4).uniform(-150.0, 150.0, (40, 6)):
+        rows = robot.ik_all_batch([robot.fk(axes)], limits=False)[0]
+        off = np.abs(np.remainder(rows - axes + 180.0, 360.0) - 180.0).max(axis=1)
+        slot = int(np.nanargmin(off))
+        assert off[slot] < 1e-6
+        placed = robot.frame_placements(axes)
+        ahead = float(placed[first].actInv(placed[wrist]).translation[0])
+        assert (slot // 2) % 2 == (ahead < 0.0), (axes, slot, ahead)
+        seen.add(ahead < 0.0)
+    assert seen == {True, False}

@@ -1,0 +1,96 @@
+"""Status and turn of KIN_TYP 45: the manual's program, hand-drawn poses, eight statuses for eight branches."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import chainbuild
+from chainbuild.errors import ChainbuildError
+from chainbuild.ik.branches.status_turn import status_turn
+from chainbuild.robot import Robot
+from tests.kit.kin_robots import robot_of
+from tests.kit.kin_types import build
+from tests.kit.robots import arm
+
+
+def wide(robot: Robot) -> Robot:
+    """Return the robot with limits of half a turn, so that -30° is never shown as 330°."""
+    axes = tuple(replace(axis, lower=-180.0, upper=180.0) for axis in robot.axes)
+    return Robot(robot.chain.with_axes(axes))
+
+
+@pytest.fixture(scope="module")
+def kuka() -> Robot:
+    return wide(chainbuild.Robot.load("kr6r900_2"))
+
+
+@pytest.mark.parametrize(
+    ("axes", "status", "turn"),
+    [
+        # KIN_TYP manual 3.3.3 programs IS2 IT2 for a tool straight down or forward: A2 < 0, forearm in front.
+        ((0, -90, 90, 0, 0, 0), 2, 0b000010),
+        ((0, -90, 90, 0, 30, 0), 2, 0b000010),
+        ((0, -90, 90, 0, -30, 0), 6, 0b010010),
+        ((-10, -90, 90, -5, 30, -400), 2, 0b101011),
+        # Arm thrown backwards over axis 1: the wrist is behind it, and behind the line from axis 2 to axis 3 or not.
+        ((0, -150, 40, 0, 30, 0), 3, 0b000010),
+        ((0, -150, -40, 0, 30, 0), 1, 0b000110),
+        # Stretched forward, elbow bent up: the wrist is behind the line.
+        ((0, -10, -30, 0, 30, 0), 0, 0b000110),
+    ],
+)
+def test_hand_drawn_poses(kuka: Robot, axes, status: int, turn: int) -> None:
+    assert status_turn(kuka, axes) == (status, turn)
+
+
+def test_eight_branches_have_eight_statuses(kuka: Robot) -> None:
+    rng = np.random.default_rng(6)
+    eight = 0
+    for robot in (kuka, wide(chainbuild.Robot.load("tx2_60"))):
+        for _ in range(100):
+            found = robot.ik_all(robot.fk(rng.uniform(-170.0, 170.0, 6)))
+            bits = [branch.status_bits for branch in found]
+            assert len(set(bits)) == len(bits)
+            eight += len(bits) == 8
+            for branch in found:
+                assert (branch.status_bits, branch.turn_bits) == status_turn(robot, branch.axes)
+    assert eight > 50
+
+
+def test_an_arm_that_carries_the_workpiece_has_the_same_status() -> None:
+    hd = {7: 400.0, 8: 455.0, 9: 420.0, 10: 80.0, 11: 25.0, 12: -35.0, 14: -90.0, 15: 90.0}
+    plain, turned = build(45, hd).robot, build(45, {**hd, 1: 50.0, 33: 1}).robot
+    assert turned.axes[0].name == plain.axes[0].name
+    rng = np.random.default_rng(7)
+    for _ in range(50):
+        axes = rng.uniform(-170.0, 170.0, 6)
+        assert status_turn(turned, axes) == status_turn(plain, axes)
+
+
+def test_reversed_axes_do_not_change_what_is_seen() -> None:
+    hd = {7: 400.0, 8: 455.0, 9: 420.0, 10: 80.0, 11: 25.0, 12: -35.0}
+    plain, mirrored = build(45, hd).robot, build(45, {**hd, 21: 1, 22: 1, 23: 1}).robot
+    rng = np.random.default_rng(8)
+    for _ in range(50):
+        axes = rng.uniform(-170.0, 170.0, 6)
+        assert status_turn(mirrored, axes * [-1, -1, -1, 1, 1, 1])[0] == status_turn(plain, axes)[0]
+
+
+def test_other_kinematics_have_none() -> None:
+    with pytest.raises(ChainbuildError, match="KIN_TYP 45 only"):
+        status_turn(arm(), np.zeros(6))
+    assert arm().ik_all(arm().fk([0, -90, 90, 0, 30, 0]))[0].status_bits is None
+    assert robot_of(45).ik_all(robot_of(45).fk([10, 20, 30, 40, 50, 60]))[0].status_bits is not None
+
+
+def test_a_zero_that_was_rounded_is_not_below_zero() -> None:
+    robot = chainbuild.Robot.load("kr6r900_2")
+    assert (
+        status_turn(robot, [10.0, -80.0, 70.0, 20.0, 40.0, -2.5e-15])[1]
+        == status_turn(robot, [10.0, -80.0, 70.0, 20.0, 40.0, 0.0])[1]
+    )
+    assert status_turn(robot, [10.0, -80.0, 70.0, 20.0, 40.0, -1e-8])[1] & 32
+    assert not status_turn(robot, [10.0, -80.0, 70.0, 20.0, -1e-12, 0.0])[0] & 4
