@@ -12,109 +12,177 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from chainbuild.errors import ChainbuildError
-
-if TYPE_CHECKING:
-    from chainbuild.analysis.collision.free_ik import collision_free_ik
-    from chainbuild.analysis.collision.parallelogram import swept_limits
-    from chainbuild.analysis.collision.paths import contacts
-    from chainbuild.analysis.singularity.measures import measure_batch
-    from chainbuild.analysis.singularity.names import examine
-    from chainbuild.analysis.singularity.nearest import nearest_singularity
-    from chainbuild.analysis.workspace.maps import make_map
-    from chainbuild.analysis.workspace.mapspec import MapSpec
-    from chainbuild.chain.compose import follow, stack
-    from chainbuild.chain.elements import Axis, Chain
-    from chainbuild.collision.model import CollisionModel
-    from chainbuild.comparison.crosscheck import crosscheck
-    from chainbuild.convention import Convention, conventions
-    from chainbuild.findings import Finding
-    from chainbuild.formats.load import check, load
-    from chainbuild.formats.machine import Machine
-    from chainbuild.formats.twincat.types.catalogue import catalogue
-    from chainbuild.formats.twincat.universal.as_universal import as_universal
-    from chainbuild.formats.urdf import from_urdf
-    from chainbuild.ik.branches.opw.batch import ik_all_batch
-    from chainbuild.ik.options import IkOptions
-    from chainbuild.ik.result import IkResult
-    from chainbuild.ik.search.table import IkTable
-    from chainbuild.inspect.export import export_page
-    from chainbuild.machines import shipped
-    from chainbuild.robot import Robot
-    from chainbuild.writers.urdf import write_urdf
+if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds the two together
+    from chainbuild.analysis.collision.free_ik import collision_free_ik as collision_free_ik
+    from chainbuild.analysis.collision.parallelogram import LimitReport as LimitReport
+    from chainbuild.analysis.collision.parallelogram import swept_limits as swept_limits
+    from chainbuild.analysis.collision.paths import Contact as Contact
+    from chainbuild.analysis.collision.paths import contacts as contacts
+    from chainbuild.analysis.collision.sweep import FreeInterval as FreeInterval
+    from chainbuild.analysis.singularity.measures import Measures as Measures
+    from chainbuild.analysis.singularity.measures import MeasureTable as MeasureTable
+    from chainbuild.analysis.singularity.measures import measure_batch as measure_batch
+    from chainbuild.analysis.singularity.names import SingularityReport as SingularityReport
+    from chainbuild.analysis.singularity.names import examine as examine
+    from chainbuild.analysis.singularity.nearest import Nearest as Nearest
+    from chainbuild.analysis.singularity.nearest import nearest_singularity as nearest_singularity
+    from chainbuild.analysis.singularity.singularity import Singularity as Singularity
+    from chainbuild.analysis.singularity.speeds import AxisSpeed as AxisSpeed
+    from chainbuild.analysis.singularity.speeds import SpeedReport as SpeedReport
+    from chainbuild.analysis.workspace.maps import Map as Map
+    from chainbuild.analysis.workspace.maps import make_map as make_map
+    from chainbuild.analysis.workspace.mapspec import Grid as Grid
+    from chainbuild.analysis.workspace.mapspec import MapKind as MapKind
+    from chainbuild.analysis.workspace.mapspec import MapSpec as MapSpec
+    from chainbuild.chain.axismap import AffineMap as AffineMap
+    from chainbuild.chain.axismap import AxisMap as AxisMap
+    from chainbuild.chain.compose import follow as follow
+    from chainbuild.chain.compose import stack as stack
+    from chainbuild.chain.elements import Axis as Axis
+    from chainbuild.chain.elements import AxisConstraint as AxisConstraint
+    from chainbuild.chain.elements import AxisSum as AxisSum
+    from chainbuild.chain.elements import Chain as Chain
+    from chainbuild.chain.elements import ControllerSolver as ControllerSolver
+    from chainbuild.chain.elements import Frame as Frame
+    from chainbuild.chain.elements import Joint as Joint
+    from chainbuild.chain.elements import JointKind as JointKind
+    from chainbuild.chain.elements import Link as Link
+    from chainbuild.chain.elements import Loop as Loop
+    from chainbuild.chain.elements import Partial as Partial
+    from chainbuild.chain.elements import SingularityWatch as SingularityWatch
+    from chainbuild.chain.elements import Task as Task
+    from chainbuild.chain.geometry import Geometry as Geometry
+    from chainbuild.chain.geometry import RodData as RodData
+    from chainbuild.chain.geometry import Shape as Shape
+    from chainbuild.collision.model import CollisionModel as CollisionModel
+    from chainbuild.collision.model import Distance as Distance
+    from chainbuild.comparison.comparison import Forward as Forward
+    from chainbuild.comparison.comparison import Inverse as Inverse
+    from chainbuild.comparison.convention_trials import Selection as Selection
+    from chainbuild.comparison.convention_trials import Trial as Trial
+    from chainbuild.comparison.crosscheck import CheckOptions as CheckOptions
+    from chainbuild.comparison.crosscheck import CrossCheck as CrossCheck
+    from chainbuild.comparison.crosscheck import crosscheck as crosscheck
+    from chainbuild.comparison.diagnosis import Explanation as Explanation
+    from chainbuild.comparison.samples import Samples as Samples
+    from chainbuild.convention import Convention as Convention
+    from chainbuild.convention import UsedConvention as UsedConvention
+    from chainbuild.convention import conventions as conventions
+    from chainbuild.coupling.distribution import Distribution as Distribution
+    from chainbuild.coupling.distribution import PartialPose as PartialPose
+    from chainbuild.errors import AxisValueError as AxisValueError
+    from chainbuild.errors import ChainbuildError as ChainbuildError
+    from chainbuild.errors import ChainError as ChainError
+    from chainbuild.errors import ConventionError as ConventionError
+    from chainbuild.errors import FileAccessError as FileAccessError
+    from chainbuild.errors import FileContentError as FileContentError
+    from chainbuild.errors import MachineDataError as MachineDataError
+    from chainbuild.errors import OverlayError as OverlayError
+    from chainbuild.errors import ParseError as ParseError
+    from chainbuild.errors import Span as Span
+    from chainbuild.errors import TableError as TableError
+    from chainbuild.errors import UnsupportedKinematicError as UnsupportedKinematicError
+    from chainbuild.findings import Finding as Finding
+    from chainbuild.findings import Findings as Findings
+    from chainbuild.findings import Severity as Severity
+    from chainbuild.formats.load import check as check
+    from chainbuild.formats.load import load as load
+    from chainbuild.formats.machine import Machine as Machine
+    from chainbuild.formats.machine import ParameterRow as ParameterRow
+    from chainbuild.formats.selection import KinematicEntry as KinematicEntry
+    from chainbuild.formats.twincat.lists.hdtable import AxisRow as AxisRow
+    from chainbuild.formats.twincat.lists.hdtable import HdRow as HdRow
+    from chainbuild.formats.twincat.lists.hdtable import TypeData as TypeData
+    from chainbuild.formats.twincat.types.catalogue import KinType as KinType
+    from chainbuild.formats.twincat.types.catalogue import catalogue as catalogue
+    from chainbuild.formats.twincat.universal.as_universal import as_universal as as_universal
+    from chainbuild.formats.urdf import from_urdf as from_urdf
+    from chainbuild.ik.branches.core.branches import Branch as Branch
+    from chainbuild.ik.branches.core.branches import Branches as Branches
+    from chainbuild.ik.branches.opw.batch import ik_all_batch as ik_all_batch
+    from chainbuild.ik.options import IkOptions as IkOptions
+    from chainbuild.ik.plan import SolverPlan as SolverPlan
+    from chainbuild.ik.policies.redundancy import Preference as Preference
+    from chainbuild.ik.result import IkResult as IkResult
+    from chainbuild.ik.result import Status as Status
+    from chainbuild.ik.search.table import IkTable as IkTable
+    from chainbuild.inspect.export import export_page as export_page
+    from chainbuild.kinematics.limits import Limits as Limits
+    from chainbuild.kinematics.mechanism import Mechanism as Mechanism
+    from chainbuild.machines import shipped as shipped
+    from chainbuild.progress import Progress as Progress
+    from chainbuild.robot import Robot as Robot
+    from chainbuild.tables.recording import Recording as Recording
+    from chainbuild.tables.recording import read_recording as read_recording
+    from chainbuild.units import AxisKind as AxisKind
+    from chainbuild.units import AxisLabels as AxisLabels
+    from chainbuild.units import AxisUnit as AxisUnit
+    from chainbuild.units import Units as Units
+    from chainbuild.writers.urdf import write_urdf as write_urdf
 
 __version__ = "0.1.0"
 
-# Name → module, imported at first use, so that `import chainbuild` and `chainbuild --help` stay quick.
-_LAZY = {
-    "collision_free_ik": "chainbuild.analysis.collision.free_ik",
-    "make_map": "chainbuild.analysis.workspace.maps",
-    "MapSpec": "chainbuild.analysis.workspace.mapspec",
-    "measure_batch": "chainbuild.analysis.singularity.measures",
-    "examine": "chainbuild.analysis.singularity.names",
-    "nearest_singularity": "chainbuild.analysis.singularity.nearest",
-    "swept_limits": "chainbuild.analysis.collision.parallelogram",
-    "contacts": "chainbuild.analysis.collision.paths",
-    "follow": "chainbuild.chain.compose",
-    "stack": "chainbuild.chain.compose",
-    "Axis": "chainbuild.chain.elements",
-    "Chain": "chainbuild.chain.elements",
-    "Convention": "chainbuild.convention",
-    "conventions": "chainbuild.convention",
-    "Finding": "chainbuild.findings",
-    "export_page": "chainbuild.inspect.export",
-    "check": "chainbuild.formats.load",
-    "load": "chainbuild.formats.load",
-    "Machine": "chainbuild.formats.machine",
-    "shipped": "chainbuild.machines",
-    "write_urdf": "chainbuild.writers.urdf",
-    "CollisionModel": "chainbuild.collision.model",
-    "Robot": "chainbuild.robot",
-    "ik_all_batch": "chainbuild.ik.branches.opw.batch",
-    "crosscheck": "chainbuild.comparison.crosscheck",
-    "IkOptions": "chainbuild.ik.options",
-    "IkResult": "chainbuild.ik.result",
-    "IkTable": "chainbuild.ik.search.table",
-    "as_universal": "chainbuild.formats.twincat.universal.as_universal",
-    "catalogue": "chainbuild.formats.twincat.types.catalogue",
-    "from_urdf": "chainbuild.formats.urdf",
+# Module → the public names that live there, imported at first use, so that `import chainbuild` and `chainbuild --help`
+# stay quick.
+_HOMES = {
+    "chainbuild.analysis.collision.free_ik": "collision_free_ik",
+    "chainbuild.analysis.collision.parallelogram": "LimitReport swept_limits",
+    "chainbuild.analysis.collision.paths": "Contact contacts",
+    "chainbuild.analysis.collision.sweep": "FreeInterval",
+    "chainbuild.analysis.singularity.measures": "MeasureTable Measures measure_batch",
+    "chainbuild.analysis.singularity.names": "SingularityReport examine",
+    "chainbuild.analysis.singularity.nearest": "Nearest nearest_singularity",
+    "chainbuild.analysis.singularity.singularity": "Singularity",
+    "chainbuild.analysis.singularity.speeds": "AxisSpeed SpeedReport",
+    "chainbuild.analysis.workspace.maps": "Map make_map",
+    "chainbuild.analysis.workspace.mapspec": "Grid MapKind MapSpec",
+    "chainbuild.chain.axismap": "AffineMap AxisMap",
+    "chainbuild.chain.compose": "follow stack",
+    "chainbuild.chain.elements": (
+        "Axis AxisConstraint AxisSum Chain ControllerSolver Frame Joint JointKind Link Loop Partial SingularityWatch"
+        " Task"
+    ),
+    "chainbuild.chain.geometry": "Geometry RodData Shape",
+    "chainbuild.collision.model": "CollisionModel Distance",
+    "chainbuild.comparison.comparison": "Forward Inverse",
+    "chainbuild.comparison.convention_trials": "Selection Trial",
+    "chainbuild.comparison.crosscheck": "CheckOptions CrossCheck crosscheck",
+    "chainbuild.comparison.diagnosis": "Explanation",
+    "chainbuild.comparison.samples": "Samples",
+    "chainbuild.convention": "Convention UsedConvention conventions",
+    "chainbuild.coupling.distribution": "Distribution PartialPose",
+    "chainbuild.errors": (
+        "AxisValueError ChainError ChainbuildError ConventionError FileAccessError FileContentError MachineDataError"
+        " OverlayError ParseError Span TableError UnsupportedKinematicError"
+    ),
+    "chainbuild.findings": "Finding Findings Severity",
+    "chainbuild.formats.load": "check load",
+    "chainbuild.formats.machine": "Machine ParameterRow",
+    "chainbuild.formats.selection": "KinematicEntry",
+    "chainbuild.formats.twincat.lists.hdtable": "AxisRow HdRow TypeData",
+    "chainbuild.formats.twincat.types.catalogue": "KinType catalogue",
+    "chainbuild.formats.twincat.universal.as_universal": "as_universal",
+    "chainbuild.formats.urdf": "from_urdf",
+    "chainbuild.ik.branches.core.branches": "Branch Branches",
+    "chainbuild.ik.branches.opw.batch": "ik_all_batch",
+    "chainbuild.ik.options": "IkOptions",
+    "chainbuild.ik.plan": "SolverPlan",
+    "chainbuild.ik.policies.redundancy": "Preference",
+    "chainbuild.ik.result": "IkResult Status",
+    "chainbuild.ik.search.table": "IkTable",
+    "chainbuild.inspect.export": "export_page",
+    "chainbuild.kinematics.limits": "Limits",
+    "chainbuild.kinematics.mechanism": "Mechanism",
+    "chainbuild.machines": "shipped",
+    "chainbuild.progress": "Progress",
+    "chainbuild.robot": "Robot",
+    "chainbuild.tables.recording": "Recording read_recording",
+    "chainbuild.units": "AxisKind AxisLabels AxisUnit Units",
+    "chainbuild.writers.urdf": "write_urdf",
 }
+_LAZY = {name: module for module, names in _HOMES.items() for name in names.split()}
 
-__all__ = [
-    "Axis",
-    "Chain",
-    "ChainbuildError",
-    "CollisionModel",
-    "Convention",
-    "Finding",
-    "IkOptions",
-    "IkResult",
-    "IkTable",
-    "Machine",
-    "MapSpec",
-    "Robot",
-    "__version__",
-    "as_universal",
-    "catalogue",
-    "check",
-    "collision_free_ik",
-    "contacts",
-    "conventions",
-    "crosscheck",
-    "examine",
-    "export_page",
-    "follow",
-    "from_urdf",
-    "ik_all_batch",
-    "load",
-    "make_map",
-    "measure_batch",
-    "nearest_singularity",
-    "shipped",
-    "stack",
-    "swept_limits",
-    "write_urdf",
-]
+__all__ = ["__version__", *_LAZY]  # noqa: PLE0604
 
 
 def __getattr__(name: str) -> Any:

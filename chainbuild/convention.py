@@ -11,6 +11,7 @@ from typing import Literal
 
 from chainbuild.closest import listed
 from chainbuild.errors import ConventionError, Span
+from chainbuild.shown import two_lines
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +40,10 @@ class Convention:
     verify: str
     source: str
 
+    def __repr__(self) -> str:
+        choices = " | ".join(f"{choice} (default)" if choice == self.default else choice for choice in self.choices)
+        return two_lines(f"<Convention {self.name}: {choices}; {', '.join(self.applies)}>")
+
 
 @dataclass(frozen=True, slots=True)
 class UsedConvention:
@@ -47,6 +52,10 @@ class UsedConvention:
     convention: Convention
     choice: str
     by_user: bool
+
+    def __repr__(self) -> str:
+        who = "chosen" if self.by_user else "default"
+        return two_lines(f"<UsedConvention {self.convention.name}={self.choice} ({who})>")
 
 
 @cache

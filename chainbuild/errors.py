@@ -27,6 +27,9 @@ class Span:
     def __str__(self) -> str:
         return f"{self.file}:{self.line}" if self.line else self.file
 
+    def __repr__(self) -> str:
+        return f"<Span {self}>"
+
 
 class ChainbuildError(Exception):
     """Input that chainbuild refuses, with everything needed to correct it.

@@ -7,9 +7,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
-from typing import Literal
+from typing import Final, Literal
 
 from chainbuild.errors import ChainbuildError, MachineDataError, Span
+from chainbuild.html import html_table, html_text
+from chainbuild.shown import two_lines
 
 Severity = Literal["info", "warning", "error"]
 
@@ -41,6 +43,34 @@ class Finding:
         more = f" (controller alarm {self.alarm})" if self.alarm else ""
         hint = f" — {self.hint}" if self.hint else ""
         return f"{where}{self.code} {self.severity}: {self.text}{more}{hint}"
+
+    def __repr__(self) -> str:
+        return two_lines(f"<Finding {self}>")
+
+
+class Findings(tuple[Finding, ...]):
+    """Findings in the order in which they were made: a tuple that shows itself as a table."""
+
+    __slots__ = ()
+
+    @property
+    def counts(self) -> dict[Severity, int]:
+        """How many there are of each severity that occurs, the worst first."""
+        order: tuple[Severity, ...] = ("error", "warning", "info")
+        found = {severity: sum(finding.severity == severity for finding in self) for severity in order}
+        return {severity: count for severity, count in found.items() if count}
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{count} {severity}" for severity, count in self.counts.items())
+        codes = ", ".join(dict.fromkeys(finding.code for finding in self))
+        return two_lines(f"<Findings: {told} ({codes})>" if self else "<Findings: none>")
+
+    def _repr_html_(self) -> str:
+        rows = [(f.code, f.severity, f.span or "", f.text, f.hint or "") for f in self]
+        return html_table(("Finding", "Severity", "Where", "What", "Hint"), rows) if rows else html_text("no findings")
+
+
+NO_FINDINGS: Final = Findings()
 
 
 @cache

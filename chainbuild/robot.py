@@ -17,9 +17,12 @@ if TYPE_CHECKING:
     from chainbuild.ik.options import IkOptions
     from chainbuild.ik.plan import SolverPlan
     from chainbuild.ik.policies.redundancy import Preference
+    from chainbuild.ik.request import Held
     from chainbuild.ik.result import IkResult
     from chainbuild.ik.search.table import IkTable
     from chainbuild.kinematics.inputs import Pose
+    from chainbuild.progress import Progress
+    from chainbuild.units import Units
 
 
 class Robot(Mechanism):
@@ -59,10 +62,10 @@ class Robot(Mechanism):
         """
         from chainbuild.formats.load import load
 
-        return cls(load(path, overlay).chain(kinematic, channel, tool_length_mm, conventions))
+        return cls(load(path, overlay=overlay).chain(kinematic, channel, tool_length_mm, conventions))
 
     @classmethod
-    def from_urdf(cls, path: str | os.PathLike[str], tool: str | None = None) -> Self:
+    def from_urdf(cls, path: str | os.PathLike[str], *, tool: str | None = None) -> Self:
         """Read a URDF file from its root link to a tool link; see `chainbuild.from_urdf`.
 
         Args:
@@ -74,7 +77,7 @@ class Robot(Mechanism):
         """
         from chainbuild.formats.urdf import from_urdf
 
-        return cls(from_urdf(path, tool))
+        return cls(from_urdf(path, tool=tool))
 
     def ik(
         self,
@@ -86,6 +89,7 @@ class Robot(Mechanism):
         absolute_c_deg: float | None = None,
         prefer: Preference | None = None,
         options: IkOptions | None = None,
+        units: Units = "controller",
     ) -> IkResult:
         """Find axis values that bring the tool to a pose, inside the limits and verified by forward kinematics.
 
@@ -104,6 +108,7 @@ class Robot(Mechanism):
             prefer: Redundancy resolution on robots with more axes than the pose needs: "near" the start, in the
                 "middle" of the limits, or "dexterous", away from singularities. None: what the solver finds.
             options: Tolerances, weights, restarts and seed of the damped solver.
+            units: Those of start, held and the result: "controller", mm and degrees, or "si", metres and radians.
 
         Returns:
             The solution, or the best axis values found with a status that states the reason of failure.
@@ -114,7 +119,10 @@ class Robot(Mechanism):
         """
         from chainbuild.ik.solve import solve
 
-        return solve(self, T, start, held, solver, absolute_c_deg, prefer, options)
+        if units != "controller":
+            start, held = self._in_controller_units(start, held, units)
+        found = solve(self, T, start, held, solver, absolute_c_deg, prefer, options)
+        return found if units == "controller" else found.to(units)
 
     def ik_path(
         self,
@@ -122,8 +130,9 @@ class Robot(Mechanism):
         start: ArrayLike | None = None,
         held: Mapping[str, float] | Sequence[float] | None = None,
         *,
-        progress: bool = False,
+        progress: Progress = False,
         options: IkOptions | None = None,
+        units: Units = "controller",
     ) -> IkTable:
         """Find axis values along a path, each pose starting at the previous one and on the nearest branch.
 
@@ -133,8 +142,9 @@ class Robot(Mechanism):
             poses: (N, 4, 4) poses or a sequence of `pin.SE3`, tool in the workpiece frame [m].
             start: Axis values (n_axes,) before the first pose; None: any.
             held: As for `ik`, the same along the path.
-            progress: True: a progress bar on standard error.
+            progress: True: a bar on standard error; a function: called with the poses done and all poses.
             options: As for `ik`.
+            units: As for `ik`, also of the table.
 
         Raises:
             AxisValueError: start or held has a wrong number of values, an unknown name or a non-finite value.
@@ -142,33 +152,37 @@ class Robot(Mechanism):
         """
         from chainbuild.ik.search.path import solve_path
 
-        return solve_path(self, poses, start, held, progress, options)
+        start, held = self._in_controller_units(start, held, units)
+        return solve_path(self, poses, start, held, progress, options).to(units)
 
     def ik_batch(
         self,
         poses: Sequence[Pose] | ArrayLike,
-        starts: ArrayLike | None = None,
+        start: ArrayLike | None = None,
         held: Mapping[str, float] | Sequence[float] | None = None,
-        progress: bool = False,
         *,
+        progress: Progress = False,
         options: IkOptions | None = None,
+        units: Units = "controller",
     ) -> IkTable:
         """Find axis values for many independent poses, on all cores with the extra `fast`.
 
         Args:
             poses: (N, 4, 4) poses or a sequence of `pin.SE3`, tool in the workpiece frame [m].
-            starts: Axis values (n_axes,) for all poses or (N, n_axes); None: sampled configurations with nearby poses.
+            start: Axis values (n_axes,) for all poses or (N, n_axes); None: sampled configurations with nearby poses.
             held: As for `ik`, the same for all poses.
-            progress: True: a progress bar on standard error.
+            progress: True: a bar on standard error; a function: called with the poses done and all poses.
             options: As for `ik`.
+            units: As for `ik`, also of the table.
 
         Raises:
-            AxisValueError: starts or held has a wrong number of values, an unknown name or a non-finite value.
+            AxisValueError: start or held has a wrong number of values, an unknown name or a non-finite value.
             ChainbuildError: a pose is not a rigid transform.
         """
         from chainbuild.ik.search.batch import solve_batch
 
-        return solve_batch(self, poses, starts, held, progress, options)
+        start, held = self._in_controller_units(start, held, units)
+        return solve_batch(self, poses, start, held, progress, options).to(units)
 
     def ik_all(
         self,
@@ -177,6 +191,7 @@ class Robot(Mechanism):
         held: Mapping[str, float] | Sequence[float] | None = None,
         *,
         windings: bool = False,
+        units: Units = "controller",
     ) -> Branches:
         """Find every branch of a pose inside the limits, nearest to the start first, verified by forward kinematics.
 
@@ -186,31 +201,51 @@ class Robot(Mechanism):
             T: Tool in the workpiece frame [m]: `pin.SE3` or a (4, 4) array.
             start: Axis values (n_axes,) that order the branches; axes that a singular pose leaves free keep theirs.
             held: As for `ik`.
-            windings: True: return every whole turn within the limits as a branch; False: only the nearest.
+            windings: True: every whole turn within the limits is a branch of its own, not only the nearest.
+            units: As for `ik`.
 
         Raises:
-            ChainbuildError: T is not a rigid transform, or more axes are free than the pose determines.
+            AxisValueError: start or held of wrong count, unknown name or not finite.
+            ChainbuildError: T is no rigid transform, more axes are free than the pose determines, or there are no such
+                units.
         """
         from chainbuild.ik.branches.every import ik_all
 
-        return ik_all(self, T, start, held, windings=windings)
+        start, held = self._in_controller_units(start, held, units)
+        return ik_all(self, T, start, held, windings=windings).to(units)
 
     def ik_all_batch(
-        self, poses: Sequence[Pose] | ArrayLike, *, limits: bool = True, compiled: bool = True
+        self,
+        poses: Sequence[Pose] | ArrayLike,
+        *,
+        limits: bool = True,
+        compiled: bool = True,
+        units: Units = "controller",
     ) -> NDArray[np.float64]:
-        """Return all branches (N, 8, 6) of many poses, mm and degrees; see `chainbuild.ik_all_batch`.
+        """Return all branches (N, 8, 6) of many poses; see `chainbuild.ik_all_batch`.
 
         Args:
             poses: (N, 4, 4) poses or a sequence of `pin.SE3`, tool in the workpiece frame [m].
-            limits: False: every branch, regardless of limits.
-            compiled: False: NumPy, even if numba is installed.
+            limits: False: every branch, whatever the limits.
+            compiled: False: NumPy, even where numba is installed.
+            units: Those of the result, as for `ik`.
 
         Raises:
-            ChainbuildError: the robot is not an ortho-parallel arm with a spherical wrist, or a pose is not rigid.
+            ChainbuildError: the robot is no ortho-parallel arm with a spherical wrist, a pose is no rigid transform, or
+                there are no such units.
         """
         from chainbuild.ik.branches.opw.batch import ik_all_batch
 
-        return ik_all_batch(self, poses, limits=limits, compiled=compiled)
+        return ik_all_batch(self, poses, limits=limits, compiled=compiled, units=units)
+
+    def _in_controller_units(
+        self, start: ArrayLike | None, held: Held | None, units: Units
+    ) -> tuple[ArrayLike | None, Held | None]:
+        if units == "controller":
+            return start, held
+        from chainbuild.ik.request import in_controller_units
+
+        return in_controller_units(self, start, held, units)
 
     def plan(self, held: Mapping[str, float] | Iterable[str] = ()) -> SolverPlan:
         """Return the solver of this robot's poses while some axes are held, its reason, and whether it is complete.

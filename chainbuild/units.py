@@ -13,10 +13,16 @@
 from __future__ import annotations
 
 import math
-from typing import Final, Literal
+from dataclasses import dataclass
+from typing import Final, Literal, get_args
+
+from chainbuild.errors import ChainbuildError
 
 AxisKind = Literal["linear", "rotary"]
 AxisUnit = Literal["mm", "deg"]
+Units = Literal["controller", "si"]  # of axis values: mm and degrees, or metres and radians
+
+UNITS: Final[tuple[Units, ...]] = get_args(Units)
 
 # By definition.
 RAD_PER_DEG: Final = math.pi / 180.0
@@ -82,3 +88,43 @@ def unit_of(kind: AxisKind) -> AxisUnit:
 def si_factor(kind: AxisKind) -> float:
     """Return the factor from an axis value (mm or degrees) to SI."""
     return M_PER_MM if kind == "linear" else RAD_PER_DEG
+
+
+@dataclass(frozen=True, slots=True)
+class AxisLabels:
+    """What axis values are values of.
+
+    Attributes:
+        names: Axis names in channel order.
+        kinds: "linear" or "rotary", one for each.
+        units: "controller": mm and degrees; "si": metres and radians.
+    """
+
+    names: tuple[str, ...]
+    kinds: tuple[AxisKind, ...]
+    units: Units = "controller"
+
+    def __repr__(self) -> str:
+        shown = [f"{name} [{unit}]" for name, unit in zip(self.names, self.units_of_axes, strict=True)]
+        return f"<AxisLabels {', '.join(shown if len(shown) < 10 else [*shown[:3], '…', shown[-1]])}>"
+
+    @property
+    def factors(self) -> tuple[float, ...]:
+        """What mm and degrees are multiplied with to get these units, one for each axis."""
+        return tuple(si_factor(kind) if self.units == "si" else 1.0 for kind in self.kinds)
+
+    @property
+    def units_of_axes(self) -> tuple[str, ...]:
+        """The unit of each axis."""
+        si = self.units == "si"
+        return tuple(("m" if kind == "linear" else "rad") if si else unit_of(kind) for kind in self.kinds)
+
+    def to(self, units: Units) -> AxisLabels:
+        """Return the labels of the same axes in other units.
+
+        Raises:
+            ChainbuildError: there are no such units.
+        """
+        if not isinstance(units, str) or units not in UNITS:
+            raise ChainbuildError(f"there are no units {units!r}", parameter="units", permitted=", ".join(UNITS))
+        return self if units == self.units else AxisLabels(self.names, self.kinds, units)

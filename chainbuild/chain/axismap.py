@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError, ChainError
+from chainbuild.shown import compact
 from chainbuild.units import AxisKind, si_factor
 
 
@@ -51,6 +52,7 @@ def refusal_of(axis_map: AxisMap, axes: Vector) -> ChainbuildError | None:
     return axis_map.refusal(axes) if isinstance(axis_map, PartialMap) else None
 
 
+@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class AffineMap:
     """q = A·(axes in SI) + b: sign, zero offset, unit, gear and absolute-angle coupling in one matrix.
@@ -119,6 +121,7 @@ def joint_values(axis_map: AxisMap, axes: Vector) -> Vector:
     return q
 
 
+@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Block:
     """One map of a `BlockMap`.
@@ -134,6 +137,7 @@ class Block:
     joints: NDArray[np.intp]
 
 
+@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class BlockMap:
     """Maps side by side: each takes its own axes and drives its own joints.

@@ -20,6 +20,7 @@ from chainbuild.chain.fold import drawn, joint_motion
 from chainbuild.chain.geometry import Geometry
 from chainbuild.chain.names import Names, as_name, free_name
 from chainbuild.chain.poses import path_to
+from chainbuild.findings import Findings
 from chainbuild.frames import inverse
 
 
@@ -230,7 +231,7 @@ def _graft(host: Chain, link: str, T: Matrix, guest: Chain, prefix: str, *, root
         controller_solver=None,
         geometry=joined_geometry(host.geometry, guest.geometry, names, [*tree.placements]),
         conventions=tuple({used.convention.name: used for used in (*host.conventions, *guest.conventions)}.values()),
-        findings=tuple(dict.fromkeys((*host.findings, *guest.findings))),
+        findings=Findings(dict.fromkeys((*host.findings, *guest.findings))),
     )
 
 

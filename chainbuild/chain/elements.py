@@ -12,7 +12,8 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.geometry import NO_GEOMETRY, Geometry
 from chainbuild.convention import UsedConvention
-from chainbuild.findings import Finding
+from chainbuild.findings import NO_FINDINGS, Findings
+from chainbuild.shown import compact, two_lines
 from chainbuild.units import AxisKind, AxisUnit, unit_of
 
 JointKind = Literal["revolute", "prismatic"]
@@ -22,6 +23,7 @@ BASE_LINK = "base"
 FRAME_NAMES = ("base", "flange", "tool", "workpiece")
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class Link:
     """A rigid body.
@@ -35,6 +37,7 @@ class Link:
     radius: float | None = None
 
 
+@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Joint:
     """One degree of freedom between two links.
@@ -63,6 +66,7 @@ class Joint:
     reversed: bool = False
 
 
+@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """A named frame fixed to a link: T_link_frame (4, 4) [m]."""
@@ -72,6 +76,7 @@ class Frame:
     T_link_frame: Matrix
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class Loop:
     """A closure between two frames.
@@ -117,6 +122,11 @@ class Axis:
     held: bool = False
     max_speed: float | None = None
 
+    def __repr__(self) -> str:
+        said = {"assumed": self.assumed, "endless": self.endless, "held": self.held}
+        more = "".join(f", {word}" for word, holds in said.items() if holds)
+        return two_lines(f"<Axis {self.name}: {self.kind}, {self.lower:.6g} … {self.upper:.6g} {self.unit}{more}>")
+
     @classmethod
     def unlimited(cls, name: str, kind: AxisKind, carries: Literal["tool", "workpiece"] = "tool") -> Axis:
         """Build an axis without known limits."""
@@ -126,6 +136,7 @@ class Axis:
         return cls(name, kind, unit_of(kind), -bound, bound, True, carries=carries)
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class AxisSum:
     """A weighted sum of axis values, such as the absolute angle C of a SCARA: Σ coefficient·axis + offset.
@@ -143,6 +154,7 @@ class AxisSum:
         return float(np.dot(self.coefficients, np.asarray(axes, dtype=float))) + self.offset
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class AxisConstraint:
     """A limit on a sum of axes, such as the angle of a parallelogram: lower < Σ coefficient·axis + offset < upper.
@@ -182,6 +194,7 @@ class AxisConstraint:
         return margin >= 0.0 or margin > self.margin(before)
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class ControllerSolver:
     """Budget of the control's iterative inverse (ROBX manual 7.1.7, MD62967–62970).
@@ -201,6 +214,7 @@ class ControllerSolver:
     hand_angle: AxisSum | None = None
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class SingularityWatch:
     """How a control monitors singularities (ROBX manual 10).
@@ -216,6 +230,7 @@ class SingularityWatch:
     speed_alarm: int
 
 
+@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Partial:
     """One of the kinematics of a composed chain, for moving it separately.
@@ -282,7 +297,7 @@ class Chain:
     loops: tuple[Loop, ...] = ()
     task: Task = "auto"
     conventions: tuple[UsedConvention, ...] = ()
-    findings: tuple[Finding, ...] = ()
+    findings: Findings = NO_FINDINGS
     constraints: tuple[AxisConstraint, ...] = ()
     absolute_c: AxisSum | None = None
     tool_axis: Literal["x", "z"] = "z"
@@ -295,7 +310,7 @@ class Chain:
     def __repr__(self) -> str:
         names = [axis.name for axis in self.axes]
         listed = f"{names[0]} … {names[-1]}" if len(names) > 3 else ", ".join(names)
-        return f"<Chain {self.name}: {self.kinematic}, axes {listed}>"
+        return two_lines(f"<Chain {self.name}: {self.kinematic}, axes {listed}>")
 
     def frame(self, name: str) -> Frame:
         """Return a frame by name."""

@@ -7,10 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from chainbuild.shown import compact
+
 ShapeKind = Literal["capsule", "sphere", "box", "cylinder", "hull", "mesh"]
 Numbers = tuple[float, ...]
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class Shape:
     """One body fixed to a link, in place of the one drawn by rule.
@@ -34,6 +37,7 @@ class Shape:
     scale: float = 0.001
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class RodData:
     """Dimensions of a parallelogram's rods.
@@ -51,6 +55,7 @@ class RodData:
     sideways: float = 0.0
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class Geometry:
     """The overlay's table `[geometry]`.

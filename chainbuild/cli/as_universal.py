@@ -23,8 +23,8 @@ def as_universal(file: str, /, *, output_file: Output = None, options: MachineOp
     from chainbuild.formats.twincat.universal.as_universal import as_universal as universal_list
 
     if options.tool_length:
-        raise UsageError("--tool-length does not apply: the list does not contain the tool")
-    text = universal_list(options.machine(file), options.kinematic, options.channel, options.choices())
+        raise UsageError("--tool-length: the tool is no part of the list; it acts on both kinematics alike")
+    text = universal_list(options.machine(file), options.kinematic, options.channel, conventions=options.choices())
     with output(output_file) as stream:
         stream.write(text)
     if output_file:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from chainbuild.cli.show import finding_data, print_findings, print_json, refusal_as_json
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, all_findings
 from chainbuild.errors import ChainbuildError
-from chainbuild.findings import Collector, Finding
+from chainbuild.findings import Collector, Finding, Findings
 
 
 def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT_OPTIONS) -> int:
@@ -38,7 +38,7 @@ def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT
     return 1 if refused else 0
 
 
-def _with_selection(file: str, options: MachineOptions, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
+def _with_selection(file: str, options: MachineOptions, findings: tuple[Finding, ...]) -> Findings:
     """Return the findings and those of the kinematic, tool and conventions that the options select."""
     collector = Collector(strict=False, findings=list(findings))
     try:
@@ -47,7 +47,7 @@ def _with_selection(file: str, options: MachineOptions, findings: tuple[Finding,
         collector.findings.extend(all_findings(machine, chain))
     except ChainbuildError as error:
         collector.add_error(error)
-    return tuple(dict.fromkeys(collector.findings))
+    return Findings(dict.fromkeys(collector.findings))
 
 
 def _verdict(findings: tuple[Finding, ...], refused: bool) -> str:

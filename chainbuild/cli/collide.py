@@ -145,11 +145,12 @@ class _Found:
 def _positions(model: CollisionModel, rows: Any, is_path: bool, clearance: float) -> _Found:
     from chainbuild.analysis.collision.paths import contacts
 
-    names = [axis.name for axis in model.robot.axes]
+    robot = model.robot
+    names = [axis.name for axis in robot.axes]
     closest = [model.nearest(row) for row in rows]
     if is_path:
-        return _Found(list(contacts(model, rows, clearance)), closest, names)
-    found = [contact for row in rows for contact in contacts(model, row[None, :], clearance)]
+        return _Found(list(contacts(robot, rows, clearance=clearance, bodies=model)), closest, names)
+    found = [contact for row in rows for contact in contacts(robot, row[None, :], clearance=clearance, bodies=model)]
     return _Found(found, closest, names)
 
 

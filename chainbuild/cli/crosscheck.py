@@ -111,7 +111,7 @@ def _compare(file: str, other: Path | str, check_options: CheckOptions, options:
     return compare(
         robot,
         read_recording(other, robot.chain) if isinstance(other, Path) else other,
-        check_options,
+        options=check_options,
         machine=machine,
         selection=Selection(options.kinematic, options.channel, options.tool_length),
         conventions=options.choices(),

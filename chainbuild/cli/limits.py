@@ -75,7 +75,7 @@ def _sweep(
         raise UsageError(f"--steps {steps}: expected at least 1")
     begin = values_of(robot, at[-1]) if at else None
     with counted("positions", steps) as done:
-        found: Sweep = sweep(model, axis, over, begin, np.linspace(low, high, steps).tolist(), done=done)
+        found: Sweep = sweep(model, axis, over, at=begin, values=np.linspace(low, high, steps).tolist(), progress=done)
     labels = f"{over} [{found.unit_over}]", f"{axis} [{found.unit_moved}]"
     if picture:
         _draw(picture, found.intervals, f"{robot.chain.title}: {axis} over {over}", labels)
@@ -89,7 +89,7 @@ def _parallelogram(robot: Robot, steps: int, picture: Path | None, as_json: bool
     from chainbuild.analysis.collision.parallelogram import swept_limits
 
     with counted("positions", steps) as done:
-        found: LimitReport = swept_limits(robot, steps, done)
+        found: LimitReport = swept_limits(robot, steps=steps, progress=done)
     labels = f"{found.over} [deg]", "q3DH − q2DH [deg]"
     if picture:
         _draw(picture, found.intervals, f"{robot.chain.title}: parallelogram", labels, found.given)

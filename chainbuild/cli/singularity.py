@@ -100,14 +100,14 @@ class _Shown:
 
         length = None if measures.length is None else m_from_mm(measures.length)
         self.robot, self.rows, self.limits = robot, rows, limits
-        self.table = measure_batch(robot, rows, length)
+        self.table = measure_batch(robot, rows, length=length)
         self.reports: list[tuple[int, SingularityReport]]
         if len(rows) == 1:
-            self.reports = [(0, examine(robot, rows[0], measures.speed, length))]
+            self.reports = [(0, examine(robot, rows[0], tool_speed_mm=measures.speed, length=length))]
         else:
-            self.reports = list(examine_path(robot, rows, measures.speed))
+            self.reports = list(examine_path(robot, rows, tool_speed_mm=measures.speed))
         chosen = [row for row, _ in self.reports] if measures.nearest else []
-        self.nearest: dict[int, Nearest] = {row: nearest_singularity(robot, rows[row], length) for row in chosen}
+        self.nearest: dict[int, Nearest] = {row: nearest_singularity(robot, rows[row], length=length) for row in chosen}
         self.assessments: dict[int, Assessment] = {}
         self.stretches: tuple[PathSection, ...] = ()
         if limits is not None:

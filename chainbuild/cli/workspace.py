@@ -93,7 +93,7 @@ def workspace(
         raise UsageError(f"--workers {chart.workers}: expected at least 1")
     total = spec.cells**2 if spec.kind == "axes" else spec.samples
     with counted("map", -(-total // PART)) as done:
-        found = make_map(robot, spec, output_file, chart.workers, lambda count, _: done(count))
+        found = make_map(robot, spec, output_file, workers=chart.workers, progress=done)
     if output_file:
         note(f"wrote {output_file}")
     if picture:

@@ -23,6 +23,7 @@ from chainbuild.chain.rods import pinned_links
 from chainbuild.collision.solids import solids_of
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.shown import length_shown, two_lines
 
 LinkPair: TypeAlias = tuple[str, str]
 
@@ -44,6 +45,10 @@ class Distance:
     pair: LinkPair
     distance: float
     points: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        how = "apart" if self.distance >= 0.0 else "deep in one another"
+        return two_lines(f"<Distance {' – '.join(self.pair)}: {length_shown(abs(self.distance))} {how}>")
 
 
 class _Scratch(local):
@@ -92,6 +97,11 @@ class CollisionModel:
         self.always = self._touching_everywhere()
         touching = {frozenset(pair) for pair in self.always}
         self._watch([pair for pair in self.pairs if frozenset(self.links_of(pair)) not in touching])
+
+    def __repr__(self) -> str:
+        left_out = f", {len(self.always)} left out" if self.always else ""
+        counts = f"{len(self.solids)} bodies, {len(self.pairs)} pairs watched{left_out}"
+        return two_lines(f"<CollisionModel of {self.robot.name}: {counts}>")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.robot, self._given)
@@ -213,3 +223,20 @@ class CollisionModel:
             touching &= np.array([result.isCollision() for result in results], dtype=bool)
         links = {self.links_of(self.pairs[n]): None for n in np.flatnonzero(touching)}
         return tuple(links)
+
+
+def bodies_of(robot: Mechanism, given: CollisionModel | None) -> CollisionModel:
+    """Return the bodies of a robot: those given, else all with every pair that can collide, prepared once.
+
+    Raises:
+        ChainbuildError: those given are another robot's.
+    """
+    if given is None:
+        return robot.prepared("bodies", lambda: CollisionModel(robot))
+    if given.robot.chain is not robot.chain:
+        raise ChainbuildError(
+            "the bodies were made of another robot",
+            parameter="bodies",
+            permitted="a CollisionModel of this robot",
+        )
+    return given

@@ -1,4 +1,4 @@
 """Cross-check: another solver or a recording beside the model, and what their difference says.
 
-In reading order: `crosscheck`, `samples`, `judges`, `comparison`, `offsets`, `diagnosis`, `convention_trials`.
+In reading order: `crosscheck`, `samples`, `other_solvers`, `comparison`, `offsets`, `diagnosis`, `convention_trials`.
 """

@@ -18,6 +18,7 @@ from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.every import every_branch
 from chainbuild.ik.request import IkRequest
 from chainbuild.kinematics.inputs import as_pose
+from chainbuild.shown import compact
 
 if TYPE_CHECKING:
     from chainbuild.comparison.other_solvers import OtherSolver
@@ -55,6 +56,7 @@ def forward_poses(robot: Mechanism, axes: Vector) -> Matrices:
     return np.array([kinematics.pose(axis_map.q(row)).homogeneous for row in axes]).reshape(-1, 4, 4)
 
 
+@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Forward:
     """Forward kinematics compared.
@@ -120,6 +122,7 @@ def compare_forward(
     return Forward(samples, ours, theirs, compared, distance, angle, *tolerance)
 
 
+@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Inverse:
     """Inverse kinematics compared, branch by branch.

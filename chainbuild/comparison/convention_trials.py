@@ -14,6 +14,7 @@ from chainbuild.arrays import Vector
 from chainbuild.comparison.comparison import forward_poses, pose_errors
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.shown import compact
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain, Task
@@ -24,6 +25,7 @@ _MAX_PAIRS: Final = 400  # bound on the time: a trial builds a chain
 _MAX_POSES: Final = 200  # more of them tell nothing new about a choice
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class Selection:
     """Selected kinematic of a machine; see `Machine.chain`."""
@@ -33,6 +35,7 @@ class Selection:
     tool_length_mm: float = 0.0
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class Trial:
     """Choices of conventions and the resulting errors.

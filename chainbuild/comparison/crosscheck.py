@@ -29,6 +29,7 @@ from chainbuild.comparison.other_solvers import (
 from chainbuild.comparison.samples import MADE_KINDS, SampleKind, Samples, make_samples
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.plan import plan_of
+from chainbuild.shown import compact, two_lines
 from chainbuild.tables.recording import Recording
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ class CrossCheck:
         title: The machine.
         kinematic: "ROBX NR", "KIN_TYP 45", … .
         axes: Axis names.
-        judge: Name of the other solver or recording.
+        reference: Name of the other solver or recording.
         note: Its source.
         forward: Forward kinematics compared, or None.
         inverse: Inverse kinematics compared, or None.
@@ -71,6 +72,17 @@ class CrossCheck:
     trials: tuple[Trial, ...] = ()
     conventions: Mapping[str, str] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        parts = []
+        if self.forward is not None:
+            parts.append(f"{int(self.forward.agrees.sum())} of {len(self.forward.samples)} poses agree")
+        if self.inverse is not None:
+            parts.append(f"{self.inverse.wrong} of {self.inverse.theirs} answers wrong")
+        if self.explanation is not None:
+            parts.append(self.explanation.text)
+        verdict = "agrees" if self.agrees else "differs"
+        return two_lines(f"<CrossCheck of {self.title} with {self.reference}: {verdict}; {'; '.join(parts)}>")
+
     @property
     def agrees(self) -> bool:
         """Whether everything compared agrees."""
@@ -83,6 +95,7 @@ class CrossCheck:
         return tuple(trial for trial in self.trials if trial.agrees)
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class CheckOptions:
     """How to cross-check.
@@ -124,8 +137,8 @@ class CheckOptions:
 def crosscheck(
     robot: Mechanism,
     solver: str | Callable[..., Any] | Recording,
-    options: CheckOptions | None = None,
     *,
+    options: CheckOptions | None = None,
     machine: Machine | None = None,
     selection: Selection | None = None,
     conventions: Mapping[str, str] | None = None,

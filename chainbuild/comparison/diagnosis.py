@@ -22,6 +22,7 @@ from chainbuild.comparison.comparison import forward_poses, pose_errors
 from chainbuild.comparison.offsets import all_rigid, distinct_angle_modes, mean_transform, mm_text, transform_text
 from chainbuild.frames import ANGLE_MODES, angles_from_matrix, inverse, matrix_from_angles
 from chainbuild.kinematics.inputs import as_pose
+from chainbuild.shown import compact
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -43,6 +44,7 @@ _LENGTH_UNITS: Final = (
 )
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class Explanation:
     """A systematic error.

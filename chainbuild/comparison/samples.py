@@ -11,6 +11,7 @@ import numpy as np
 
 from chainbuild.arrays import Vector
 from chainbuild.errors import ChainbuildError
+from chainbuild.shown import compact
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -23,6 +24,7 @@ _WIDEST_ROTARY_DEG: Final = 180.0  # one turn shows all poses
 _SPECIAL_DEG: Final = (0.0, 90.0, -90.0, 180.0, -180.0)  # where solvers divide by zero or take the other branch
 
 
+@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Samples:
     """Axis values.

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
@@ -21,8 +22,10 @@ from chainbuild.chain.elements import Chain, Partial
 from chainbuild.chain.poses import rotation_vector
 from chainbuild.coupling.partial_state import LETTERS, TURNS, State, as_transform
 from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.html import html_table
 from chainbuild.ik.solve import solve
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.shown import number, two_lines
 from chainbuild.units import mm_from_m
 
 _PASSES: Final = 50  # rounds over the partials; one is enough unless one moves what another has placed
@@ -48,6 +51,9 @@ class PartialPose:
     free: tuple[bool, ...]
     T: Matrix
 
+    def __repr__(self) -> str:
+        return two_lines(f"<PartialPose {self.name}: {_shown(self.values)} [mm, deg]>")
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Distribution:
@@ -63,7 +69,16 @@ class Distribution:
     partials: tuple[PartialPose, ...]
     robot: Mechanism
 
-    def axes(self, start: Sequence[float] | Vector | None = None) -> Vector:
+    def __repr__(self) -> str:
+        names = ", ".join(part.name for part in self.partials)
+        return two_lines(f"<Distribution of {_shown(self.tcp)} [mm, deg] over {names}; .partials, .axes()>")
+
+    def _repr_html_(self) -> str:
+        head = ("", *(f"{letter} [{'mm' if n < 3 else 'deg'}]" for n, letter in enumerate(LETTERS)))
+        rows = [(part.name, *(number(float(value)) for value in part.values)) for part in self.partials]
+        return html_table(head, [("tool", *(number(float(value)) for value in self.tcp)), *rows])
+
+    def axes(self, start: ArrayLike | None = None) -> Vector:
         """Return the axis values (n_axes,) of the composed robot: the second step, partial by partial.
 
         Args:
@@ -274,4 +289,4 @@ def _find(states: Mapping[str, State], name: str) -> State:
 
 
 def _shown(values: Vector) -> str:
-    return " ".join(f"{letter}{value:.6g}" for letter, value in zip(LETTERS, values, strict=True))
+    return " ".join(f"{letter}{number(float(value))}" for letter, value in zip(LETTERS, values, strict=True))

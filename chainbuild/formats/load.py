@@ -15,14 +15,14 @@ from chainbuild.errors import (
     Span,
     UnsupportedKinematicError,
 )
-from chainbuild.findings import Collector, Finding
+from chainbuild.findings import Collector, Findings
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay, find_overlay
 from chainbuild.formats.text import SourceText, is_sinumerik, is_twincat, read_source
 from chainbuild.machines import shipped, shipped_path
 
 
-def load(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None = None) -> Machine:
+def load(path: str | os.PathLike[str], *, overlay: str | os.PathLike[str] | None = None) -> Machine:
     """Read a machine file of either dialect; the dialect is detected by its content.
 
     Args:
@@ -35,7 +35,7 @@ def load(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None = 
     return _read(path, overlay, Collector(strict=True))
 
 
-def check(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None = None) -> tuple[Finding, ...]:
+def check(path: str | os.PathLike[str], *, overlay: str | os.PathLike[str] | None = None) -> Findings:
     """Return every finding of a machine file, errors included; never raises on content.
 
     The file is read to its end and every kinematic it configures is translated. A type that is not built is an error
@@ -53,7 +53,7 @@ def check(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None =
         raise
     except ChainbuildError as error:
         collector.add_error(error)
-    return tuple(dict.fromkeys(collector.findings))
+    return Findings(dict.fromkeys(collector.findings))
 
 
 def _check_kinematics(machine: Machine, collector: Collector) -> None:

@@ -11,7 +11,7 @@ from chainbuild.chain.check import check_chain
 from chainbuild.chain.elements import Chain
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, ConventionError, MachineDataError, Span
-from chainbuild.findings import Collector, Finding, refuse_errors
+from chainbuild.findings import Collector, Finding, Findings, refuse_errors
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.selection import (
     KinematicEntry,
@@ -22,8 +22,11 @@ from chainbuild.formats.selection import (
     finite_length_mm,
     name_right_channel,
 )
+from chainbuild.html import html_table
+from chainbuild.shown import compact, two_lines
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class ParameterRow:
     """One parameter of a kinematic as `info` shows it.
@@ -90,7 +93,12 @@ class Machine(ABC):
     def __repr__(self) -> str:
         types = list(dict.fromkeys(entry.type for entry in self.kinematics()))
         more = ["…"] if len(types) > 3 else []
-        return f"<Machine {self.path.name}: {', '.join([self.dialect, *types[:3], *more])}>"
+        return two_lines(f"<Machine {self.path.name}: {', '.join([self.dialect, *types[:3], *more])}>")
+
+    def _repr_html_(self) -> str:
+        head = ("Kinematic", "Name", "Type", "Title", "Channel", "Default")
+        rows = [(e.id, e.name, e.type, e.title, e.channel, "yes" if e.default else "") for e in self.kinematics()]
+        return html_table(head, rows, f"{self.title} ({self.dialect})") + self.findings._repr_html_()
 
     @property
     def name(self) -> str:
@@ -104,9 +112,9 @@ class Machine(ABC):
         return self.overlay.name or self.path.stem
 
     @property
-    def findings(self) -> tuple[Finding, ...]:
+    def findings(self) -> Findings:
         """Everything found so far, in order."""
-        return tuple(self._collector.findings)
+        return Findings(self._collector.findings)
 
     @abstractmethod
     def kinematics(self) -> tuple[KinematicEntry, ...]:
@@ -154,7 +162,7 @@ class Machine(ABC):
             raise
         used = {one.convention.name for one in chain.conventions}
         self._tell_unused([name for name in sorted(chosen) if name not in used], conventions or {}, collector)
-        return replace(chain, findings=tuple(dict.fromkeys(collector.findings)))
+        return replace(chain, findings=Findings(dict.fromkeys(collector.findings)))
 
     def chosen_conventions(self, conventions: Mapping[str, str] | None) -> dict[str, str]:
         """Return the user's choices: the overlay's, overridden by the argument."""

@@ -12,11 +12,13 @@ from typing import Final
 from chainbuild import tolerances
 from chainbuild.closest import listed
 from chainbuild.errors import MachineDataError, Span
+from chainbuild.shown import compact
 
 _ID_DIGITS: Final = 9  # more than any id has
 _HUGE_NUMBER: Final = 10**_ID_DIGITS  # beyond any id or channel
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class KinematicEntry:
     """A kinematic that the file configures.

@@ -63,7 +63,7 @@ class _Node:
         return values
 
 
-def from_urdf(path: str | os.PathLike[str], tool: str | None = None) -> Chain:
+def from_urdf(path: str | os.PathLike[str], *, tool: str | None = None) -> Chain:
     """Read a URDF file into a chain from its root link to a tool link.
 
     Args:

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from chainbuild import tolerances
 from chainbuild.errors import ChainbuildError
+from chainbuild.shown import compact
 
 
+@compact
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IkOptions:
     """Options of the damped solver.

@@ -24,6 +24,7 @@ from chainbuild.ik.branches.elimination.eaik_arm import eaik_solver
 from chainbuild.ik.branches.elimination.elimination import JOINTS, elimination
 from chainbuild.ik.request import IkRequest
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.shown import two_lines
 
 PlanName = ArmName | Literal["direct", "EAIK", "elimination", "search"]
 
@@ -53,6 +54,10 @@ class SolverPlan:
     reason: str
     complete: bool
     solver: ArmSolver | None = field(default=None, repr=False)
+
+    def __repr__(self) -> str:
+        how = "every branch" if self.complete else "searched for"
+        return two_lines(f"<SolverPlan {self.name} ({how}): {self.reason}>")
 
 
 def plan_of(mechanism: Mechanism, held: Mapping[str, float] | Iterable[str] = ()) -> SolverPlan:

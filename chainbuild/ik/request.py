@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from numbers import Real
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,7 @@ from chainbuild.ik.options import DEFAULT, IkOptions
 from chainbuild.ik.region import freedoms_of
 from chainbuild.kinematics.inputs import Pose, as_pose
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.units import Units
 
 Held = Mapping[str, float] | Sequence[float]
 
@@ -112,6 +113,40 @@ def start_point(mechanism: Mechanism, start: ArrayLike | None, held: Held | None
     if held is not None:
         values = mechanism.axis_values(values)
     return values * freedoms.si_factors, fixed
+
+
+def in_controller_units(
+    mechanism: Mechanism, start: ArrayLike | None, held: Held | None, units: Units
+) -> tuple[ArrayLike | None, Held | None]:
+    """Return start and held in mm and degrees; what is wrong with them is said where they are used.
+
+    Args:
+        mechanism: Whose axis values.
+        start: Axis values (…, n_axes), or None.
+        held: Axis name → value, or one value for each input axis in order, or None.
+        units: Theirs.
+
+    Raises:
+        ChainbuildError: there are no such units.
+    """
+    factors = dict(zip(mechanism.labels.names, mechanism.labels.to(units).factors, strict=True))
+    begin = None if start is None else mechanism.controller_values(start, units)
+    if isinstance(held, Mapping):
+        return begin, {name: _divided(value, factors.get(name, 1.0)) for name, value in held.items()}
+    if isinstance(held, Sequence | np.ndarray) and not isinstance(held, str | bytes):
+        own = [factors[axis.name] for axis in mechanism.axes if axis.held]
+        if len(held) == len(own):
+            return begin, [_divided(value, factor) for value, factor in zip(held, own, strict=True)]
+    return begin, held
+
+
+def _divided(value: Any, factor: float) -> Any:
+    if not isinstance(value, Real):
+        return value
+    try:
+        return float(value) / factor
+    except OverflowError:
+        return math.inf
 
 
 def _by_name(mechanism: Mechanism, held: Held | None) -> Mapping[str, float]:

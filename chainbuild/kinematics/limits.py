@@ -15,6 +15,7 @@ import numpy as np
 
 from chainbuild.arrays import Vector
 from chainbuild.chain.elements import Axis, AxisConstraint, Chain
+from chainbuild.shown import two_lines
 from chainbuild.tolerances import LIMIT_SLACK
 
 
@@ -33,6 +34,11 @@ class Limits:
     lower: Vector
     upper: Vector
     sums: tuple[AxisConstraint, ...]
+
+    def __repr__(self) -> str:
+        axes = (f"{axis.name} {axis.lower:.6g} … {axis.upper:.6g} {axis.unit}" for axis in self.axes)
+        sums = (f"{limit.name} {limit.lower:.6g} … {limit.upper:.6g}" for limit in self.sums)
+        return two_lines(f"<Limits: {', '.join((*axes, *sums))}>")
 
     @classmethod
     def of(cls, chain: Chain) -> Limits:

@@ -19,10 +19,13 @@ from chainbuild.chain.axismap import joint_values
 from chainbuild.chain.check import check_chain
 from chainbuild.chain.elements import Axis, Chain, Task
 from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.html import html_table
 from chainbuild.kinematics.evaluation import Kinematics
 from chainbuild.kinematics.inputs import axis_rows, axis_vector, real_numbers
 from chainbuild.kinematics.limits import Limits
 from chainbuild.kinematics.product import poses_at
+from chainbuild.shown import number
+from chainbuild.units import AxisLabels, Units
 
 _T = TypeVar("_T")
 
@@ -39,6 +42,7 @@ class Mechanism:
         chain: What it was built from.
         kinematics: The evaluator that solvers use.
         limits: The limits of axes and of sums of axes.
+        labels: Names and units of its axis values, for results that hold some.
         task: What inverse kinematics solves for: "pose", "direction" or "position".
         prepared: Cache of what is made once for this mechanism, by kind and key; see `Prepared.get`.
 
@@ -51,11 +55,22 @@ class Mechanism:
         self.chain = chain
         self.kinematics = Kinematics(chain)
         self.limits = Limits.of(chain)
+        self.labels = AxisLabels(tuple(axis.name for axis in chain.axes), tuple(axis.kind for axis in chain.axes))
         self.task: Task = choose_task(self.kinematics, np.array([not axis.held for axis in chain.axes]))
         self.prepared = Prepared().get
 
     def __repr__(self) -> str:
         return repr(self.chain).replace("<Chain", f"<{type(self).__name__}", 1)
+
+    def _repr_html_(self) -> str:
+        head = ("Axis", "Kind", "Lower", "Upper", "Unit", "Limits", "Carries")
+        rows = []
+        for axis in self.axes:
+            told = "endless" if axis.endless else "assumed" if axis.assumed else "given"
+            lower, upper = number(axis.lower), number(axis.upper)
+            rows.append((axis.name, axis.kind, lower, upper, axis.unit, told, axis.carries))
+        sums = [(s.name, "sum", number(s.lower), number(s.upper), "", "given", "") for s in self.limits.sums]
+        return html_table(head, [*rows, *sums], f"{self.chain.title} ({self.chain.kinematic})")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.chain,)
@@ -83,6 +98,19 @@ class Mechanism:
         """
         return axis_vector(self.axes, axes)
 
+    def controller_values(self, axes: ArrayLike, units: Units) -> ArrayLike:
+        """Return axis values (…, n_axes) in mm and degrees; what has another shape or is no number is left as it is.
+
+        Args:
+            axes: Axis values.
+            units: Their units: "controller", mm and degrees, or "si", metres and radians.
+
+        Raises:
+            ChainbuildError: there are no such units.
+        """
+        factors, values = self.labels.to(units).factors, real_numbers(axes)
+        return axes if values is None or values.shape[-1:] != (len(factors),) else values / factors
+
     def q(self, axes: ArrayLike) -> Vector:
         """Return Pinocchio's joint values (nq,), SI, of axis values (n_axes,), mm and degrees.
 
@@ -104,15 +132,19 @@ class Mechanism:
             raise AxisValueError(f"expected {self.model.nq} finite joint values, got {got}")
         return self.chain.axis_map.axes(values)
 
-    def fk(self, axes: ArrayLike) -> pin.SE3:
-        """Return the tool in the workpiece frame [m] at axis values (n_axes,), mm and degrees.
+    def fk(self, axes: ArrayLike, *, units: Units = "controller") -> pin.SE3:
+        """Return the tool in the workpiece frame [m] at axis values (n_axes,); limits are not looked at.
 
-        Limits are not checked.
+        Args:
+            axes: Axis values.
+            units: Theirs: "controller", mm and degrees, or "si", metres and radians.
 
         Raises:
             AxisValueError: wrong count or not finite.
-            ChainbuildError: the kinematic has no pose there.
+            ChainbuildError: the kinematic has no pose there, or there are no such units.
         """
+        if units != "controller":
+            axes = self.controller_values(axes, units)
         pose = self.kinematics.pose(self.q(axes))
         if not np.isfinite(pose.homogeneous).all():
             raise ChainbuildError("the kinematic has no finite pose at these axis values")
@@ -132,13 +164,19 @@ class Mechanism:
         total = self.chain.absolute_c
         return a, b, c if total is None else total.value(axes)
 
-    def fk_batch(self, axes: ArrayLike) -> Matrix:
-        """Return the tool in the workpiece frame (N, 4, 4) [m] at rows of axis values (N, n_axes), mm and degrees.
+    def fk_batch(self, axes: ArrayLike, *, units: Units = "controller") -> Matrix:
+        """Return the tool in the workpiece frame (N, 4, 4) [m] at rows of axis values (N, n_axes).
+
+        Args:
+            axes: Axis values.
+            units: Theirs, as for `fk`.
 
         Raises:
             AxisValueError: wrong shape or not finite.
-            ChainbuildError: the kinematic has no pose there.
+            ChainbuildError: the kinematic has no pose there, or there are no such units.
         """
+        if units != "controller":
+            axes = self.controller_values(axes, units)
         values = axis_rows(self.axes, axes)
         if self.kinematics.product is None:
             return np.array([self.fk(row).homogeneous for row in values]).reshape(-1, 4, 4)
@@ -150,8 +188,8 @@ class Mechanism:
         pin.framesForwardKinematics(model, data, self.q(axes))
         return {frame.name: data.oMf[n].copy() for n, frame in enumerate(model.frames)}
 
-    def jacobian(self, axes: ArrayLike, frame: str = "tool") -> Matrix:
-        """Return the Jacobian (6, n_axes) at axis values (n_axes,), mm and degrees.
+    def jacobian(self, axes: ArrayLike, frame: str = "tool", *, units: Units = "controller") -> Matrix:
+        """Return the Jacobian (6, n_axes) at axis values (n_axes,).
 
         Linear rows (velocity of the tool's origin), then angular; tool relative to workpiece; derivative by metres and
         radians of the axes.
@@ -159,11 +197,14 @@ class Mechanism:
         Args:
             axes: Axis values.
             frame: In whose axes it is expressed: "tool" (Pinocchio's LOCAL) or "workpiece".
+            units: Those of the axis values, as for `fk`; the derivative is the same in both.
 
         Raises:
             AxisValueError: wrong count or not finite.
-            ChainbuildError: the kinematic has no derivative there, or the frame is unknown.
+            ChainbuildError: the kinematic has no derivative there, or frame or units are unknown.
         """
+        if units != "controller":
+            axes = self.controller_values(axes, units)
         if frame not in {"tool", "workpiece"}:
             raise ChainbuildError(f"unknown frame {frame!r}", parameter="frame", permitted="tool, workpiece")
         pose, J = self.kinematics.pose_and_jacobian(self.axis_values(axes) * self.kinematics.si_factors)

@@ -13,12 +13,14 @@ from chainbuild import frames
 from chainbuild.arrays import Matrix
 from chainbuild.chain.elements import Chain, Task
 from chainbuild.errors import Span, TableError
+from chainbuild.shown import compact
 from chainbuild.tables.axes import RESULT_COLUMNS
 from chainbuild.tables.poses import ANGLE_COLUMNS, POSE_COLUMNS, POSITION_COLUMNS, QUATERNION_COLUMNS, TOOL_COLUMNS
 from chainbuild.tables.reader import Table
 from chainbuild.units import m_from_mm
 
 
+@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Recording:
     """Axis values and poses read on the controller.

@@ -159,7 +159,7 @@ def test_paths_miss_nothing_that_dense_sampling_finds(count: int) -> None:
     hits = 0
     for n in range(count):
         path = samples(model.robot, 2, seed=1000 + n)
-        found = first_contact(model, path)
+        found = first_contact(model.robot, path, bodies=model)
         shares = np.sort(rng.random(60))
         dense = [s for s in shares if model.collides(path[0] + s * (path[1] - path[0]))]
         if dense:
@@ -180,7 +180,7 @@ def test_thin_obstacles_between_two_free_rows_are_found() -> None:
     # The forearm sweeps through the column: both ends are free, only the way is not.
     start, end = np.array([0.0, -90.0, -150.0, 0.0, 0.0, 0.0]), np.array([0.0, -200.0, 170.0, 0.0, 0.0, 0.0])
     dense = [s for s in np.linspace(0, 1, 4001) if model.collides(start + s * (end - start))]
-    found = first_contact(model, [start, end])
+    found = first_contact(model.robot, [start, end], bodies=model)
     assert (found is not None) == bool(dense)
     if found is not None:
         assert found.share <= dense[0] + 1e-9
@@ -191,13 +191,13 @@ def test_clearance_and_bad_paths() -> None:
     axes = [0.0, -90.0, 90.0, 0.0, 0.0, 0.0]
     nearest = model.nearest(axes)
     assert nearest is not None
-    assert first_contact(model, axes) is None
-    close = first_contact(model, axes, clearance=nearest.distance + 1e-3)
+    assert first_contact(model.robot, axes, bodies=model) is None
+    close = first_contact(model.robot, axes, bodies=model, clearance=nearest.distance + 1e-3)
     assert close is not None
     assert close.pair == nearest.pair
     for wrong, clearance in (([[0.0] * 5], 0.0), ([[np.nan] * 6], 0.0), (axes, -1.0)):
         with pytest.raises(ChainbuildError):
-            list(contacts(model, wrong, clearance))
+            list(contacts(model.robot, wrong, clearance=clearance, bodies=model))
 
 
 def test_nonlinear_axis_maps_are_walked_too() -> None:
@@ -209,7 +209,7 @@ def test_nonlinear_axis_maps_are_walked_too() -> None:
     robot = chainbuild.Robot(replace(chain, geometry=Geometry(shapes=shapes)))
     model = CollisionModel(robot, [("base", "A_link")])
     path = np.array([[0.0, 0.0, 400.0, 0.0, 0.0], [0.0, 0.0, -400.0, 40.0, 30.0]])
-    found = first_contact(model, path)
+    found = first_contact(model.robot, path, bodies=model)
     dense = [s for s in np.linspace(0, 1, 2001) if model.collides(path[0] + s * (path[1] - path[0]))]
     assert dense
     assert found is not None
@@ -233,13 +233,13 @@ def test_ik_keeps_clear_when_asked() -> None:
         model = CollisionModel(robot)
         if model.collides(axes) or not model.collides(other.axes):
             continue
-        result = collision_free_ik(model, robot.fk(axes), start=other.axes)
+        result = collision_free_ik(robot, robot.fk(axes), start=other.axes)
         assert result.success
         assert result.restarts > 0
         assert not model.collides(result.axes)
         np.testing.assert_allclose(robot.fk(result.axes).homogeneous, robot.fk(axes).homogeneous, atol=1e-5)
-        assert collision_free_ik(model, robot.fk(axes), start=axes).restarts == 0
-        failed = collision_free_ik(model, robot.fk(axes), start=axes, clearance=5.0, attempts=2)
+        assert collision_free_ik(robot, robot.fk(axes), start=axes, bodies=model).restarts == 0
+        failed = collision_free_ik(robot, robot.fk(axes), start=axes, bodies=model, clearance=5.0, attempts=2)
         assert (failed.success, failed.status) == (False, "limits")
         assert "collides" in failed.reason
         kept += 1

@@ -157,7 +157,7 @@ def test_workspace_maps(run: Run) -> None:
     ("words", "code", "message"),
     [
         (["singularity", "kr6r900"], 2, "expected --at or --axes"),
-        (["singularity", "kr6r900", "--at", "1,2"], 1, "6 axis values are due"),
+        (["singularity", "kr6r900", "--at", "1,2"], 1, "expected 6 axis values"),
         (["singularity", "kr6r900", "--at", "1,x,3"], 2, "--at 1,x,3: expected numbers separated by commas"),
         (["singularity", "kr6r900", "--at", NEAR_WRIST, "--speed", "0"], 1, "speed"),
         (["singularity", "kr6r900", "--at", NEAR_WRIST, "--length", "-1"], 1, "characteristic length"),

@@ -50,7 +50,7 @@ def test_equal_poses_agree(robot: Robot) -> None:
 
 @pytest.mark.parametrize("solver", ["eaik", "opw", pytest.param("roboticstoolbox", marks=pytest.mark.slow)])
 def test_independent_solvers_agree(robot: Robot, solver: str) -> None:
-    found = crosscheck(robot, solver, FEW)
+    found = crosscheck(robot, solver, options=FEW)
     assert found.agrees, found
     assert found.forward is not None
     assert len(found.forward.samples) >= 55
@@ -62,7 +62,7 @@ def test_independent_solvers_agree(robot: Robot, solver: str) -> None:
 @pytest.mark.parametrize("solver", ["eaik", "opw"])
 def test_a_solver_for_another_kinematic_is_refused(solver: str) -> None:
     with pytest.raises(ChainbuildError, match="does not support this kinematic"):
-        crosscheck(table_machine(), solver, FEW)
+        crosscheck(table_machine(), solver, options=FEW)
 
 
 def test_an_unknown_solver_is_refused(robot: Robot) -> None:
@@ -190,7 +190,7 @@ def test_a_function_with_poses(robot: Robot) -> None:
     def forward(axes: np.ndarray) -> np.ndarray:
         return robot.fk(axes).homogeneous
 
-    found = crosscheck(robot, forward, FEW)
+    found = crosscheck(robot, forward, options=FEW)
     assert found.agrees
     assert found.inverse is None
     assert found.reference == "forward"
@@ -203,8 +203,8 @@ def test_a_function_with_branches(robot: Robot) -> None:
     def all_of_them(T: np.ndarray) -> list[np.ndarray]:
         return [branch.axes for branch in robot.ik_all(T)]
 
-    assert crosscheck(robot, all_of_them, FEW).agrees
-    found = crosscheck(robot, first_only, FEW)
+    assert crosscheck(robot, all_of_them, options=FEW).agrees
+    found = crosscheck(robot, first_only, options=FEW)
     assert not found.agrees
     assert found.inverse is not None
     assert found.inverse.missing > 0
@@ -215,7 +215,7 @@ def test_wrong_answers_are_counted_and_explained(robot: Robot) -> None:
     def mirrored(T: np.ndarray) -> list[np.ndarray]:
         return [branch.axes * [1, 1, 1, 1, 1, -1] for branch in robot.ik_all(T)]
 
-    found = crosscheck(robot, mirrored, FEW)
+    found = crosscheck(robot, mirrored, options=FEW)
     assert found.inverse is not None
     assert found.inverse.wrong > 0
     assert found.inverse.unanswered > 0
@@ -225,13 +225,13 @@ def test_wrong_answers_are_counted_and_explained(robot: Robot) -> None:
 
 def test_a_function_with_nonsense_is_refused(robot: Robot) -> None:
     with pytest.raises(ChainbuildError, match="neither a pose nor a list"):
-        crosscheck(robot, lambda _: [1.0, 2.0], FEW)
+        crosscheck(robot, lambda _: [1.0, 2.0], options=FEW)
 
     def fails(_: np.ndarray) -> np.ndarray:
         raise ZeroDivisionError("by zero")
 
     with pytest.raises(ChainbuildError, match="ZeroDivisionError"):
-        crosscheck(robot, fails, FEW)
+        crosscheck(robot, fails, options=FEW)
 
 
 def test_the_conventions_that_would_make_a_recording_agree() -> None:
@@ -261,7 +261,7 @@ def test_samples_are_repeatable_and_inside_the_limits() -> None:
 
 def test_bad_tolerances_are_refused(robot: Robot) -> None:
     with pytest.raises(ChainbuildError, match="tolerance"):
-        crosscheck(robot, recorded(robot), CheckOptions(position_tolerance=0.0))
+        crosscheck(robot, recorded(robot), options=CheckOptions(position_tolerance=0.0))
 
 
 def test_a_table_is_shown_by_its_counts(robot: Robot) -> None:

@@ -68,7 +68,7 @@ def test_the_refusal_names_the_limit(heavy: Robot) -> None:
 def test_an_answer_that_a_solver_lets_through_is_refused(heavy: Robot) -> None:
     axes = np.array([0.0, 60.0, -16.0, 170.0, 100.0, 0.0])
     request = IkRequest.of(heavy, heavy.fk(axes), axes)
-    careless = IkResult(True, axes, "ok", 0.0, 0.0, 1, 0, "pose")
+    careless = IkResult(True, axes, "ok", 0.0, 0.0, 1, 0, "pose", heavy.labels)
     refused = keeping_sums(request, careless, "damped")
     assert (refused.success, refused.status) == (False, "limits")
     assert "parallelogram angle (alarm 75329)" in refused.reason

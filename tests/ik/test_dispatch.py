@@ -43,7 +43,7 @@ def test_auto_asks_the_closed_form_where_damping_finds_nothing(monkeypatch: pyte
     robot = arm()
 
     def nothing(*_: object) -> IkResult:
-        return IkResult(False, AXES, "stalled", 1.0, 1.0, 0, 0, "pose", "gave up")
+        return IkResult(False, AXES, "stalled", 1.0, 1.0, 0, 0, "pose", robot.labels, "gave up")
 
     monkeypatch.setattr(dispatch, "search", nothing)
     assert robot.ik(robot.fk(AXES), AXES).success

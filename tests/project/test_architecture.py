@@ -15,7 +15,8 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 
 # From the ground up. A room may import rooms below it and its own. The longest name that fits a file is its room.
 ORDER = [
-    "arrays", "errors", "tolerances", "closest", "units", "findings", "frames", "convention", "files",
+    "arrays", "errors", "tolerances", "closest", "units", "shown", "html", "findings", "frames", "convention", "files",
+    "progress",
     "chain",
     "kinematics",
     "collision",

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from chainbuild.chain.bodies import shown_limits
-from chainbuild.collision.model import CollisionModel
+from chainbuild.collision.model import CollisionModel, bodies_of
 from chainbuild.ik.solve import solve
+from chainbuild.kinematics.mechanism import Mechanism
 
 if TYPE_CHECKING:
     from chainbuild.ik.result import IkResult
@@ -22,11 +23,12 @@ _SEED: Final = 5  # any: the same question gets the same answer
 
 
 def collision_free_ik(
-    model: CollisionModel,
+    robot: Mechanism,
     T: Pose | ArrayLike,
     start: ArrayLike | None = None,
     held: Mapping[str, float] | Sequence[float] | None = None,
     *,
+    bodies: CollisionModel | None = None,
     clearance: float = 0.0,
     attempts: int = _ATTEMPTS,
 ) -> IkResult:
@@ -36,18 +38,23 @@ def collision_free_ik(
     branch, so the other branches of the arm are tried in turn.
 
     Args:
-        model: Bodies and pairs; its robot is solved for.
+        robot: The robot.
         T: Tool in the workpiece frame [m].
         start: Axis values to start from.
         held: As in `Robot.ik`.
+        bodies: Its bodies and the pairs watched; None: all pairs that can collide.
         clearance: Smallest distance permitted [m].
         attempts: Number of starts after the first.
 
     Returns:
-        The first collision-free solution, as `Robot.ik` returns it; else the failure of `Robot.ik`, or "limits" with
-        the colliding pair as its reason.
+        The first solution that is free, as `Robot.ik` gives it; else the failure of `Robot.ik`, or "limits" with the
+        pair that is in the way as its reason.
+
+    Raises:
+        AxisValueError: start or held of wrong count, unknown name or not finite.
+        ChainbuildError: T is no rigid transform, or the bodies are another robot's.
     """
-    robot = model.robot
+    model = bodies_of(robot, bodies)
     lower, upper = shown_limits(robot.chain)
     rng = np.random.default_rng(_SEED)
     result = solve(robot, T, start, held)

@@ -7,7 +7,6 @@ housing move as bodies, and the sweep finds the contact-free interval of that an
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -23,6 +22,8 @@ from chainbuild.chain.rods import CRANK, LEVEL_LINKS, ROD, ROD_END, ROD_PIN, has
 from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.progress import Progress, counting
+from chainbuild.shown import number, two_lines
 
 _STEPS: Final = 37  # values of axis 2: every 5 degrees of a range of half a turn
 _HALF_TURN: Final = 180.0  # degrees: a linkage moves half a turn of its crank between dead points
@@ -56,6 +57,15 @@ class LimitReport:
     verdicts: tuple[str, ...]
     drawn: bool
 
+    def __repr__(self) -> str:
+        given, free = (
+            "none" if ends is None else f"{number(ends[0])} … {number(ends[1])} deg"
+            for ends in (self.given, self.proposal)
+        )
+        return two_lines(
+            f"<LimitReport {self.moved} over {self.over}: file {given}, proposal {free}; {'; '.join(self.verdicts)}>"
+        )
+
     def machine_data(self) -> tuple[str, ...]:
         """Return the proposal as lines of machine data."""
         if self.proposal is None:
@@ -63,13 +73,13 @@ class LimitReport:
         return tuple(f"N62964 $MC_ROBX_SW_LIMITS_PARALLEL[{n}]={v:.2f}" for n, v in enumerate(self.proposal))
 
 
-def swept_limits(robot: Mechanism, steps: int = _STEPS, done: Callable[[int], None] | None = None) -> LimitReport:
+def swept_limits(robot: Mechanism, *, steps: int = _STEPS, progress: Progress = False) -> LimitReport:
     """Return the limits of a parallelogram's angle by sweeping its bodies.
 
     Args:
         robot: A robot whose chain limits a parallelogram's angle. Without rods in its overlay it gets default rods.
         steps: Number of values of axis 2 over its limits.
-        done: Called with the number of values done, for progress.
+        progress: True: a bar on standard error; a function: called with the values done and all values.
 
     Raises:
         ChainbuildError: the chain has no such limit, or `steps` is below 2.
@@ -83,10 +93,10 @@ def swept_limits(robot: Mechanism, steps: int = _STEPS, done: Callable[[int], No
     search = _Search(robot, constraint)
     values = np.linspace(*search.range_over, steps)
     found: dict[float, FreeInterval] = {}
-    for value in sorted(values.tolist(), key=lambda v: abs(v - search.start_over)):
-        found[value] = search.interval(value, found)
-        if done is not None:
-            done(len(found))
+    with counting(steps, progress, "positions") as advance:
+        for value in sorted(values.tolist(), key=lambda v: abs(v - search.start_over)):
+            found[value] = search.interval(value, found)
+            advance(1)
     _refine(search, found)
     intervals = tuple(found[value] for value in sorted(found))
     proposal = _proposal(intervals)

@@ -18,8 +18,10 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import BASE_LINK, Chain
 from chainbuild.chain.fold import drawn, drawn_values
-from chainbuild.collision.model import CollisionModel, LinkPair
+from chainbuild.collision.model import CollisionModel, LinkPair, bodies_of
 from chainbuild.errors import ChainbuildError
+from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.shown import length_shown, numbers_shown, two_lines
 
 # Bodies closer than this count as touching: without it the steps towards a contact would never end.
 CONTACT: Final = 1e-5
@@ -47,24 +49,35 @@ class Contact:
     pair: LinkPair
     distance: float
 
-
-def first_contact(model: CollisionModel, path: ArrayLike, clearance: float = 0.0) -> Contact | None:
-    """Return the first contact of a path, or None if there is certainly none.
-
-    Args:
-        model: Bodies and pairs.
-        path: (N, n_axes) axis values, mm and degrees; linear in between.
-        clearance: Smallest permitted distance [m].
-    """
-    return next(contacts(model, path, clearance), None)
+    def __repr__(self) -> str:
+        where = f"row {self.row}" if self.share == 0.0 else f"{self.share:.1%} behind row {self.row}"
+        distance = f"{length_shown(self.distance)} apart at {numbers_shown(self.axes)}"
+        return two_lines(f"<Contact {where}: {' – '.join(self.pair)}, {distance}>")
 
 
-def contacts(model: CollisionModel, path: ArrayLike, clearance: float = 0.0) -> Iterator[Contact]:
+def first_contact(
+    robot: Mechanism, path: ArrayLike, *, clearance: float = 0.0, bodies: CollisionModel | None = None
+) -> Contact | None:
+    """Return where a path first collides, or None where it certainly does not; see `contacts`."""
+    return next(contacts(robot, path, clearance=clearance, bodies=bodies), None)
+
+
+def contacts(
+    robot: Mechanism, path: ArrayLike, *, clearance: float = 0.0, bodies: CollisionModel | None = None
+) -> Iterator[Contact]:
     """Yield the first contact of each segment of a path that has one.
 
+    Args:
+        robot: The robot.
+        path: (N, n_axes) axis values, mm and degrees; straight lines in between.
+        clearance: Smallest permitted distance [m].
+        bodies: Its bodies and the pairs watched; None: all pairs that can collide.
+
     Raises:
-        ChainbuildError: the path has the wrong shape or is not finite, or the clearance is negative.
+        ChainbuildError: the path has the wrong shape or is not finite, the clearance is negative, or the bodies are
+            another robot's.
     """
+    model = bodies_of(robot, bodies)
     rows = np.atleast_2d(np.asarray(path, dtype=float))
     if rows.shape[1] != len(model.robot.axes) or not np.isfinite(rows).all():
         raise ChainbuildError(f"expected a path of finite axis values of shape (N, {len(model.robot.axes)})")

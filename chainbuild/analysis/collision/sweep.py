@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,6 +14,8 @@ from chainbuild.arrays import Vector
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
+from chainbuild.progress import Progress, counting
+from chainbuild.shown import compact
 
 # Accuracy of interval ends (mm or degrees): a tenth of the promised one.
 END: Final = 1e-3
@@ -21,6 +23,7 @@ _SEEDS: Final = 181  # values tried where the last free one is no longer free
 DEFAULT_STEPS: Final = 41  # values of the other axis: forty intervals of its range
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class FreeInterval:
     """Free interval of an axis at one value of the other.
@@ -40,6 +43,7 @@ class FreeInterval:
     upper_pair: LinkPair | None = None
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class Sweep:
     """Free intervals of an axis over another.
@@ -63,10 +67,11 @@ def sweep(
     model: CollisionModel,
     moved: str,
     over: str,
+    *,
     at: ArrayLike | None = None,
     values: Sequence[float] | None = None,
     bounds: tuple[float, float] | None = None,
-    done: Callable[[int], None] | None = None,
+    progress: Progress = False,
 ) -> Sweep:
     """Return the free interval of an axis at values of another, with the remaining axes fixed.
 
@@ -79,7 +84,7 @@ def sweep(
         at: (n_axes,) values of all axes at the start; None: the middle of the limits, or the free position next to it.
         values: Values of the swept axis; None: 41 over its limits.
         bounds: Range of the moved axis; None: its limits.
-        done: Called with the number of values done, for progress.
+        progress: True: a bar on standard error; a function: called with the values done and all values.
 
     Raises:
         ChainbuildError: an unknown axis, the same axis twice, or an empty range.
@@ -96,15 +101,15 @@ def sweep(
     start = int(np.argmin(np.abs(chosen - base[o])))
     found: dict[int, FreeInterval] = {}
     # From the start value upwards, then downwards, so that every value begins where its neighbour was free.
-    for order in (range(start, len(chosen)), range(start - 1, -1, -1)):
-        seed = float(base[m])
-        if order.step < 0 and start in found:
-            seed = _middle(found[start], seed)
-        for n in order:
-            found[n] = free_interval(model, m, o, base, float(chosen[n]), seed, span)
-            seed = _middle(found[n], seed)
-            if done is not None:
-                done(len(found))
+    with counting(len(chosen), progress, "positions") as advance:
+        for order in (range(start, len(chosen)), range(start - 1, -1, -1)):
+            seed = float(base[m])
+            if order.step < 0 and start in found:
+                seed = _middle(found[start], seed)
+            for n in order:
+                found[n] = free_interval(model, m, o, base, float(chosen[n]), seed, span)
+                seed = _middle(found[n], seed)
+                advance(1)
     axes = model.robot.axes
     return Sweep(moved, over, axes[m].unit, axes[o].unit, tuple(found[n] for n in sorted(found)))
 
@@ -185,7 +190,7 @@ def _end(model: CollisionModel, axes: Vector, m: int, begin: float, bound: float
 def _next_contact(model: CollisionModel, axes: Vector, m: int, start: float, bound: float) -> Contact | None:
     path = np.array([axes, axes])
     path[0, m], path[1, m] = start, bound
-    return first_contact(model, path)
+    return first_contact(model.robot, path, bodies=model)
 
 
 def _clearance(model: CollisionModel, axes: Vector, m: int, value: float) -> float:

@@ -20,10 +20,12 @@ from chainbuild.chain.fold import drawn
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.screws import joints_between_tips
+from chainbuild.shown import compact
 
 _SMALLEST_LENGTH: Final = 1e-6  # m: shorter than any machine, and rounding of an offset that is 0
 
 
+@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Measures:
     """The Jacobian of a pose in numbers, all scaled by the characteristic length.
@@ -180,8 +182,14 @@ class MeasureTable:
     manipulability: Vector
     condition: Vector
 
+    def __repr__(self) -> str:
+        least = (
+            f", smallest {self.smallest.min():.3g} at row {int(self.smallest.argmin())}" if len(self.smallest) else ""
+        )
+        return f"<MeasureTable of {len(self.smallest)} rows{least}; .smallest, .manipulability, .condition>"
 
-def measure_batch(robot: Mechanism, axes: ArrayLike, length: float | None = None) -> MeasureTable:
+
+def measure_batch(robot: Mechanism, axes: ArrayLike, *, length: float | None = None) -> MeasureTable:
     """Return the measures at many axis values (N, n_axes), mm and degrees.
 
     Memory beyond the result does not depend on N.

@@ -19,6 +19,7 @@ from chainbuild.analysis.singularity.structure import SingularityKind, lines_at,
 from chainbuild.arrays import Vector
 from chainbuild.closest import and_joined
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.shown import number, two_lines
 
 # A name is given only where the smallest scaled singular value is below this …
 NEAR: Final = 0.05
@@ -51,9 +52,15 @@ class SingularityReport:
     notices: tuple[Singularity, ...]
     speed: SpeedReport
 
+    def __repr__(self) -> str:
+        found = ", ".join((*kinds(self.names), *kinds(self.notices))) or "no singularity near"
+        axes = ", ".join(f"{s.axis.name} {number(float(v))}" for s, v in zip(self.speed.axes, self.axes, strict=True))
+        smallest = f"smallest singular value {self.measures.smallest:.3g}"
+        return two_lines(f"<SingularityReport at {axes}: {found}; {smallest}>")
+
 
 def examine(
-    robot: Mechanism, axes: ArrayLike, tool_speed_mm: float = 10.0, length: float | None = None
+    robot: Mechanism, axes: ArrayLike, *, tool_speed_mm: float = 10.0, length: float | None = None
 ) -> SingularityReport:
     """Return measures, names and speeds at axis values (n_axes,), mm and degrees.
 
@@ -81,16 +88,16 @@ def names_at(robot: Mechanism, axes: ArrayLike) -> tuple[Singularity, ...]:
 
 
 def examine_path(
-    robot: Mechanism, path: ArrayLike, tool_speed_mm: float = 10.0
+    robot: Mechanism, path: ArrayLike, *, tool_speed_mm: float = 10.0
 ) -> Iterator[tuple[int, SingularityReport]]:
-    """Yield (row, report) of the rows (N, n_axes) of a path that are singular, nearly so, or have a notice.
+    """Yield (row, report) of the rows (N, n_axes) of a path that are singular, nearly so, or deserve a notice.
 
     The measures of all rows are computed at once; only rows below `NEAR` are examined by name.
     """
     values = np.atleast_2d(np.asarray(path, dtype=float))
     smallest = measure_batch(robot, values).smallest
     for row in np.flatnonzero(smallest <= NEAR).tolist():
-        report = examine(robot, values[row], tool_speed_mm)
+        report = examine(robot, values[row], tool_speed_mm=tool_speed_mm)
         if report.names or report.notices:
             yield row, report
 

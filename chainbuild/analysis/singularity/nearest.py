@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from chainbuild.analysis.singularity.measures import Scaling, scaling_of
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.shown import numbers_shown, two_lines
 
 _STEPS: Final = 40  # Newton's need about ten, the bound ends those that go round in a circle
 _FOUND: Final = 1e-11  # smallest singular value that counts as singular
@@ -46,9 +47,16 @@ class Nearest:
     steps: int
     inside: bool
 
+    def __repr__(self) -> str:
+        what = "found" if self.found else "none found"
+        where = f"at {numbers_shown(self.axes)}, {'inside' if self.inside else 'outside'} the limits"
+        return two_lines(
+            f"<Nearest {what} {where}; change {numbers_shown(self.change)} [mm, deg]; {self.distance:.3g} rad>"
+        )
 
-def nearest_singularity(robot: Mechanism, axes: ArrayLike, length: float | None = None) -> Nearest:
-    """Return the singularity found by a descent from axis values (n_axes,), mm and degrees.
+
+def nearest_singularity(robot: Mechanism, axes: ArrayLike, *, length: float | None = None) -> Nearest:
+    """Return the singularity that a descent from axis values (n_axes,), mm and degrees, ends at.
 
     The descent follows the steepest fall of the smallest scaled singular value: a local search, which finds the
     singularity that the position is already close to. Limits are not kept; the result says whether it is inside.

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from chainbuild.analysis.singularity.structure import SingularityKind
+from chainbuild.shown import compact
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class Singularity:
     """A singularity at or close to a position.

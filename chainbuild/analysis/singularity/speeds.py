@@ -17,6 +17,7 @@ from chainbuild.arrays import Vector
 from chainbuild.chain.elements import Axis
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.shown import compact
 from chainbuild.units import si_factor
 
 Motion = Literal["shift", "turn"]
@@ -24,6 +25,7 @@ Motion = Literal["shift", "turn"]
 _LOST: Final = 1e-9  # scaled singular values below this require infinite speed
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class AxisSpeed:
     """The speed that an axis needs.
@@ -44,6 +46,7 @@ class AxisSpeed:
         return self.limit is not None and self.needed > self.limit
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class SpeedReport:
     """Speeds of all axes for one motion of the tool.

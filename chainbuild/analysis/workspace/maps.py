@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +27,8 @@ from chainbuild.chain.elements import Chain
 from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError, FileAccessError, Span
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.progress import Progress, counting
+from chainbuild.shown import two_lines
 
 PART: Final = 20_000  # positions of a part: a fraction of a second
 _PARTS_BETWEEN_SAVES: Final = 16  # a few seconds of work, of which little is lost and little spent on writing
@@ -52,6 +54,12 @@ class Map:
     smallest: Vector
     collided: int
     done: NDArray[np.bool_]
+
+    def __repr__(self) -> str:
+        size = "×".join(str(count) for count in self.grid.shape)
+        hit = f"{int((self.count > 0).sum())} reached"
+        done = "complete" if self.complete else f"{self.done.mean():.0%} done"
+        return two_lines(f"<Map {self.spec.kind} of {size} cells over {', '.join(self.grid.labels)}: {hit}, {done}>")
 
     @property
     def complete(self) -> bool:
@@ -115,8 +123,9 @@ def make_map(
     robot: Mechanism,
     spec: MapSpec,
     path: Path | None = None,
+    *,
     workers: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = False,
 ) -> Map:
     """Return the map of a specification.
 
@@ -135,12 +144,12 @@ def make_map(
     check_spec(robot, spec)
     result = _begin(robot, spec, path)
     todo = np.flatnonzero(~result.done).tolist()
-    for count, (part, found) in enumerate(_parts(robot.chain, spec, result.grid, todo, workers), start=1):
-        _merge(result, part, found)
-        if path is not None and count % _PARTS_BETWEEN_SAVES == 0:
-            result.save(path)
-        if progress is not None:
-            progress(int(result.done.sum()), len(result.done))
+    with counting(len(result.done), progress, "map", int(result.done.sum())) as advance:
+        for count, (part, found) in enumerate(_parts(robot.chain, spec, result.grid, todo, workers), start=1):
+            _merge(result, part, found)
+            if path is not None and count % _PARTS_BETWEEN_SAVES == 0:
+                result.save(path)
+            advance(1)
     if path is not None:
         result.save(path)
     return result

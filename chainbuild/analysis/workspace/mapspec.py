@@ -13,6 +13,7 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.shown import compact
 
 MapKind = Literal["axes", "rz", "xz", "xy", "yz", "volume"]
 
@@ -23,6 +24,7 @@ _MARGIN: Final = 0.03  # share of the box added on each side: probes do not touc
 _PLANES: Final = {"xz": (0, 2, 1), "xy": (0, 1, 2), "yz": (1, 2, 0)}
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class MapSpec:
     """What a map shows.
@@ -52,6 +54,7 @@ class MapSpec:
         return asdict(self)
 
 
+@compact
 @dataclass(frozen=True, slots=True, eq=False)
 class Grid:
     """The cells of a map.

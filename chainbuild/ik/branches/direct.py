@@ -70,14 +70,14 @@ def linear_axes_for(mechanism: Mechanism, position: ArrayLike, axes: ArrayLike) 
     x = _with_linear_axes(query, query.x0.copy())
     row = None if x is None else verified(query, x)
     if row is None:
-        return IkResult(
-            False, values, "unreachable", np.inf, np.inf, 1, 0, "position", "no pose at these rotary angles"
-        )
+        reason = "no pose at these rotary angles"
+        return IkResult(False, values, "unreachable", np.inf, np.inf, 1, 0, "position", mechanism.labels, reason)
     outside = mechanism.limits.violated(row.axes)
     if outside:
-        reason = f"reached only outside the limits of {', '.join(outside)}"
-        return IkResult(False, row.axes, "limits", row.distance, 0.0, 1, 0, "position", reason, outside)
-    return row.branch("position")
+        reason = f"only reached outside the limits of {', '.join(outside)}"
+        labels = mechanism.labels
+        return IkResult(False, row.axes, "limits", row.distance, 0.0, 1, 0, "position", labels, reason, outside)
+    return row.branch("position", mechanism.labels)
 
 
 def _candidates(query: BranchQuery) -> Iterator[Candidate]:

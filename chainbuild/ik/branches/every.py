@@ -69,7 +69,9 @@ def nearest_branch(request: IkRequest) -> IkResult | None:
     mechanism = request.mechanism
     distance, angle = mechanism.kinematics.errors(query.x0, query.target, mechanism.task)
     reason = "no branch of the closed form reaches the pose"
-    return IkResult(False, query.shown(query.x0), "unreachable", distance, angle, 0, 0, mechanism.task, reason)
+    return IkResult(
+        False, query.shown(query.x0), "unreachable", distance, angle, 0, 0, mechanism.task, mechanism.labels, reason
+    )
 
 
 def no_closed_form(request: IkRequest) -> ChainbuildError:

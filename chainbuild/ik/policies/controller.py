@@ -81,8 +81,8 @@ def solve_controller(request: IkRequest) -> IkResult:
     distance, angle = mechanism.kinematics.errors(x, query.target, mechanism.task)
     status, reason = _assessed(query, x, ended.error, (distance, angle), budget)
     return IkResult(
-        status == "ok", query.shown(x), status, distance, angle, ended.steps, 0, mechanism.task, reason,
-        mechanism.limits.violated(query.shown(x)) if status == "limits" else (),
+        status == "ok", query.shown(x), status, distance, angle, ended.steps, 0, mechanism.task, mechanism.labels,
+        reason, mechanism.limits.violated(query.shown(x)) if status == "limits" else (),
     )  # fmt: skip
 
 

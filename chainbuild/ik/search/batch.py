@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -23,11 +22,13 @@ from chainbuild.ik.search.solver import find, refusal, search
 from chainbuild.ik.search.table import FailureWords, IkTable
 from chainbuild.ik.search.words import Failures, Said
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.progress import Progress, counting
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.inputs import Pose
 
 
+BAR: Final = "inverse kinematics"  # what the progress bar is labelled with
 _ALONE: Final = 512  # fewer poses are left to one core: waking another that is busy can take milliseconds
 _CHUNK: Final = 8192  # poses between updates of the progress bar and checks for interrupts
 
@@ -61,26 +62,26 @@ class Columns:
         if len(failed):
             begun = starts[failed] if starts is not None and len(starts) > 1 else starts
             explain = Failures(failed, targets[failed], begun, problem, options).explain
-        return IkTable(axes, self.counts, self.misses, problem.task, explain)
+        return IkTable(axes, self.counts, self.misses, problem.task, problem.mechanism.labels, explain)
 
 
 def solve_batch(
     mechanism: Mechanism,
     poses: Sequence[Pose] | ArrayLike,
-    starts: ArrayLike | None = None,
+    start: ArrayLike | None = None,
     held: Held | None = None,
-    progress: bool = False,
+    progress: Progress = False,
     options: IkOptions | None = None,
 ) -> IkTable:
     """Find axis values for many poses; see `Robot.ik_batch`."""
     options = options or DEFAULT
-    targets, begin = pose_array(poses), start_array(mechanism, starts)
+    targets, begin = pose_array(poses), start_array(mechanism, start)
     if begin is not None and len(begin) not in {1, len(targets)}:
         raise AxisValueError(
             f"expected 1 or {len(targets)} rows of start values, got {len(begin)}",
             permitted="one row, or one row per pose",
         )
-    with bar(len(targets), progress) as advance:
+    with counting(len(targets), progress, BAR) as advance:
         if begin is not None and len(begin) > 1 and mechanism.kinematics.has_input_axes:
             return _row_by_row(mechanism, targets, begin, held, options, advance)
         problem = problem_of(mechanism, None if begin is None else begin[0], held, options)
@@ -150,7 +151,7 @@ def _row_by_row(
         if not found.success:
             words[row] = FailureWords(found.reason, found.violated)
         advance(1)
-    return IkTable(axes, counts, errors, mechanism.task, Said(words).explain)
+    return IkTable(axes, counts, errors, mechanism.task, mechanism.labels, Said(words).explain)
 
 
 def pose_array(poses: Sequence[Pose] | ArrayLike) -> Matrix:
@@ -174,39 +175,25 @@ def pose_array(poses: Sequence[Pose] | ArrayLike) -> Matrix:
     return result
 
 
-def start_array(mechanism: Mechanism, starts: ArrayLike | None) -> Matrix | None:
+def start_array(mechanism: Mechanism, start: ArrayLike | None) -> Matrix | None:
     """Return start values as an array (1 or N, n_axes), mm and degrees, or None.
 
     Raises:
         AxisValueError: wrong shape, not numbers, or not finite.
     """
-    if starts is None:
+    if start is None:
         return None
     try:
-        values = np.atleast_2d(np.asarray(starts, dtype=float))
+        values = np.atleast_2d(np.asarray(start, dtype=float))
     except (TypeError, ValueError):
         raise AxisValueError("start values must be numbers") from None
     n = len(mechanism.axes)
     if values.ndim != 2 or values.shape[1] != n or not (np.abs(values) < tolerances.HUGE_AXIS_VALUE).all():
         permitted = f"finite numbers of shape ({n},) or (N, {n})"
-        raise AxisValueError("wrong start values", parameter="starts", permitted=permitted)
+        raise AxisValueError("bad start values", parameter="start", permitted=permitted)
     return values
 
 
 def at_row(error: ChainbuildError, row: int) -> ChainbuildError:
     """Return an error with the index of its row."""
     return ChainbuildError(f"pose {row}: {error.message}", permitted=error.permitted)
-
-
-@contextmanager
-def bar(total: int, shown: bool) -> Iterator[Any]:
-    """Yield a function that counts poses done, with an optional progress bar on standard error."""
-    if not shown:
-        yield lambda _: None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("inverse kinematics", total=total)
-        yield lambda done: progress.advance(task, done)

@@ -18,7 +18,7 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik import rules
 from chainbuild.ik.options import DEFAULT, IkOptions
 from chainbuild.ik.request import Held
-from chainbuild.ik.search.batch import Columns, bar, pose_array, start_array
+from chainbuild.ik.search.batch import BAR, Columns, pose_array, start_array
 from chainbuild.ik.search.compiled import packing as compiled
 from chainbuild.ik.search.found import SearchEnd
 from chainbuild.ik.search.lookahead import best_sequence, branches
@@ -26,6 +26,7 @@ from chainbuild.ik.search.problem import Problem, problem_of
 from chainbuild.ik.search.solver import find
 from chainbuild.ik.search.table import IkTable
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.progress import Progress, counting
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.inputs import Pose
@@ -43,7 +44,7 @@ def solve_path(
     poses: Sequence[Pose] | ArrayLike,
     start: ArrayLike | None = None,
     held: Held | None = None,
-    progress: bool = False,
+    progress: Progress = False,
     options: IkOptions | None = None,
 ) -> IkTable:
     """Find axis values along a path; see `Robot.ik_path`."""
@@ -54,7 +55,7 @@ def solve_path(
     begin_part = None if begin is None else problem.free_part(begin[0])
     last = begin_part
     row = 0
-    with bar(len(targets), progress) as advance:
+    with counting(len(targets), progress, BAR) as advance:
         while row < len(targets):
             done = (
                 0

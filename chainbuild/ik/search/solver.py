@@ -91,10 +91,11 @@ def _held_inside(problem: Problem, found: SearchEnd) -> SearchEnd:
 def result_of(problem: Problem, target: Matrix, found: SearchEnd, options: IkOptions) -> IkResult:
     """Return the outcome of a search as a result, with the reason of a failure."""
     outcome, iterations, restarts, distance, angle, y, _ = found
-    ok = outcome == rules.OK
+    ok, labels = outcome == rules.OK, problem.mechanism.labels
     reason = "" if ok else reason_of(problem, target, found, options, find)
     axes = problem.shown(y)
     violated: tuple[str, ...] = ()
     if outcome == rules.LIMITS:
         violated = problem.mechanism.limits.violated(axes if problem.held_beyond else problem.shown(found.outside))
-    return IkResult(ok, axes, STATUSES[outcome], distance, angle, iterations, restarts, problem.task, reason, violated)
+    status, task = STATUSES[outcome], problem.task
+    return IkResult(ok, axes, status, distance, angle, iterations, restarts, task, labels, reason, violated)

@@ -4,14 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Task
-from chainbuild.ik.result import STATUSES, IkResult, Status
+from chainbuild.errors import ChainbuildError
+from chainbuild.html import SHOWN_ROWS, html_table
+from chainbuild.ik.result import STATUSES, AxisValues, IkResult, Status, axes_rows, html_caption
+from chainbuild.units import M_PER_MM, RAD_PER_DEG, AxisLabels
+
+if TYPE_CHECKING:
+    import pandas
+
+# As in tables written by `chainbuild ik`.
+POSITION_MM: Final = "position_error_mm"
+ROTATION_DEG: Final = "rotation_error_deg"
 
 
 class FailureWords(NamedTuple):
@@ -25,7 +35,7 @@ Explain = Callable[[int, IkResult], FailureWords]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class IkTable:
+class IkTable(AxisValues):
     """Results of many poses; `table[i]` is the i-th as an `IkResult`.
 
     The reason of a failure is computed when `reason` or `violated` is read, or for all rows by `reasons()`.
@@ -36,13 +46,15 @@ class IkTable:
         misses: (N, 2) distance [m] and angle [rad] between the requested and the reached pose; the angle of the tool
             vector where the task is not a full pose.
         task: "pose", "direction" or "position": what was solved for.
-        explain: Returns the explanation of a row that failed; None: not available.
+        labels: Names and units of the axis values.
+        explain: Gives words for a row that failed; None: none are known.
     """
 
     axes: Matrix
     counts: NDArray[np.int64]
     misses: Matrix
     task: Task
+    labels: AxisLabels
     explain: Explain | None = None
 
     @property
@@ -71,10 +83,38 @@ class IkTable:
         return [self[row].reason if failed else "" for row, failed in enumerate(self.counts[:, 0] != 0)]
 
     def __repr__(self) -> str:
-        counts = ", ".join(
-            f"{count} {STATUSES[code]}" for code, count in enumerate(np.bincount(self.counts[:, 0]).tolist()) if count
-        )
-        return f"<IkTable of {len(self)} rows: {counts or 'none'}; .axes, .status, .reasons(), [row]>"
+        return f"<IkTable of {len(self)} rows: {self._tally() or 'none'}; .axes, .status, .reasons(), [row]>"
+
+    def _tally(self) -> str:
+        counts = enumerate(np.bincount(self.counts[:, 0]).tolist())
+        return ", ".join(f"{count} {STATUSES[code]}" for code, count in counts if count)
+
+    def _repr_html_(self) -> str:
+        first = [self[row] for row in range(min(len(self), SHOWN_ROWS))]
+        caption = html_caption(f"{len(self)} rows", self._tally())
+        return html_table(*axes_rows(self.labels, first), caption, len(self) - len(first))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the table as a pandas DataFrame, one row a pose.
+
+        The columns are the axes by name, in the units of the table, `status`, the errors as `position_error_mm` and
+        `rotation_error_deg` (with units "si" `position_error_m` and `rotation_error_rad`), and `reason`, empty where
+        the pose is met; finding it costs a search for each row that failed.
+
+        Raises:
+            ChainbuildError: pandas is not installed.
+        """
+        try:
+            import pandas
+        except ImportError:
+            text = "pandas is not installed: it is no dependency of chainbuild"
+            raise ChainbuildError(text, hint="pip install pandas") from None
+        si = self.units == "si"
+        distance = ("position_error_m", self.position_error) if si else (POSITION_MM, self.position_error / M_PER_MM)
+        angle = ("rotation_error_rad", self.rotation_error) if si else (ROTATION_DEG, self.rotation_error / RAD_PER_DEG)
+        axes = {name: self.axes[:, n] for n, name in enumerate(self.labels.names)}
+        said = {"status": self.status, **dict([distance, angle]), "reason": self.reasons()}
+        return pandas.DataFrame({**axes, **said})
 
     def __len__(self) -> int:
         return len(self.counts)
@@ -83,7 +123,17 @@ class IkTable:
         row = range(len(self))[row]
         code, iterations, restarts = (int(count) for count in self.counts[row])
         distance, angle = (float(miss) for miss in self.misses[row])
-        values = (code == 0, self.axes[row], STATUSES[code], distance, angle, iterations, restarts, self.task)
+        values = (
+            code == 0,
+            self.axes[row],
+            STATUSES[code],
+            distance,
+            angle,
+            iterations,
+            restarts,
+            self.task,
+            self.labels,
+        )
         return IkResult(*values) if code == 0 or self.explain is None else FailedRow.of(row, self.explain, *values)
 
     def __iter__(self) -> Iterator[IkResult]:

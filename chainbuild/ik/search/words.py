@@ -55,7 +55,7 @@ class Failures:
 
     def _words(self, n: int, result: IkResult) -> FailureWords:
         problem, target = self.problem, self.targets[n]
-        outcome, y = STATUSES.index(result.status), problem.free_part(result.axes)
+        outcome, y = STATUSES.index(result.status), problem.free_part(result.axes / result.labels.factors)
         left = (result.position_error, result.rotation_error)
         found = SearchEnd(outcome, result.iterations, result.restarts, *left, y, y)
         if outcome == rules.LIMITS and not problem.held_beyond:

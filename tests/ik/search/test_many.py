@@ -50,9 +50,9 @@ def test_forward_batch_in_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("axes", "text"),
     [
-        ([0.0] * 6, "not an array of shape"),
-        (np.zeros((2, 5)), "not an array of shape"),
-        ([["a"] * 6], "anything but numbers"),
+        ([0.0] * 6, "got an array of shape"),
+        (np.zeros((2, 5)), "got an array of shape"),
+        ([["a"] * 6], "got values that are not real numbers"),
         ([[0.0] * 6, [0.0, 0.0, np.nan, 0.0, 0.0, 0.0]], "axis A3 has the value nan"),
     ],
 )

@@ -53,7 +53,7 @@ def has_own_name(line: str) -> bool:
 
 
 def warn_of_unknown(unknown: UnknownDatum, assignments: list[Assignment], collector: Collector) -> None:
-    """Warn of a misspelt datum, with the nearest name and the value that is used for it.
+    """Warn of a misspelt datum: the nearest name, and the value that counts in its place.
 
     Args:
         unknown: What the line names.

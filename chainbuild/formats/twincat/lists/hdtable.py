@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 from chainbuild.chain.elements import Axis
+from chainbuild.shown import compact
 from chainbuild.units import AxisKind, deg_from_raw, mm_from_tenth_um
 
 HdKind = Literal["length", "angle", "flag", "sign", "ratio", "count"]
@@ -19,6 +20,7 @@ Carries = Literal["tool", "workpiece"]
 _UNITS: Mapping[str, str] = {"length": "mm", "angle": "deg"}
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class AxisRow:
     """An axis of a KIN_TYP in channel order.
@@ -36,6 +38,7 @@ class AxisRow:
     meaning: str
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class HdRow:
     """A row of an HD table: HD n is param[n - 1] of a channel list.
@@ -70,6 +73,7 @@ class HdRow:
         return deg_from_raw(raw) if self.kind == "angle" else raw
 
 
+@compact
 @dataclass(frozen=True, slots=True)
 class TypeData:
     """The KIN_TYP manual's tables of one type.

@@ -15,6 +15,7 @@ from chainbuild.errors import Span, UnsupportedKinematicError
 from chainbuild.formats.twincat import families
 from chainbuild.formats.twincat.lists.hdtable import AxisRow, HdRow, TypeData, type_data
 from chainbuild.formats.twincat.recipes.recipe import RecipeFunction
+from chainbuild.shown import two_lines
 
 # Types that are not a serial chain, or are given as a list of axes; titles for messages and `kinematics()`.
 _OTHER_TITLES: Final[Mapping[int, str]] = {
@@ -44,6 +45,10 @@ class KinType:
 
     data: TypeData
     recipe: RecipeFunction
+
+    def __repr__(self) -> str:
+        axes = ", ".join(axis.name for axis in self.axes)
+        return two_lines(f"<KinType {self.number}: {self.title}; axes {axes}; {len(self.hd)} HD parameters>")
 
     @property
     def number(self) -> int:

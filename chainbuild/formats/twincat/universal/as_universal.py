@@ -65,6 +65,7 @@ def as_universal(
     machine: Machine,
     kinematic: int | str | None = None,
     channel: int | None = None,
+    *,
     conventions: Mapping[str, str] | None = None,
 ) -> str:
     """Return a parameter list of KIN_TYP 91 that gives the same poses as a kinematic of a machine.

@@ -11,10 +11,14 @@ import numpy as np
 
 from chainbuild.arrays import Integers, Matrix, Vector
 from chainbuild.chain.elements import Task
+from chainbuild.html import SHOWN_ROWS, html_table
 from chainbuild.ik.branches.core.query import BranchQuery
-from chainbuild.ik.result import IkResult
+from chainbuild.ik.result import AxisValues, IkResult, axes_rows
 from chainbuild.ik.verify import is_met, on_limits
+from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.newton import below, newton, shrinking
+from chainbuild.shown import two_lines
+from chainbuild.units import AxisLabels
 
 Candidate = tuple[Vector, tuple[str, ...]]  # SI axis values, and the names of axes that are free there
 
@@ -27,7 +31,7 @@ _POLISH: Final = shrinking(0.0, 1e-14)
 _SAME: Final = 1e-5  # branches closer than this in every axis [m, rad] are one
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Branch(IkResult):
     """One of the solutions for a pose.
 
@@ -43,13 +47,18 @@ class Branch(IkResult):
     turn_bits: int | None = None
     method: str = ""
 
+    def _in_words(self) -> str:
+        bits = "" if self.status_bits is None else f"; status {self.status_bits}, turn {self.turn_bits}"
+        free = f"; free: {', '.join(self.free_axes)}" if self.free_axes else ""
+        return f"{IkResult._in_words(self)}{bits}{free}; by {self.method or 'candidates'}"
+
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Branches(Sequence[Branch]):
+class Branches(AxisValues, Sequence[Branch]):
     """All solutions for a pose, nearest to the start first: arrays, of which `branches[n]` is the n-th as a `Branch`.
 
     Attributes:
-        axes: (k, n_axes) axis values, mm and degrees.
+        axes: (k, n_axes) axis values, in `units`.
         position_error: (k,) distances to the pose wanted [m].
         rotation_error: (k,) angles to it [rad]; of the tool vector where the task is not a full pose.
         iterations: (k,) polishing steps.
@@ -57,6 +66,7 @@ class Branches(Sequence[Branch]):
         status_bits: (k,) pose status as the controller numbers it (KIN_TYP 45), else None.
         turn_bits: (k,) signs of the axes as the controller numbers them (KIN_TYP 45), else None.
         task: "pose", "direction" or "position": what was solved for.
+        labels: Names and units of the axis values.
         method: What found them; the name of a `SolverPlan`.
     """
 
@@ -66,6 +76,7 @@ class Branches(Sequence[Branch]):
     iterations: Integers
     free_axes: tuple[tuple[str, ...], ...]
     task: Task
+    labels: AxisLabels
     status_bits: Integers | None = None
     turn_bits: Integers | None = None
     method: str = ""
@@ -85,7 +96,7 @@ class Branches(Sequence[Branch]):
         n = range(len(self))[index]
         left = float(self.position_error[n]), float(self.rotation_error[n])
         return Branch(
-            True, self.axes[n], "ok", *left, int(self.iterations[n]), 0, self.task,
+            True, self.axes[n], "ok", *left, int(self.iterations[n]), 0, self.task, self.labels,
             free_axes=self.free_axes[n], status_bits=_at(self.status_bits, n), turn_bits=_at(self.turn_bits, n),
             method=self.method,
         )  # fmt: skip
@@ -95,7 +106,16 @@ class Branches(Sequence[Branch]):
 
     def __repr__(self) -> str:
         bits = "" if self.status_bits is None else ", .status_bits, .turn_bits"
-        return f"<Branches of a pose: {len(self)} by {self.method or 'candidates'}; .axes{bits}, [n]>"
+        return two_lines(f"<Branches of a pose: {len(self)} by {self.method or 'candidates'}; .axes{bits}, [n]>")
+
+    def _repr_html_(self) -> str:
+        head, rows = axes_rows(self.labels, self[:SHOWN_ROWS])
+        if self.status_bits is not None and self.turn_bits is not None:
+            head = (*head, "Status bits", "Turn bits")
+            bits = zip(rows, self.status_bits.tolist(), self.turn_bits.tolist(), strict=False)
+            rows = [(*row, str(status), str(turn)) for row, status, turn in bits]
+        caption = f"{len(self)} branches by {self.method or 'candidates'}"
+        return html_table(head, rows, caption, len(self) - len(rows))
 
 
 def _at(column: Integers | None, n: int) -> int | None:
@@ -111,9 +131,11 @@ class VerifiedRow(NamedTuple):
     steps: int
     free_axes: tuple[str, ...] = ()
 
-    def branch(self, task: Task) -> Branch:
-        """Return it as a single branch."""
-        return Branch(True, self.axes, "ok", self.distance, self.angle, self.steps, 0, task, free_axes=self.free_axes)
+    def branch(self, task: Task, labels: AxisLabels) -> Branch:
+        """Return it as a branch by itself."""
+        return Branch(
+            True, self.axes, "ok", self.distance, self.angle, self.steps, 0, task, labels, free_axes=self.free_axes
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -176,15 +198,18 @@ def collect(query: BranchQuery, candidates: Iterable[Candidate]) -> Solutions:
     inside.sort(key=lambda item: item[0])
     nearest = min(beyond, key=lambda item: item[0], default=None)
     outside = () if nearest is None or inside else nearest[2]
-    branches = _as_arrays([row for _, row in inside], len(factors), mechanism.task)
-    return Solutions(branches, None if nearest is None else nearest[1].branch(mechanism.task), outside)
+    branches = _as_arrays([row for _, row in inside], mechanism)
+    return Solutions(
+        branches, None if nearest is None else nearest[1].branch(mechanism.task, mechanism.labels), outside
+    )
 
 
-def _as_arrays(rows: Sequence[VerifiedRow], n_axes: int, task: Task) -> Branches:
-    axes = np.array([row.axes for row in rows]).reshape(-1, n_axes)
+def _as_arrays(rows: Sequence[VerifiedRow], mechanism: Mechanism) -> Branches:
+    axes = np.array([row.axes for row in rows]).reshape(-1, len(mechanism.axes))
     left = np.array([(row.distance, row.angle) for row in rows]).reshape(-1, 2)
     steps = np.array([row.steps for row in rows], dtype=np.int64)
-    return Branches(axes, left[:, 0], left[:, 1], steps, tuple(row.free_axes for row in rows), task)
+    free_axes = tuple(row.free_axes for row in rows)
+    return Branches(axes, left[:, 0], left[:, 1], steps, free_axes, mechanism.task, mechanism.labels)
 
 
 def named(branches: Branches, method: str, bits: Sequence[tuple[int, int]] | None) -> Branches:

@@ -17,6 +17,7 @@ from chainbuild.ik.search.compiled import packing as door
 from chainbuild.ik.search.solver import refusal
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.tolerances import LIMIT_SLACK
+from chainbuild.units import Units
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.inputs import Pose
@@ -28,7 +29,12 @@ _LAST_ROW: Final = (0.0, 0.0, 0.0, 1.0)  # of a rigid transform
 
 
 def ik_all_batch(
-    mechanism: Mechanism, poses: Sequence[Pose] | ArrayLike, *, limits: bool = True, compiled: bool = True
+    robot: Mechanism,
+    poses: Sequence[Pose] | ArrayLike,
+    *,
+    limits: bool = True,
+    compiled: bool = True,
+    units: Units = "controller",
 ) -> Array:
     """Return all branches (n, 8, 6) of poses, mm and degrees; NaN where a branch does not exist.
 
@@ -39,17 +45,18 @@ def ik_all_batch(
     coincide fill the first of their slots.
 
     Args:
-        mechanism: A six-axis arm with axes at right angles or parallel and a spherical wrist.
+        robot: A six-axis arm whose axes stand at right angles or parallel, with a spherical wrist.
         poses: (n, 4, 4) tool in the workpiece frame [m], or `pin.SE3`.
         limits: True: axes are moved by whole turns into their limits, and branches outside them left out; False:
-            every branch, regardless of limits.
-        compiled: False: NumPy, even if numba is installed.
+            every branch, whatever the limits.
+        compiled: False: NumPy, even where numba is installed.
+        units: Those of the result: "controller", mm and degrees, or "si", metres and radians.
 
     Raises:
-        ChainbuildError: the robot is not such an arm, or a pose is not a rigid transform.
+        ChainbuildError: the robot is no such arm, a pose is no rigid transform, or there are no such units.
     """
-    targets = pose_array(poses)
-    constants = _constants(mechanism, limits)
+    factors, targets = robot.labels.to(units).factors, pose_array(poses)
+    constants = _constants(robot, limits)
     axes, doubtful = np.empty((len(targets), BRANCHES, 6)), np.empty(len(targets), dtype=bool)
     if compiled and door.available():
         from chainbuild.ik.branches.opw.compiled import write_branches
@@ -58,10 +65,10 @@ def ik_all_batch(
     else:
         _write_branches(targets, constants, axes, doubtful)
     _refuse_what_is_not_rigid(targets, np.flatnonzero(doubtful))
-    if limits and mechanism.chain.constraints:
+    if limits and robot.chain.constraints:
         for chunk in _chunks(len(targets)):
-            _keep_sums(mechanism, axes[chunk])
-    return axes
+            _keep_sums(robot, axes[chunk])
+    return axes if units == "controller" else axes * factors
 
 
 def _constants(mechanism: Mechanism, limits: bool) -> Array:
