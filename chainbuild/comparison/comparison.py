@@ -64,7 +64,7 @@ class Forward:
         samples: Axis values.
         ours: (n, 4, 4) chainbuild's poses [m].
         theirs: (n, 4, 4) the other solver's; NaN where it gave none.
-        judged: What was compared.
+        compared: Which part of the pose was compared.
         position_error: (n,) [m]; infinite where the other solver gave none.
         rotation_error: (n,) [rad].
         position_tolerance: [m].

@@ -68,13 +68,13 @@ def find_transformations(table: DataTable, collector: Collector) -> tuple[Robx, 
         MachineDataError: a wrong TRAFO_TYPE (alarm 75312), or no transformation at all.
     """
     found: list[Robx] = []
-    blamed = False
+    refused = False
     for channel in sorted({row.channel for row in table.reading.assignments if row.datum.prefix == "MC"}):
         here = [robx for n in _DATA_SETS if (robx := _transformation(table, channel, n)) is not None]
         found += here
         _warn_of_other_package(table, channel, here, collector)
-        blamed = _refuse_untransformed(table, channel, here, collector) or blamed
-    if not found and not blamed:
+        refused = _refuse_untransformed(table, channel, here, collector) or refused
+    if not found and not refused:
         collector.add(
             "CB303",
             "the file configures no ROBX transformation",
@@ -102,7 +102,7 @@ def _refuse_untransformed(table: DataTable, channel: int, found: list[Robx], col
     if found:
         return False
     data = table.channel(channel)
-    blamed = False
+    refused = False
     for te4, wanted, package in ((False, ROBX_TYPE, "$MC_ROBX_…"), (True, TE4_TYPE, "$MC_TRAFO6_…")):
         rows = data.package_rows(te4=te4)
         if not rows:
@@ -118,8 +118,8 @@ def _refuse_untransformed(table: DataTable, channel: int, found: list[Robx], col
             alarm=75312,
             hint=f"set $MC_TRAFO_TYPE_1={wanted}",
         )
-        blamed = True
-    return blamed
+        refused = True
+    return refused
 
 
 def _warn_of_other_package(table: DataTable, channel: int, here: list[Robx], collector: Collector) -> None:

@@ -13,7 +13,7 @@ from chainbuild.frames import rigid_rows
 from chainbuild.ik.branches.opw.constants import opw_constants
 from chainbuild.ik.branches.opw.formulas import BRANCHES, constant_rows, finished, flipped, upper_branches
 from chainbuild.ik.search.batch import at_row, pose_array
-from chainbuild.ik.search.compiled import packing as door
+from chainbuild.ik.search.compiled import packing
 from chainbuild.ik.search.solver import refusal
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.tolerances import LIMIT_SLACK
@@ -58,7 +58,7 @@ def ik_all_batch(
     factors, targets = robot.labels.to(units).factors, pose_array(poses)
     constants = _constants(robot, limits)
     axes, doubtful = np.empty((len(targets), BRANCHES, 6)), np.empty(len(targets), dtype=bool)
-    if compiled and door.available():
+    if compiled and packing.available():
         from chainbuild.ik.branches.opw.compiled import write_branches
 
         write_branches(targets, constants, axes.reshape(-1, BRANCHES * 6), doubtful)
