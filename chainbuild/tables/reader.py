@@ -66,8 +66,8 @@ class Table:
             self.size = path.stat().st_size
         except FileNotFoundError as error:
             # Shows a user without a table what one looks like.
-            due = f"a table whose first line is {','.join(choose(())[0])}"
-            raise _unreadable(error, Span(self.file), due) from None
+            expected = f"a table whose first line is {','.join(choose(())[0])}"
+            raise _unreadable(error, Span(self.file), expected) from None
         except (OSError, ValueError) as error:
             raise _unreadable(error, Span(self.file)) from None
         self._stream = io.TextIOWrapper(self._bytes, encoding="utf-8-sig")

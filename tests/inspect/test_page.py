@@ -120,13 +120,13 @@ def test_the_panel_says_what_is_shown() -> None:
         assert words in text
     for name, lower, upper in (("A1", "170", "170"), ("A2", "190", "45"), ("A6", "350", "350")):
         assert re.search(rf"<td>{name}</td><td>rotary</td>[^/]*−{lower}</td>[^/]*{upper}</td><td>°</td>", text)
-    assert "those listed are assumed" not in text
+    assert "Assumed limits: the machine data contain none" not in text
 
 
 def test_assumed_and_shortened_ranges_are_owned_up_to() -> None:
     text = page_html(ROBOTS["table"]())
     assert "<td>X *</td>" in text
-    assert "those listed are assumed" in text
+    assert "Assumed limits: the machine data contain none" in text
     assert "X −300 … 300 mm" in text
     assert "C −180 … 180°" in text
 

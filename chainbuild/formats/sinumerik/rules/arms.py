@@ -153,11 +153,11 @@ def _check_axis_types(report: DatumReport, translation: Translation) -> None:
     by_input = [robx.axes_type[number - 1] for number in robx.axis_seq[: robx.num_axes]]
     if fits(internal) or fits(by_input):
         return
-    due = ", ".join("1" if kind == "prismatic" else "3" for kind in kinds)
+    expected = ", ".join("1" if kind == "prismatic" else "3" for kind in kinds)
     shown = ", ".join(str(kind) for kind in internal)
     state = f"is {shown}" if robx.given("AXES_TYPE") else f"is missing (its default is {shown})"
-    text = f"AXES_TYPE {state}, but a {robx.arrangement} has {due}; the arrangement is used"
-    report.add("CB330", text, ("AXES_TYPE", "MAIN_AXES"), permitted=due)
+    text = f"AXES_TYPE {state}, but a {robx.arrangement} has {expected}; the arrangement is used"
+    report.add("CB330", text, ("AXES_TYPE", "MAIN_AXES"), permitted=expected)
 
 
 def last_rotary_direction(translation: Translation) -> Matrix | None:
