@@ -251,8 +251,8 @@ class Robot(Mechanism):
         """Return the solver of this robot's poses while some axes are held, its reason, and whether it is complete.
 
         Args:
-            held: Axis name → value, or names of axes held at 0. The value matters: an arm with its fourth axis at 0
-                may be simpler than at 30 degrees.
+            held: Axis name → value, or the name or names of axes held at 0. The value matters: an arm with its
+                fourth axis at 0 may be simpler than at 30 degrees.
 
         Raises:
             AxisValueError: an unknown name, or a value that is not finite.

@@ -20,8 +20,9 @@ from chainbuild.chain.fold import drawn, joint_motion
 from chainbuild.chain.geometry import Geometry
 from chainbuild.chain.names import Names, as_name, free_name
 from chainbuild.chain.poses import path_to
+from chainbuild.errors import ChainError
 from chainbuild.findings import Findings
-from chainbuild.frames import inverse
+from chainbuild.frames import inverse, is_rigid
 
 
 def padded_constraints(chain: Chain, before: int, after: int) -> Iterable[AxisConstraint]:
@@ -76,7 +77,13 @@ def stack(
         upper: The carried chain.
         lower_name: Prefix of lower's hidden frames; None: the name of its topmost partial.
         upper_name: Prefix of upper's names that lower has already; None: its name.
+
+    Raises:
+        ChainError: T_offset is no rigid transform.
     """
+    T_offset = np.asarray(T_offset)
+    if T_offset.shape != (4, 4) or T_offset.dtype.kind not in "iuf" or not is_rigid(T_offset):
+        raise ChainError("T_offset is no rigid 4×4 transform", parameter="T_offset", permitted="a rigid transform")
     tool = lower.frame("tool")
     low, up = as_name(lower_name or _top(lower)), as_name(upper_name or upper.name)
     host = replace(lower, frames=_hidden(lower, low, "tool", "flange"))

@@ -11,9 +11,11 @@ import io
 import os
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import Final
+from functools import wraps
+from inspect import signature
+from typing import Any, Final
 
 from cyclopts import App, CycloptsError, UnusedCliTokensError
 
@@ -33,7 +35,7 @@ from chainbuild.cli.process import signals, standard_streams
 from chainbuild.cli.singularity import singularity
 from chainbuild.cli.types import types
 from chainbuild.cli.urdf import urdf
-from chainbuild.cli.usage import UsageError
+from chainbuild.cli.usage import UsageError, refuse_overwriting
 from chainbuild.cli.workspace import workspace
 from chainbuild.errors import ChainbuildError
 
@@ -84,8 +86,19 @@ def build_app() -> App:
         suppress_keyboard_interrupt=False,
     )
     for command in _COMMANDS:
-        app.command(command)
+        app.command(_guarded(command))
     return app
+
+
+def _guarded(command: Callable[..., int]) -> Callable[..., int]:
+    """Return a command that first refuses to write over what it reads."""
+
+    @wraps(command)
+    def guarded(*operands: Any, **options: Any) -> int:
+        refuse_overwriting(signature(command).bind(*operands, **options).arguments)
+        return command(*operands, **options)
+
+    return guarded
 
 
 def main(tokens: Sequence[str] | None = None) -> int:

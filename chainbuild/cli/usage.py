@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import shlex
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 from cyclopts import Parameter
 
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain
     from chainbuild.formats.machine import Machine
     from chainbuild.robot import Robot
+
+# Parameters that name a file to write, of any command.
+_OUTPUTS: Final = frozenset({"output_file", "export", "html", "picture"})
 
 Json = Annotated[bool, Parameter(negative="")]
 Output = Annotated[Path | None, Parameter(name=["--output", "-o"])]
@@ -123,3 +127,38 @@ def all_findings(machine: Machine, chain: Chain | None) -> tuple[Finding, ...]:
 
 def _unique(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     return tuple(dict.fromkeys(findings))
+
+
+def refuse_overwriting(arguments: Mapping[str, object]) -> None:
+    """Refuse a command line that would write over a file it reads, or write two results to one file.
+
+    Args:
+        arguments: The values of a command's parameters by name; options in dataclasses are found there.
+
+    Raises:
+        UsageError: an output is also the machine file, its overlay or a table to read, or another output.
+    """
+    given = list(_named_files(arguments))
+    used = {os.path.realpath(path): f"{path} is also the input" for name, path in given if name not in _OUTPUTS}
+    for name, path in given:
+        if name not in _OUTPUTS or (path.exists() and not path.is_file()):
+            continue
+        place = os.path.realpath(path)
+        if place in used:
+            option = "output" if name == "output_file" else name
+            raise UsageError(f"--{option} {path}: {used[place]}; expected another file, nothing was written")
+        used[place] = f"{path} is also another output"
+
+
+def _named_files(arguments: Mapping[str, object]) -> Iterator[tuple[str, Path]]:
+    """Yield parameter names and files; the machine file, where it is one, with the overlay beside it."""
+    for name, value in arguments.items():
+        if isinstance(value, Path):
+            yield name, value
+        elif name == "file" and isinstance(value, str) and (file := Path(value)).is_file():
+            from chainbuild.formats.overlay import overlay_path
+
+            yield name, file
+            yield name, overlay_path(file)
+        elif is_dataclass(value) and not isinstance(value, type):
+            yield from _named_files({field.name: getattr(value, field.name) for field in fields(value)})

@@ -62,7 +62,8 @@ class SolverPlan:
 
 def plan_of(mechanism: Mechanism, held: Mapping[str, float] | Iterable[str] = ()) -> SolverPlan:
     """Return the plan of a mechanism; see `Robot.plan`."""
-    values = held if isinstance(held, Mapping) else dict.fromkeys(held, 0.0)
+    names = (held,) if isinstance(held, str) else held
+    values = names if isinstance(names, Mapping) else dict.fromkeys(names, 0.0)
     return plan_for(BranchQuery.of(IkRequest(mechanism, np.eye(4), held=values)))
 
 

@@ -51,15 +51,16 @@ class IkResult(AxisValues):
     Attributes:
         success: True if the pose is met within tolerance and all limits are kept.
         axes: (n_axes,) axis values, mm and degrees; on failure the best found.
-        status: "ok"; "unreachable": no axis values reach the pose even without limits; "limits": only values
-            outside the limits do; "stalled": the budget ended close to the pose.
+        status: "ok"; "unreachable": the pose is beyond the reach of the chain with its linear axes inside their
+            limits, or no axis values were found for it even without limits; "limits": only values outside the
+            limits were found; "stalled": the budget ended close to the pose.
         position_error: Distance between the requested and the reached pose [m].
         rotation_error: Angle between them [rad]; that of the tool vector if the task is not a full pose.
         iterations: Steps taken over all starts.
         restarts: Starts after the first.
         task: "pose", "direction" or "position": what was solved for.
         labels: Names and units of the axis values.
-        reason: Words for people; empty on success.
+        reason: Why it failed, as text; empty on success.
         violated: With status "limits", where it is known: the names of the limits in the way.
     """
 

@@ -18,7 +18,7 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import joint_values
 from chainbuild.chain.check import check_chain
 from chainbuild.chain.elements import Axis, Chain, Task
-from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.errors import AxisValueError, ChainbuildError, ChainError
 from chainbuild.html import html_table
 from chainbuild.kinematics.evaluation import Kinematics
 from chainbuild.kinematics.inputs import axis_rows, axis_vector, real_numbers
@@ -47,10 +47,13 @@ class Mechanism:
         prepared: Cache of what is made once for this mechanism, by kind and key; see `Prepared.get`.
 
     Raises:
-        ChainError: the chain contradicts itself.
+        ChainError: the chain contradicts itself, or is something else.
     """
 
     def __init__(self, chain: Chain) -> None:
+        if not isinstance(chain, Chain):
+            got, hint = type(chain).__name__, "chainbuild.load(file).chain() returns one, Robot.load(file) a robot"
+            raise ChainError(f"expected a Chain, got {got}", parameter="chain", hint=hint)
         check_chain(chain)
         self.chain = chain
         self.kinematics = Kinematics(chain)

@@ -106,7 +106,7 @@ def names_field(names: Sequence[str]) -> str:
 def number_field(value: float, decimals: int = DECIMALS) -> str:
     """Return a number without the noise of its last bits and without signed zero.
 
-    >>> number(1765.0000000000002), number(-2.3e-14), number(0.1 + 0.2)
+    >>> number_field(1765.0000000000002), number_field(-2.3e-14), number_field(0.1 + 0.2)
     ('1765.0', '0.0', '0.3')
     """
     return repr(round(float(value), decimals) + 0.0)

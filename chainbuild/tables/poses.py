@@ -51,9 +51,10 @@ class PoseTable(Table):
     """A table of poses.
 
     x_mm, y_mm, z_mm are required. The orientation is the quaternion where it is given, else A, B, C; a machine whose
-    task is "direction" also takes the tool vector alone, one whose task is "position" needs none. Other columns are
-    permitted and not read. On a machine whose A and B follow C, c_deg alone is enough; where C continues over whole
-    turns, c_deg is also read beside a quaternion. Input axes may have columns of their own.
+    task is "direction" also takes the tool vector alone, one whose task is "position" needs none. On a machine whose A
+    and B follow C, c_deg alone is enough; where C continues over whole turns, c_deg is also read beside a quaternion.
+    Input axes may have columns of their own. Column `violations`, which `PoseWriter` adds, is permitted and not read;
+    any other is refused.
 
     Args:
         path: The file.

@@ -59,7 +59,8 @@ class Table:
         TableError: the header is missing, or names a column that is unknown or duplicate, or is incomplete.
     """
 
-    def __init__(self, path: Path, choose: Callable[[Sequence[str]], Choice]) -> None:
+    def __init__(self, path: Path | str, choose: Callable[[Sequence[str]], Choice]) -> None:
+        path = Path(path)
         self.file = str(path)
         try:
             self._bytes = path.open("rb")

@@ -14,7 +14,7 @@ from chainbuild.arrays import Matrix
 from chainbuild.chain.elements import Chain, Task
 from chainbuild.errors import Span, TableError
 from chainbuild.shown import fields_shown
-from chainbuild.tables.axes import RESULT_COLUMNS
+from chainbuild.tables.axes import RESULT_COLUMNS, VIOLATIONS_COLUMN
 from chainbuild.tables.poses import ANGLE_COLUMNS, POSE_COLUMNS, POSITION_COLUMNS, QUATERNION_COLUMNS, TOOL_COLUMNS
 from chainbuild.tables.reader import Table
 from chainbuild.units import m_from_mm
@@ -39,11 +39,12 @@ class Recording:
     name: str = "recording"
 
 
-def read_recording(path: Path, chain: Chain) -> Recording:
+def read_recording(path: Path | str, chain: Chain) -> Recording:
     """Read axis values and poses from one table.
 
     Columns: the axes by name, x_mm, y_mm, z_mm, and an orientation: qx, qy, qz, qw, else a_deg, b_deg, c_deg in the
-    controller's angles, else the tool direction tool_x, tool_y, tool_z, else none.
+    controller's angles, else the tool direction tool_x, tool_y, tool_z, else none. The result columns of inverse
+    kinematics are permitted and not read.
 
     Args:
         path: The file.
@@ -59,7 +60,7 @@ def read_recording(path: Path, chain: Chain) -> Recording:
     def choose(found: Sequence[str]) -> tuple[Sequence[str], Sequence[str]]:
         columns = (QUATERNION_COLUMNS, ANGLE_COLUMNS, TOOL_COLUMNS)
         orientation.extend(next((group for group in columns if set(group) & set(found)), ()))
-        return (*names, *POSITION_COLUMNS, *orientation), (*names, *POSE_COLUMNS, *RESULT_COLUMNS)
+        return (*names, *POSITION_COLUMNS, *orientation), (*names, *POSE_COLUMNS, *RESULT_COLUMNS, VIOLATIONS_COLUMN)
 
     with Table(path, choose) as table:
         values = [chunk.values for chunk in table.chunks()]
@@ -80,7 +81,7 @@ def _compared(orientation: tuple[str, ...]) -> Task:
     return "direction" if orientation == TOOL_COLUMNS else "pose"
 
 
-def _rotation(orientation: tuple[str, ...], values: list[float], chain: Chain, path: Path) -> Matrix:
+def _rotation(orientation: tuple[str, ...], values: list[float], chain: Chain, path: Path | str) -> Matrix:
     """Return the rotation of a row; of a tool direction, some rotation that has it."""
     if orientation == ANGLE_COLUMNS:
         return frames.matrix_from_angles(chain.angle_mode, values)

@@ -74,7 +74,7 @@ def enclosing_capsule(shape: Shape) -> Shape:
 @pytest.mark.parametrize("name", CASES)
 def test_capsules_hulls_and_meshes_agree(name: str, record_property) -> None:
     urdf, tool = CASES[name]
-    chain = from_urdf(urdf, tool)
+    chain = from_urdf(urdf, tool=tool)
     hulls = mesh_shapes(chain, urdf)
     assert len(hulls) >= 6
     by_kind = {

@@ -69,7 +69,7 @@ def kin45() -> chainbuild.KinType:
 
 
 @cache
-def report() -> chainbuild.Report:
+def report() -> chainbuild.SingularityReport:
     return chainbuild.examine(robot(), AT_WRIST)
 
 
@@ -132,7 +132,7 @@ OBJECTS: dict[str, Callable[[], Any]] = {
     "Partial": lambda: robot("gantry_robot_kin210").chain.partials[0],
     "PartialPose": lambda: distribution().partials[0],
     "Recording": lambda: chainbuild.Recording(np.zeros((90, 6)), np.zeros((90, 4, 4))),
-    "Report": report,
+    "SingularityReport": report,
     "Robot": lambda: robot("gantry_robot_kin210"),
     "RodData": lambda: robot("parallelogram_nr").chain.geometry.rod_data,
     "Samples": lambda: check().forward.samples,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from chainbuild.analysis.collision.paths import check_clearance
 from chainbuild.chain.bodies import shown_limits
 from chainbuild.collision.model import CollisionModel, bodies_of
 from chainbuild.ik.solve import solve
@@ -52,8 +53,10 @@ def collision_free_ik(
 
     Raises:
         AxisValueError: start or held of wrong count, unknown name or not finite.
-        ChainbuildError: T is no rigid transform, or the bodies are another robot's.
+        ChainbuildError: T is no rigid transform, the clearance is negative or not finite, or the bodies are another
+            robot's.
     """
+    check_clearance(clearance)
     model = bodies_of(robot, bodies)
     lower, upper = shown_limits(robot.chain)
     rng = np.random.default_rng(_SEED)

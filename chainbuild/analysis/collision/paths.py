@@ -81,8 +81,7 @@ def contacts(
     rows = np.atleast_2d(np.asarray(path, dtype=float))
     if rows.shape[1] != len(model.robot.axes) or not np.isfinite(rows).all():
         raise ChainbuildError(f"expected a path of finite axis values of shape (N, {len(model.robot.axes)})")
-    if not (np.isfinite(clearance) and clearance >= 0.0):
-        raise ChainbuildError("wrong clearance", parameter="clearance", permitted="a finite length of at least 0")
+    check_clearance(clearance)
     if not model.pairs:
         return
     walk = _ConservativeAdvancement(model, rows, clearance)
@@ -90,6 +89,16 @@ def contacts(
         found = walk.segment(row)
         if found is not None:
             yield found
+
+
+def check_clearance(clearance: float) -> None:
+    """Refuse a clearance [m] that is negative or not finite.
+
+    Raises:
+        ChainbuildError: it is.
+    """
+    if not (np.isfinite(clearance) and clearance >= 0.0):
+        raise ChainbuildError("wrong clearance", parameter="clearance", permitted="a finite length of at least 0")
 
 
 class _ConservativeAdvancement:

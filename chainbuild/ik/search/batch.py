@@ -78,7 +78,7 @@ def solve_batch(
     targets, begin = pose_array(poses), start_array(mechanism, start)
     if begin is not None and len(begin) not in {1, len(targets)}:
         raise AxisValueError(
-            f"expected 1 or {len(targets)} rows of start values, got {len(begin)}",
+            f"expected one row of start values or one per pose ({len(targets)}), got {len(begin)}",
             permitted="one row, or one row per pose",
         )
     with counting(len(targets), progress, BAR) as advance:

@@ -101,7 +101,7 @@ class Problem:
         return replace(self, weights=weights, axis=-1, starts=self.starts.scaled(scale), turns=False, arm=None)
 
     def beyond_bound(self, target: Matrix) -> bool:
-        """Return whether a target (4, 4) is farther away than the stretched kinematic."""
+        """Return whether a target (4, 4) is beyond the stretched chain, its linear axes inside their limits."""
         x, y, z = target[:3, 3].tolist()
         return bool(self.bounded and x * x + y * y + z * z > self.reach**2)
 

@@ -42,7 +42,8 @@ def _unreachable(problem: Problem, target: Matrix, found: SearchEnd, options: Ik
     if problem.beyond_bound(target):
         distance = math.dist(target[:3, 3], (0.0, 0.0, 0.0))
         reach = f"the kinematic reaches {problem.reach * 1000:.1f} mm"
-        return f"too far: {distance * 1000:.1f} mm from the workpiece frame, {reach}"
+        within = " with its linear axes inside their limits" if "mm" in problem.mechanism.labels.units_of_axes else ""
+        return f"too far: {distance * 1000:.1f} mm from the workpiece frame, {reach}{within}"
     place = found
     if problem.turns and problem.weights[:3].any():
         place = search(problem.position_only(), target, found.y, replace(options, max_restarts=_RESTARTS))

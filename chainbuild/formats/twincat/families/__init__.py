@@ -4,8 +4,9 @@ A module of this package holds functions ``kin_N`` and ends with the table that 
 
     RECIPES: Final[Mapping[int, RecipeFunction]] = {9: kin_9, 25: kin_25}
 
-`types.catalogue` beside this folder imports every module here and joins their tables; nothing else needs a change. A
-type enters the catalogue when both its data file ``data/kinNNN.toml`` and its recipe exist.
+`types.catalogue` beside this folder imports every module here and joins their tables; no other code needs a change.
+CONTRIBUTING lists the data and the tests. A type enters the catalogue when both its data file ``data/kinNNN.toml`` and
+its recipe exist.
 
 A recipe reads like the drawing, from the machine base to the tool tip, and is 5 to 25 lines long::
 
