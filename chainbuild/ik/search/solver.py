@@ -91,11 +91,11 @@ def _held_inside(problem: Problem, found: Found) -> Found:
 def result_of(problem: Problem, target: Matrix, found: Found, options: IkOptions) -> IkResult:
     """Return a search's end as a result, with words where it failed."""
     outcome, iterations, restarts, distance, angle, y, _ = found
-    ok, labels = outcome == rules.OK, problem.mechanism.labels
-    reason = "" if ok else reason_of(problem, target, found, options, find)
-    axes = problem.shown(y)
+    axes, task, labels = problem.shown(y), problem.task, problem.mechanism.labels
+    if outcome == rules.OK:
+        return IkResult(True, axes, "ok", distance, angle, iterations, restarts, task, labels)
+    reason, status = reason_of(problem, target, found, options, find), STATUSES[outcome]
     violated: tuple[str, ...] = ()
     if outcome == rules.LIMITS:
         violated = problem.mechanism.limits.violated(axes if problem.held_beyond else problem.shown(found.outside))
-    status, task = STATUSES[outcome], problem.task
-    return IkResult(ok, axes, status, distance, angle, iterations, restarts, task, labels, reason, violated)
+    return IkResult(False, axes, status, distance, angle, iterations, restarts, task, labels, reason, violated)
