@@ -265,3 +265,10 @@ def test_pairs_by_sampling_and_their_srdf(tmp_path: Path) -> None:
     for wrong in ((0, 0.95), (10, 1.0)):
         with pytest.raises(ChainbuildError):
             classify_pairs(robot, wrong[0], confidence=wrong[1])
+
+
+@pytest.mark.parametrize("clearance", [np.nan, np.inf, -1e-9])
+def test_a_clearance_is_a_length(clearance: float) -> None:
+    robot = chainbuild.Robot.load("kr6r900")
+    with pytest.raises(chainbuild.ChainbuildError, match=r"wrong clearance; .*a finite length of at least 0"):
+        collision_free_ik(robot, robot.fk([0, -90, 90, 0, 30, 0]), clearance=clearance)

@@ -224,3 +224,12 @@ def test_angle_rates_are_derivatives(mode: str) -> None:
         behind[n] -= step
         turn = matrix_from_angles(mode, ahead.tolist()) @ matrix_from_angles(mode, behind.tolist()).T
         assert rotation_vector(turn) / np.radians(2 * step) == pytest.approx(rates[:, n], abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    "offset", [np.full((4, 4), np.nan), 3.0 * np.eye(4), np.eye(3), "here", np.diag([1, 1, -1, 1])]
+)
+def test_what_carries_is_placed_by_a_rigid_transform(offset: object) -> None:
+    arm = chainbuild.load("kr6r900").chain()
+    with pytest.raises(chainbuild.ChainbuildError, match="T_offset is no rigid 4×4 transform"):
+        stack(arm, offset, arm)

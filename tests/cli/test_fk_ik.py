@@ -209,10 +209,12 @@ def test_an_old_file_outlives_a_refused_run(run: Run) -> None:
     assert Path("poses.csv").read_text("utf-8") == "old"
 
 
-def test_the_output_may_replace_the_input(run: Run) -> None:
+def test_the_output_does_not_replace_the_input(run: Run) -> None:
     write("table.csv", AXES + HOME)
-    assert run("fk", ARM, "--axes", "table.csv", "-o", "table.csv").code == 0
-    assert len(rows_of(Path("table.csv").read_text("utf-8"))) == 1
+    refused = run("fk", ARM, "--axes", "table.csv", "-o", "table.csv")
+    assert refused.code == 2
+    assert "--output table.csv: table.csv is also the input; expected another file, nothing was written" in refused.err
+    assert Path("table.csv").read_text("utf-8") == AXES + HOME
 
 
 def test_a_pose_that_breaks_the_angles_of_a_shorter_machine_is_named(run: Run) -> None:

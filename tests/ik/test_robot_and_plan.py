@@ -104,3 +104,15 @@ def test_all_branches_of_many_poses_through_the_robot() -> None:
     robot = Robot.load("kr6r900")
     T = robot.fk(AXES)
     assert np.array_equal(robot.ik_all_batch([T]), chainbuild.ik_all_batch(robot, [T]), equal_nan=True)
+
+
+@pytest.mark.parametrize("kind", [Robot, Mechanism])
+def test_only_a_chain_becomes_a_robot(kind: type[Mechanism]) -> None:
+    for other in ("kr6r900", chainbuild.load("kr6r900"), None):
+        with pytest.raises(ChainbuildError, match=rf"expected a Chain, got {type(other).__name__};.*Robot\.load"):
+            kind(other)
+
+
+def test_one_held_axis_needs_no_list() -> None:
+    robot = Robot.load("kr6r900")
+    assert robot.plan("A4") == robot.plan(["A4"]) != robot.plan()

@@ -360,3 +360,13 @@ def test_an_unknown_axis_column_names_the_nearest_and_axes_only(tmp_path: Path) 
     with pytest.raises(TableError) as caught:
         read_axes(write(tmp_path, "RA1,A2,X\n1,2,3\n"))
     assert str(caught.value).endswith("unknown column 'RA1'; permitted: A1, A2, X; did you mean A1?")
+
+
+def test_a_recording_is_read_from_a_path_or_its_name(tmp_path: Path) -> None:
+    path = tmp_path / "recorded.csv"
+    path.write_text("A1,A2,A3,A4,A5,A6,x_mm,y_mm,z_mm,status,violations\n0,-90,90,0,30,0,514.282,0,850,ok,\n")
+    chain = chainbuild.load("kr6r900").chain()
+    for given in (path, str(path)):
+        found = chainbuild.read_recording(given, chain)
+        assert found.axes.tolist() == [[0, -90, 90, 0, 30, 0]]
+        assert found.poses[0, :3, 3] == pytest.approx([0.514282, 0.0, 0.85])

@@ -102,7 +102,12 @@ def test_failed_rows_keep_their_status() -> None:
         (5, None, ChainbuildError, "poses must be"),
         ([np.eye(3)], None, ChainbuildError, "pose 0: "),
         ([np.eye(4)], [0.0], AxisValueError, "start values"),
-        ([np.eye(4)], np.zeros((2, 6)), AxisValueError, "expected one row of start values or one per pose (1), got 2"),
+        (
+            [np.eye(4)],
+            np.zeros((2, 6)),
+            AxisValueError,
+            "expected one row of start values or one per pose \\(1\\), got 2",
+        ),
         ([np.eye(4)], [np.nan] * 6, AxisValueError, "start values"),
     ],
 )
