@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import chainbuild
 from chainbuild import frames
 from chainbuild.chain.elements import Axis, Task
 from chainbuild.errors import FileAccessError, TableError

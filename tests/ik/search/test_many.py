@@ -106,7 +106,7 @@ def test_failed_rows_keep_their_status() -> None:
             [np.eye(4)],
             np.zeros((2, 6)),
             AxisValueError,
-            "expected one row of start values or one per pose \\(1\\), got 2",
+            r"one row of start values or one per pose \(1\), got 2",
         ),
         ([np.eye(4)], [np.nan] * 6, AxisValueError, "start values"),
     ],
