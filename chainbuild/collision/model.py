@@ -143,7 +143,11 @@ class CollisionModel:
         return float(scratch.found.distanceResults[best].min_distance)
 
     def distances(self, axes: ArrayLike) -> Vector:
-        """Return the distances (n_pairs,) [m] of all watched pairs, in the order of `pairs`."""
+        """Return the distances (n_pairs,) [m] of all watched pairs, in the order of `pairs`.
+
+        Those of two capsules have a closed form. coal iterates for other bodies, from where its last query ended, and
+        stops within 1e-6 m: the same axes may give distances that differ by that order.
+        """
         scratch = self._scratch
         pin.computeDistances(*scratch.parts, self._q(axes))
         return np.array([result.min_distance for result in scratch.found.distanceResults])

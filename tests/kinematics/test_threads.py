@@ -15,6 +15,9 @@ import chainbuild
 from chainbuild import CollisionModel, IkOptions, Robot
 
 THREADS = 8
+# coal looks for the distance of boxes from where its last query ended, and stops within 1e-6 m: the answer depends on
+# the query before by up to 1.4e-6 m in one thread, too. A body of another thread's position is millimetres away.
+COAL_STOPS_WITHIN_M = 5e-6
 Answer = Callable[[np.ndarray], np.ndarray]
 
 
@@ -32,13 +35,16 @@ def drawn(robot: Robot, count: int, seed: int) -> np.ndarray:
     return lower + (upper - lower) * np.random.default_rng(seed).random((count, len(lower)))
 
 
-def wrong(answer: Answer, rows: np.ndarray, rounds: int) -> int:
-    """Return how many answers of eight threads differ from those that one thread gives."""
+def wrong(answer: Answer, rows: np.ndarray, rounds: int, tolerance: float = 0.0) -> int:
+    """Return how many answers of eight threads differ from those that one thread gives, by default in any bit."""
     alone = [answer(row) for row in rows]
 
     def work(thread: int) -> int:
         order = np.random.default_rng(thread).permutation(len(rows))
-        return sum(not np.array_equal(answer(rows[n]), alone[n]) for _ in range(rounds) for n in order)
+        return sum(not same(answer(rows[n]), alone[n]) for _ in range(rounds) for n in order)
+
+    def same(one: np.ndarray, other: np.ndarray) -> bool:
+        return np.array_equal(one, other) or (tolerance > 0.0 and bool((np.abs(one - other) <= tolerance).all()))
 
     with ThreadPoolExecutor(THREADS) as pool:
         return sum(pool.map(work, range(THREADS)))
@@ -125,4 +131,4 @@ def test_eight_threads_a_hundred_thousand_times_each(name: str) -> None:
     assert wrong(robot.jacobian, drawn(robot, 1000, 12), 100) == 0
     assert wrong(solved, drawn(robot, 500, 13), 200) == 0
     assert wrong(solved_plainly, drawn(robot, 100, 14), 20) == 0
-    assert wrong(bodies.distances, drawn(robot, 500, 15), 200) == 0
+    assert wrong(bodies.distances, drawn(robot, 500, 15), 200, COAL_STOPS_WITHIN_M) == 0
