@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from chainbuild.cli.axisvalues import At, given_rows
 from chainbuild.cli.show import console, empty_table, note, print_json
-from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
+from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, Json, MachineOptions, UsageError
 from chainbuild.units import m_from_mm, mm_from_m
 
 if TYPE_CHECKING:
     from chainbuild.analysis.collision.paths import Contact
     from chainbuild.collision.model import CollisionModel, Distance
-
-_COLLIDES: Final = 3  # exit code of a verdict against the user
 
 
 @Parameter(name="*", group="Pairs")
@@ -90,7 +88,7 @@ def collide(
         print_json(data | found.data())
     else:
         found.print()
-    return _COLLIDES if found.collides else 0
+    return REJECTED if found.collides else 0
 
 
 class _Found:

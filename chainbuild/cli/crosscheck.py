@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 from cyclopts import Parameter
 
 from chainbuild.cli.show import note, print_json
-from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
+from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, Json, MachineOptions, UsageError
 from chainbuild.units import m_from_mm, rad_from_deg
 
 if TYPE_CHECKING:
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
 CallableOption = Literal["auto", "fk", "ik"]
 SampleName = Literal["random", "grid", "singular"]
-
-_DIFFERS: Final = 3  # exit code of a verdict against the user
 
 
 @Parameter(name="*", group="Poses")
@@ -98,7 +96,7 @@ def crosscheck(
 
         note(f"wrote {write_crosscheck_page(check, html)}")
     _print(check, json)
-    return 0 if check.agrees else _DIFFERS
+    return 0 if check.agrees else REJECTED
 
 
 def _compare(file: str, other: Path | str, check_options: CheckOptions, options: MachineOptions) -> CrossCheck:

@@ -15,7 +15,7 @@ from cyclopts import Parameter
 
 from chainbuild import tolerances
 from chainbuild.cli.show import note, output, with_progress
-from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, held_axes
+from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, MachineOptions, Output, held_axes
 from chainbuild.errors import ChainbuildError, Span, TableError
 from chainbuild.ik.rules import Solver
 from chainbuild.units import deg_from_rad, mm_from_m
@@ -176,7 +176,6 @@ class _Starts:
         )
 
 
-_ROWS_FAILED: Final = 3  # exit code of a verdict against the user
 _REASONS_SHOWN: Final = 10  # fit on a screen; the others are counted
 # Poses of an arm that are all nearer than this to its base are likely in metres; on a mill they are plausible.
 _SMALL_MM: Final = 10.0
@@ -236,7 +235,7 @@ def ik(
             axes, distance = result.axes if result.success else None, mm_from_m(result.position_error)
             violated = () if result.success else result.violated or robot.violated_limits(result.axes)
             writer.write(axes, result.status, distance, angle, violated)
-    return _ROWS_FAILED if report.finish() else 0
+    return REJECTED if report.finish() else 0
 
 
 @dataclass(slots=True)

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from chainbuild.formats.machine import Machine
     from chainbuild.robot import Robot
 
+# Exit code of a verdict against the user: rows failed, poses differ or bodies collide.
+REJECTED: Final = 3
+
 # Parameters that name a file to write, of any command.
 _OUTPUTS: Final = frozenset({"output_file", "export", "html", "picture"})
 

@@ -22,7 +22,7 @@ ORDER = [
     "collision",
     "machines",
     "tables",
-    "formats.dialect", "formats.text", "formats.overlay", "formats.selection", "formats.machine",
+    "formats.text", "formats.overlay", "formats.selection", "formats.machine",
     "formats.sinumerik.reading", "formats.sinumerik.geometry", "formats.sinumerik.rules", "formats.sinumerik",
     "formats.twincat.lists", "formats.twincat.maps", "formats.twincat.recipes", "formats.twincat.families",
     "formats.twincat.types", "formats.twincat.universal", "formats.twincat.coupling", "formats.twincat",
@@ -68,14 +68,28 @@ def imports(path: Path) -> frozenset[str]:
     found: set[str] = set()
     for node in ast.walk(ast.parse(path.read_text("utf-8"))):
         if isinstance(node, ast.Import):
+            assert all(alias.name != "chainbuild" for alias in node.names), "a file imports what it uses, by its module"
             found |= {alias.name.removeprefix("chainbuild.") for alias in node.names if "chainbuild." in alias.name}
-        elif isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "chainbuild":
+        elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, "imports are absolute"
+            if (node.module or "").split(".")[0] != "chainbuild":
+                continue
             package = (node.module or "").removeprefix("chainbuild").lstrip(".")
             for alias in node.names:
                 inner = f"{package}.{alias.name}".lstrip(".")
+                assert package or inner in {*MODULES, "__version__"}, f"{alias.name}: import it from its module"
                 found.add(inner if inner in MODULES else package)
     return frozenset(found - {""})
+
+
+@pytest.mark.parametrize(
+    "line", ["from chainbuild import Robot", "import chainbuild", "from ..robot import Robot", "from . import model"]
+)
+def test_imports_that_hide_their_room_are_refused(line: str, tmp_path: Path) -> None:
+    path = tmp_path / "planted.py"
+    path.write_text(f"def f():\n    {line}\n", "utf-8")
+    with pytest.raises(AssertionError):
+        imports(path)
 
 
 INNER = [path for path in FILES if path.parent != PACKAGE or path.name != "__init__.py"]
