@@ -6,13 +6,13 @@ import json
 import math
 
 import numpy as np
-import pinocchio as pin
 import pytest
 
 import chainbuild
 from chainbuild.errors import MachineDataError
 from chainbuild.formats.twincat.lists.hdtable import type_data
 from chainbuild.machines import shipped
+from tests.kit.compare import assert_jacobian_is_the_derivative
 from tests.kit.kin_types import HEADS, axes_inside, build, distance, head_hd
 from tests.kit.paths import REFERENCE
 
@@ -52,14 +52,7 @@ def test_rank_is_the_number_of_axes(kin: int) -> None:
 @pytest.mark.parametrize("kin", HEADS)
 def test_jacobian_is_the_derivative(kin: int) -> None:
     built = build(kin, head_hd(kin), 80.0)
-    robot, step = built.robot, 1e-4
-    for axes in axes_inside(built.robot, 20):
-        J, T = robot.jacobian(axes), robot.fk(axes)
-        for n, axis in enumerate(robot.axes):
-            moved = np.eye(len(axes))[n] * step
-            si = step * (1e-3 if axis.kind == "linear" else np.pi / 180.0)
-            ahead, behind = (pin.log6(T.actInv(robot.fk(axes + s * moved))).vector for s in (1.0, -1.0))
-            assert (ahead - behind) / (2.0 * si) == pytest.approx(J[:, n], abs=1e-6)
+    assert_jacobian_is_the_derivative(built.robot, axes_inside(built.robot, 20))
 
 
 @pytest.mark.parametrize("kin", HEADS)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 
 import numpy as np
-import pinocchio as pin
 import pytest
 
 from chainbuild.errors import ChainbuildError, MachineDataError, UnsupportedKinematicError
 from chainbuild.formats.twincat.lists.hdtable import type_data
+from tests.kit.compare import assert_jacobian_is_the_derivative
 from tests.kit.kin_types import axes_anywhere, build, distance, generic_hd
 from tests.kit.paths import REFERENCE
 
@@ -44,14 +44,7 @@ def test_rank_is_the_number_of_axes(kin: int) -> None:
 @pytest.mark.parametrize("kin", TYPES)
 def test_jacobian_is_the_derivative(kin: int) -> None:
     robot = build(kin, generic_hd(type_data()[kin]), 80.0).robot
-    step = 1e-4
-    for axes in axes_anywhere(robot, 20):
-        J, T = robot.jacobian(axes), robot.fk(axes)
-        for n, axis in enumerate(robot.axes):
-            moved = np.eye(len(axes))[n] * step
-            si = step * (1e-3 if axis.kind == "linear" else np.pi / 180.0)
-            ahead, behind = (pin.log6(T.actInv(robot.fk(axes + s * moved))).vector for s in (1.0, -1.0))
-            assert (ahead - behind) / (2.0 * si) == pytest.approx(J[:, n], abs=1e-6)
+    assert_jacobian_is_the_derivative(robot, axes_anywhere(robot, 20))
 
 
 @pytest.mark.parametrize("kin", TYPES)
