@@ -36,11 +36,14 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.analysis.workspace.mapspec import MapSpec as MapSpec
     from chainbuild.chain.axismap import AffineMap as AffineMap
     from chainbuild.chain.axismap import AxisMap as AxisMap
+    from chainbuild.chain.bodies.geometry import Geometry as Geometry
+    from chainbuild.chain.bodies.geometry import RodData as RodData
+    from chainbuild.chain.bodies.geometry import Shape as Shape
     from chainbuild.chain.compose import follow as follow
     from chainbuild.chain.compose import stack as stack
+    from chainbuild.chain.display import Display as Display
+    from chainbuild.chain.display import DisplayKind as DisplayKind
     from chainbuild.chain.elements import Axis as Axis
-    from chainbuild.chain.elements import AxisConstraint as AxisConstraint
-    from chainbuild.chain.elements import AxisSum as AxisSum
     from chainbuild.chain.elements import Chain as Chain
     from chainbuild.chain.elements import ControllerSolver as ControllerSolver
     from chainbuild.chain.elements import Frame as Frame
@@ -51,9 +54,8 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.chain.elements import Partial as Partial
     from chainbuild.chain.elements import SingularityWatch as SingularityWatch
     from chainbuild.chain.elements import Task as Task
-    from chainbuild.chain.geometry import Geometry as Geometry
-    from chainbuild.chain.geometry import RodData as RodData
-    from chainbuild.chain.geometry import Shape as Shape
+    from chainbuild.chain.sums import AxisConstraint as AxisConstraint
+    from chainbuild.chain.sums import AxisSum as AxisSum
     from chainbuild.collision.model import CollisionModel as CollisionModel
     from chainbuild.collision.model import Distance as Distance
     from chainbuild.comparison.comparison import Forward as Forward
@@ -138,11 +140,12 @@ _HOMES = {
     "chainbuild.analysis.workspace.mapspec": "Grid MapKind MapSpec",
     "chainbuild.chain.axismap": "AffineMap AxisMap",
     "chainbuild.chain.compose": "follow stack",
+    "chainbuild.chain.display": "Display DisplayKind",
     "chainbuild.chain.elements": (
-        "Axis AxisConstraint AxisSum Chain ControllerSolver Frame Joint JointKind Link Loop Partial SingularityWatch"
-        " Task"
+        "Axis Chain ControllerSolver Frame Joint JointKind Link Loop Partial SingularityWatch Task"
     ),
-    "chainbuild.chain.geometry": "Geometry RodData Shape",
+    "chainbuild.chain.bodies.geometry": "Geometry RodData Shape",
+    "chainbuild.chain.sums": "AxisConstraint AxisSum",
     "chainbuild.collision.model": "CollisionModel Distance",
     "chainbuild.comparison.comparison": "Forward Inverse",
     "chainbuild.comparison.convention_trials": "Selection Trial",

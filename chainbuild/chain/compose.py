@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import Block, side_by_side
-from chainbuild.chain.elements import AxisConstraint, AxisSum, Chain, Frame, Joint, Link, Loop, Partial
+from chainbuild.chain.bodies.geometry import Geometry
+from chainbuild.chain.elements import Chain, Frame, Joint, Link, Loop, Partial
 from chainbuild.chain.fold import drawn, joint_motion
-from chainbuild.chain.geometry import Geometry
 from chainbuild.chain.names import Names, as_name, free_name
 from chainbuild.chain.poses import path_to
+from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.errors import ChainError
 from chainbuild.findings import Findings
 from chainbuild.frames import inverse, is_rigid

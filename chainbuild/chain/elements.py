@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal
 
-import numpy as np
-from numpy.typing import ArrayLike
-
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AxisMap
-from chainbuild.chain.geometry import NO_GEOMETRY, Geometry
+from chainbuild.chain.bodies.geometry import NO_GEOMETRY, Geometry
+from chainbuild.chain.display import POSE_ANGLES, Display
+from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.convention import UsedConvention
 from chainbuild.findings import NO_FINDINGS, Findings
 from chainbuild.shown import fields_shown, two_lines
@@ -141,66 +140,6 @@ class Axis:
 
 
 @dataclass(frozen=True, slots=True)
-class AxisSum:
-    """A weighted sum of axis values, such as the absolute angle C of a SCARA: Σ coefficient·axis + offset.
-
-    Attributes:
-        coefficients: One for each axis of the chain, in its order; axes in mm or degrees.
-        offset: mm or degrees, added to the sum.
-    """
-
-    __repr__ = fields_shown
-
-    coefficients: tuple[float, ...]
-    offset: float
-
-    def value(self, axes: ArrayLike) -> float:
-        """Return the sum for axis values (n_axes,) in mm and degrees."""
-        return float(np.dot(self.coefficients, np.asarray(axes, dtype=float))) + self.offset
-
-
-@dataclass(frozen=True, slots=True)
-class AxisConstraint:
-    """A limit on a sum of axes, such as the angle of a parallelogram: lower < Σ coefficient·axis + offset < upper.
-
-    Attributes:
-        name: What is limited.
-        sum: The limited value in degrees (mm where the axes are linear).
-        lower: Lower limit.
-        upper: Upper limit.
-        alarm: Alarm the controller raises outside, where it is known.
-    """
-
-    __repr__ = fields_shown
-
-    name: str
-    sum: AxisSum
-    lower: float
-    upper: float
-    alarm: int | None = None
-
-    @property
-    def label(self) -> str:
-        """Name, and the alarm where it is known."""
-        return self.name if self.alarm is None else f"{self.name} (alarm {self.alarm})"
-
-    def margin(self, axes: ArrayLike) -> float:
-        """Return the distance to the nearer limit, negative outside, for axis values (n_axes,)."""
-        value = self.sum.value(axes)
-        return min(value - self.lower, self.upper - value)
-
-    def allows(self, before: ArrayLike, after: ArrayLike) -> bool:
-        """Tell whether a motion is permitted: it ends inside, or starts outside and retracts towards the inside.
-
-        Args:
-            before: Axis values (n_axes,) where the motion starts.
-            after: Where it ends.
-        """
-        margin = self.margin(after)
-        return margin >= 0.0 or margin > self.margin(before)
-
-
-@dataclass(frozen=True, slots=True)
 class ControllerSolver:
     """Budget of the control's iterative inverse (ROBX manual 7.1.7, MD62967–62970).
 
@@ -291,6 +230,7 @@ class Chain:
         controller_solver: Budget of the control's own iterative inverse, where its data are known.
         singularity_watch: How the control monitors singularities, where that is known.
         geometry: What the overlay says about its bodies.
+        display: What the controller shows and takes as a pose beside the position.
     """
 
     name: str
@@ -315,6 +255,7 @@ class Chain:
     controller_solver: ControllerSolver | None = None
     singularity_watch: SingularityWatch | None = None
     geometry: Geometry = NO_GEOMETRY
+    display: Display = POSE_ANGLES
 
     def __repr__(self) -> str:
         names = [axis.name for axis in self.axes]

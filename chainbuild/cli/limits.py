@@ -65,7 +65,7 @@ def _sweep(
     import numpy as np
 
     from chainbuild.analysis.collision.sweep import axis_index, sweep
-    from chainbuild.chain.bodies import shown_limits
+    from chainbuild.chain.bodies.shapes import shown_limits
     from chainbuild.collision.model import CollisionModel
 
     model = CollisionModel(robot)

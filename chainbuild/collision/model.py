@@ -17,9 +17,9 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.arrays import Vector
-from chainbuild.chain.bodies import shown_limits
+from chainbuild.chain.bodies.rods import pinned_links
+from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.elements import BASE_LINK
-from chainbuild.chain.rods import pinned_links
 from chainbuild.collision.solids import solids_of
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.bodies import Body, detail_bodies, link_bodies
+from chainbuild.chain.bodies.geometry import Shape
+from chainbuild.chain.bodies.rods import LEVEL_LINKS
+from chainbuild.chain.bodies.shapes import Body, detail_bodies, link_bodies
 from chainbuild.chain.elements import Chain
-from chainbuild.chain.geometry import Shape
-from chainbuild.chain.rods import LEVEL_LINKS
 from chainbuild.errors import FileAccessError, Span
 
 # Details of a drawing that are solid and no part of a link's own body.

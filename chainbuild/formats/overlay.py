@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from chainbuild import tolerances
+from chainbuild.chain.bodies.geometry import NO_GEOMETRY, Geometry
+from chainbuild.chain.bodies.geometry_table import geometry_from_table
+from chainbuild.chain.bodies.rods import with_rods
 from chainbuild.chain.elements import Axis, Chain, Link
-from chainbuild.chain.geometry import NO_GEOMETRY, Geometry
-from chainbuild.chain.geometry_table import geometry_from_table
-from chainbuild.chain.rods import with_rods
 from chainbuild.convention import check_choice
 from chainbuild.errors import ChainError, FileAccessError, MachineDataError, OverlayError, Span
 from chainbuild.formats.text import read_source, toml_line

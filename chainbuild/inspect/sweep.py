@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.bodies import machine_size, shown_limits
+from chainbuild.chain.bodies.shapes import machine_size, shown_limits
 from chainbuild.chain.elements import Chain
 from chainbuild.chain.fold import joint_motion
 from chainbuild.chain.poses import link_placements

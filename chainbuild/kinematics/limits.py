@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from chainbuild.arrays import Vector
-from chainbuild.chain.elements import Axis, AxisConstraint, Chain
+from chainbuild.chain.elements import Axis, Chain
+from chainbuild.chain.sums import AxisConstraint
 from chainbuild.shown import two_lines
 from chainbuild.tolerances import LIMIT_SLACK
 

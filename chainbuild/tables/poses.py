@@ -12,6 +12,7 @@ import numpy as np
 
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
 from chainbuild.chain.elements import Task
 from chainbuild.tables.axes import DECIMALS, UNIT_DECIMALS, VIOLATIONS_COLUMN, names_field, number_field
 from chainbuild.tables.reader import Choice, Table
@@ -19,11 +20,8 @@ from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m, rad_from_deg
 
 ToolAxis = Literal["x", "z"]
 
-POSITION_COLUMNS: Final = ("x_mm", "y_mm", "z_mm")
 QUATERNION_COLUMNS: Final = ("qx", "qy", "qz", "qw")
-TOOL_COLUMNS: Final = ("tool_x", "tool_y", "tool_z")
 C_COLUMN: Final = "c_deg"
-ANGLE_COLUMNS: Final = ("a_deg", "b_deg", C_COLUMN)
 POSE_COLUMNS: Final = (*POSITION_COLUMNS, *QUATERNION_COLUMNS, *TOOL_COLUMNS, *ANGLE_COLUMNS)
 _UNIT_VECTORS: Final = slice(3, 10)  # quaternion and tool vector
 

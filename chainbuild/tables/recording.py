@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from chainbuild import frames
 from chainbuild.arrays import Matrix
+from chainbuild.chain.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
 from chainbuild.chain.elements import Chain, Task
 from chainbuild.errors import Span, TableError
 from chainbuild.shown import fields_shown
 from chainbuild.tables.axes import RESULT_COLUMNS, VIOLATIONS_COLUMN
-from chainbuild.tables.poses import ANGLE_COLUMNS, POSE_COLUMNS, POSITION_COLUMNS, QUATERNION_COLUMNS, TOOL_COLUMNS
+from chainbuild.tables.poses import POSE_COLUMNS, QUATERNION_COLUMNS
 from chainbuild.tables.reader import Table
 from chainbuild.units import m_from_mm
 

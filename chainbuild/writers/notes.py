@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.bodies.rods import rod_masters
 from chainbuild.chain.elements import Axis, Chain, Joint
-from chainbuild.chain.rods import rod_masters
 from chainbuild.files import number_text
 from chainbuild.units import deg_from_rad, mm_from_m
 

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Final
 from chainbuild import tolerances
 from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.chain.bodies import (
+from chainbuild.chain.bodies.rods import rod_masters
+from chainbuild.chain.bodies.shapes import (
     BASE_COLOUR,
     TOOL_COLOUR,
     WORKPIECE_SIDE,
@@ -23,7 +24,6 @@ from chainbuild.chain.bodies import (
     machine_size,
 )
 from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint
-from chainbuild.chain.rods import rod_masters
 from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.files import angle_text, as_folder, make_folder, number_text, numbers_text, write_text
 from chainbuild.frames import inverse, translation, urdf_rpy

@@ -13,8 +13,8 @@ import chainbuild
 from chainbuild.analysis.collision.free_ik import collision_free_ik
 from chainbuild.analysis.collision.pairs import classify_pairs
 from chainbuild.analysis.collision.paths import contacts, first_contact
-from chainbuild.chain.bodies import shown_limits
-from chainbuild.chain.geometry import Geometry, Shape
+from chainbuild.chain.bodies.geometry import Geometry, Shape
+from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError, FileAccessError
 from chainbuild.writers.srdf import write_srdf

@@ -10,8 +10,8 @@ import pytest
 import chainbuild
 from chainbuild.analysis.collision.parallelogram import swept_limits
 from chainbuild.analysis.collision.sweep import sweep
+from chainbuild.chain.bodies.geometry import Geometry, RodData, Shape
 from chainbuild.chain.elements import Chain
-from chainbuild.chain.geometry import Geometry, RodData, Shape
 from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError
 from tests.kit.planar import edge, segment_distance, turned

@@ -10,7 +10,7 @@ from chainbuild.analysis.singularity.jacobians import pose_jacobians
 from chainbuild.analysis.singularity.measures import measure, measure_batch, scaling_of, smallest_value
 from chainbuild.analysis.singularity.speeds import speeds
 from chainbuild.analysis.singularity.thresholds import Thresholds, assess, assess_path, thresholds_of
-from chainbuild.chain.bodies import shown_limits
+from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.errors import ChainbuildError
 
 MACHINES = ["kr6r900", "ac_table_kin58", "cardan_head_kin59", "plasma_head_kin25", "palletiser_kin96", "scara_kin36"]

@@ -12,8 +12,8 @@ import pinocchio as pin
 
 import chainbuild
 from chainbuild.analysis.singularity.measures import measure_batch, smallest_value
-from chainbuild.chain.bodies import shown_limits
-from chainbuild.chain.geometry import Geometry, Shape
+from chainbuild.chain.bodies.geometry import Geometry, Shape
+from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.collision.model import CollisionModel
 
 MACHINE = "kr6r900"

@@ -11,9 +11,10 @@ import pytest
 import chainbuild
 from chainbuild.chain.axismap import AffineMap, BlockMap
 from chainbuild.chain.compose import beside, displaced, follow, stack
-from chainbuild.chain.elements import AxisConstraint, AxisSum, Chain, Loop
+from chainbuild.chain.elements import Chain, Loop
 from chainbuild.chain.names import Names
 from chainbuild.chain.poses import angle_rates, frame_placement, pose, pose_jacobian, rotation_vector
+from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.frames import ANGLE_MODES, matrix_from_angles
 from tests.kit.draws import random_axes
 

@@ -16,11 +16,11 @@ import chainbuild
 from chainbuild.analysis.singularity.names import names_at
 from chainbuild.chain.assemble import assemble, linear, mark, rotary, shift
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.bodies.rods import CRANK, LEVEL_CRANK, LEVEL_PLATE, ROD, rod_masters
 from chainbuild.chain.compose import stack
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.chain.fold import drawn, drawn_bounds, drawn_values, folded, joint_motion
 from chainbuild.chain.poses import link_placements
-from chainbuild.chain.rods import CRANK, LEVEL_CRANK, LEVEL_PLATE, ROD, rod_masters
 from chainbuild.frames import f_frame, rot_z
 from chainbuild.kinematics.task_error import _joints
 from chainbuild.writers.notes import axis_map_in_words, header

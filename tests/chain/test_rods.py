@@ -12,8 +12,8 @@ import pytest
 import chainbuild
 from chainbuild.analysis.singularity.names import examine, names_at
 from chainbuild.analysis.singularity.structure import singular_structure
-from chainbuild.chain.geometry import RodData
-from chainbuild.chain.rods import ROD_END, ROD_PIN, has_rods, pinned_links, rod_masters, with_rods
+from chainbuild.chain.bodies.geometry import RodData
+from chainbuild.chain.bodies.rods import ROD_END, ROD_PIN, has_rods, pinned_links, rod_masters, with_rods
 from chainbuild.errors import ChainError, OverlayError
 
 ARMS = ["parallelogram_nr", "palletiser_kin96", "palletiser_kin213", "irb2600", "kr6r900_2"]

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from chainbuild import frames
-from chainbuild.chain.bodies import shown_limits
+from chainbuild.chain.bodies.geometry import Geometry, Shape
+from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.elements import BASE_LINK, Chain
-from chainbuild.chain.geometry import Geometry, Shape
 from chainbuild.collision.model import CollisionModel
 from chainbuild.formats.urdf import from_urdf
 from chainbuild.robot import Robot

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.chain.bodies import link_bodies
+from chainbuild.chain.bodies.shapes import link_bodies
 from chainbuild.errors import OverlayError
 from chainbuild.formats.overlay import read_overlay
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.chain.elements import AxisConstraint, AxisSum
+from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
 from chainbuild.ik.solve import keeping_sums

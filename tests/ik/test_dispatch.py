@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chainbuild.chain.elements import AxisSum, ControllerSolver
+from chainbuild.chain.elements import ControllerSolver
+from chainbuild.chain.sums import AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik import solve as dispatch
 from chainbuild.ik.result import IkResult

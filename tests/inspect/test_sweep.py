@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.chain.bodies import machine_size, shown_limits
+from chainbuild.chain.bodies.shapes import machine_size, shown_limits
 from chainbuild.errors import ChainbuildError
 from chainbuild.inspect.sweep import axis_sweep, link_placements, rest_pose
 from chainbuild.robot import Robot

@@ -21,11 +21,11 @@ import chainbuild
 from chainbuild.analysis.collision.paths import _ConservativeAdvancement
 from chainbuild.analysis.singularity.measures import characteristic_length
 from chainbuild.chain.assemble import assemble, mark, rotary, shift
-from chainbuild.chain.bodies import detail_bodies, link_bodies, machine_size, shown_limits
+from chainbuild.chain.bodies.geometry import RodData
+from chainbuild.chain.bodies.rods import ROD_END, ROD_PIN, has_rods, with_rods
+from chainbuild.chain.bodies.shapes import detail_bodies, link_bodies, machine_size, shown_limits
 from chainbuild.chain.compose import follow, stack
 from chainbuild.chain.elements import Axis, Chain
-from chainbuild.chain.geometry import RodData
-from chainbuild.chain.rods import ROD_END, ROD_PIN, has_rods, with_rods
 from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import f_frame

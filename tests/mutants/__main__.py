@@ -49,7 +49,8 @@ def targets() -> dict[Path, tuple[str, ...]]:
     files = dict.fromkeys([*shared, twincat / "translate.py"], TWINCAT_SHARED)
     robx = [sinumerik / "geometry" / f"{name}.py" for name in ("translate", "robot_axes", "tool")]
     files |= dict.fromkeys([*robx, sinumerik / "rules" / "chain_data.py"], SINUMERIK)
-    return files | dict.fromkeys([package / "chain" / f"{name}.py" for name in ("fold", "rods")], CHAIN)
+    chain = package / "chain"
+    return files | dict.fromkeys([chain / "fold.py", chain / "bodies" / "rods.py"], CHAIN)
 
 
 def types_in(path: Path) -> tuple[int, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.chain import geometry_table
+from chainbuild.chain.bodies import geometry_table
 from chainbuild.formats.overlay import _READERS
 from chainbuild.machines import shipped_path
 from tests.kit.paths import ROOT

@@ -13,7 +13,7 @@ import pytest
 
 import chainbuild
 from chainbuild import Finding, Findings, MapSpec, Robot, Span
-from chainbuild.chain.elements import AxisSum
+from chainbuild.chain.sums import AxisSum
 from chainbuild.html import html_table, html_text
 from chainbuild.shown import fields_shown, two_lines
 from tests.kit.annotations import public_things
@@ -99,6 +99,7 @@ OBJECTS: dict[str, Callable[[], Any]] = {
     "ControllerSolver": lambda: robot().chain.controller_solver,
     "Convention": lambda: next(iter(chainbuild.conventions().values())),
     "CrossCheck": wrong_check,
+    "Display": lambda: robot().chain.display,
     "Distance": lambda: chainbuild.CollisionModel(robot()).nearest(AXES),
     "Distribution": distribution,
     "Explanation": lambda: wrong_check().explanation,

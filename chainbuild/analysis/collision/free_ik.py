@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from chainbuild.analysis.collision.paths import check_clearance
-from chainbuild.chain.bodies import shown_limits
+from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.collision.model import CollisionModel, bodies_of
 from chainbuild.ik.solve import solve
 from chainbuild.kinematics.mechanism import Mechanism

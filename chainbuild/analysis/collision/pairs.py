@@ -7,7 +7,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from chainbuild.chain.bodies import shown_limits
+from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism

@@ -15,10 +15,11 @@ import numpy as np
 from chainbuild.analysis.collision.paths import pair_weights
 from chainbuild.analysis.collision.sweep import FreeInterval, free_interval
 from chainbuild.arrays import Vector
-from chainbuild.chain.bodies import shown_limits
-from chainbuild.chain.elements import AxisConstraint, Chain
-from chainbuild.chain.geometry import NO_GEOMETRY
-from chainbuild.chain.rods import CRANK, LEVEL_LINKS, ROD, ROD_END, ROD_PIN, has_rods, with_rods
+from chainbuild.chain.bodies.geometry import NO_GEOMETRY
+from chainbuild.chain.bodies.rods import CRANK, LEVEL_LINKS, ROD, ROD_END, ROD_PIN, has_rods, with_rods
+from chainbuild.chain.bodies.shapes import shown_limits
+from chainbuild.chain.elements import Chain
+from chainbuild.chain.sums import AxisConstraint
 from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from chainbuild.analysis.collision.paths import CONTACT, Contact, first_contact
 from chainbuild.arrays import Vector
-from chainbuild.chain.bodies import shown_limits
+from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
 from chainbuild.progress import Progress, counting

@@ -11,7 +11,7 @@ import numpy as np
 from chainbuild import frames
 from chainbuild.analysis.singularity.singularity import Singularity
 from chainbuild.arrays import Vector
-from chainbuild.chain.rods import CRANK, ROD, ROD_END, ROD_PIN, has_rods
+from chainbuild.chain.bodies.rods import CRANK, ROD, ROD_END, ROD_PIN, has_rods
 from chainbuild.kinematics.mechanism import Mechanism
 
 # Sine of the angle to the lock: 1 degree.

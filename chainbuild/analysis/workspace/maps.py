@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from chainbuild.analysis.singularity.measures import measure_batch
 from chainbuild.analysis.workspace.mapspec import Grid, MapSpec, check_spec, directions, grid_of, in_slab, random_axes
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.bodies import shown_limits
+from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.elements import Chain
 from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError, FileAccessError, Span

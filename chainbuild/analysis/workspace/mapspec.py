@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from chainbuild.analysis.singularity.measures import measure_batch
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.bodies import shown_limits
+from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.shown import fields_shown

@@ -21,7 +21,7 @@ import numpy as np
 
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.elements import AxisSum
+from chainbuild.chain.sums import AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import turned_axes
 from chainbuild.ik.branches.core.query import BranchQuery

@@ -15,7 +15,7 @@ from scipy.spatial.transform import RigidTransform
 import chainbuild
 from chainbuild.chain.assemble import Element, linear, rotary, shift, turn
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.chain.elements import AxisConstraint, AxisSum
+from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import rot_y
 from chainbuild.ik.branches.core.query import BranchQuery

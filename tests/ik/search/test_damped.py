@@ -10,7 +10,7 @@ import pytest
 
 import chainbuild
 from chainbuild.chain.assemble import Element, rotary, shift
-from chainbuild.chain.elements import AxisConstraint, AxisSum
+from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.options import DEFAULT, IkOptions
 from chainbuild.ik.region import freedoms_of

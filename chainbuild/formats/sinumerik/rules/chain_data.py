@@ -16,7 +16,8 @@ import numpy as np
 
 from chainbuild.arrays import Matrix
 from chainbuild.chain.assemble import Fixed, Mark, Move
-from chainbuild.chain.elements import Axis, AxisConstraint, AxisSum, ControllerSolver, SingularityWatch
+from chainbuild.chain.elements import Axis, ControllerSolver, SingularityWatch
+from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.convention import Choices
 from chainbuild.findings import Collector
 from chainbuild.formats.sinumerik.geometry.robot_axes import InternalAxes, InternalAxis

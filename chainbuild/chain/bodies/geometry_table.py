@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final
 
-from chainbuild.chain.geometry import Geometry, Numbers, RodData, Shape, ShapeKind
+from chainbuild.chain.bodies.geometry import Geometry, Numbers, RodData, Shape, ShapeKind
 from chainbuild.errors import ChainbuildError
 from chainbuild.units import m_from_mm
 

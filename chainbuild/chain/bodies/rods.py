@@ -26,9 +26,9 @@ import numpy as np
 
 from chainbuild.arrays import Vector
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.bodies.geometry import RodData
 from chainbuild.chain.elements import Axis, Chain, Frame, Joint, Link
 from chainbuild.chain.fold import drawn, folded
-from chainbuild.chain.geometry import RodData
 from chainbuild.errors import ChainError
 from chainbuild.frames import transform, unit
 from chainbuild.units import deg_from_rad
