@@ -102,9 +102,9 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.ik.branches.core.branches import Branch as Branch
     from chainbuild.ik.branches.core.branches import Branches as Branches
     from chainbuild.ik.branches.opw.batch import ik_all_batch as ik_all_batch
-    from chainbuild.ik.options import IkOptions as IkOptions
     from chainbuild.ik.plan import SolverPlan as SolverPlan
     from chainbuild.ik.policies.redundancy import Preference as Preference
+    from chainbuild.ik.request import IkOptions as IkOptions
     from chainbuild.ik.result import IkResult as IkResult
     from chainbuild.ik.result import Status as Status
     from chainbuild.ik.search.table import IkTable as IkTable
@@ -168,7 +168,7 @@ _HOMES = {
     "chainbuild.formats.urdf": "from_urdf",
     "chainbuild.ik.branches.core.branches": "Branch Branches",
     "chainbuild.ik.branches.opw.batch": "ik_all_batch",
-    "chainbuild.ik.options": "IkOptions",
+    "chainbuild.ik.request": "IkOptions",
     "chainbuild.ik.plan": "SolverPlan",
     "chainbuild.ik.policies.redundancy": "Preference",
     "chainbuild.ik.result": "IkResult Status",

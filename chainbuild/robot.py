@@ -14,10 +14,9 @@ if TYPE_CHECKING:
 
     from chainbuild.coupling.distribution import Distribution
     from chainbuild.ik.branches.core.branches import Branches
-    from chainbuild.ik.options import IkOptions
     from chainbuild.ik.plan import SolverPlan
     from chainbuild.ik.policies.redundancy import Preference
-    from chainbuild.ik.request import Held
+    from chainbuild.ik.request import Held, IkOptions
     from chainbuild.ik.result import IkResult
     from chainbuild.ik.search.table import IkTable
     from chainbuild.kinematics.inputs import Pose
@@ -237,6 +236,65 @@ class Robot(Mechanism):
         from chainbuild.ik.branches.opw.batch import ik_all_batch
 
         return ik_all_batch(self, poses, limits=limits, compiled=compiled, units=units)
+
+    def display(self, axes: ArrayLike, *, near: Mapping[str, float] | None = None) -> dict[str, float]:
+        """Return what the controller displays at axis values (n_axes,): column name → value, mm and degrees.
+
+        The columns are x_mm, y_mm, z_mm, those of `Chain.display` and the input axes, named as in pose tables: on RTCP
+        kinematics the rotary axes, on complete ones the programmed pose angles.
+
+        Args:
+            axes: Axis values.
+            near: What was displayed before: of two answers for a tool vector the nearer one is taken.
+
+        Raises:
+            AxisValueError: wrong count or not finite.
+            ChainbuildError: the kinematic has no pose there.
+        """
+        from chainbuild.kinematics.displayed import displayed
+
+        return displayed(self, axes, near)
+
+    def from_display(
+        self,
+        shown: Mapping[str, float],
+        start: ArrayLike | None = None,
+        held: Mapping[str, float] | Sequence[float] | None = None,
+    ) -> IkResult:
+        """Find axis values for what the controller displays, as `display` returns it.
+
+        RTCP kinematics: the rotary axes are given, the linear ones alone are solved for, exactly. Complete kinematics:
+        the pose is solved for, from the start and near to it.
+
+        Args:
+            shown: x_mm, y_mm, z_mm and the displayed columns, or a full orientation in the columns of pose tables;
+                input axes (`Axis.held`) by name.
+            start: As for `ik`; where the control keeps a side (a hand, the sign of X), it is that of the start.
+            held: As for `ik`; those in `shown` win.
+
+        Raises:
+            ChainbuildError: a column is missing or unknown, or a value is not finite.
+        """
+        from chainbuild.ik.displayed import from_display
+
+        return from_display(self, shown, start, held)
+
+    def from_display_batch(
+        self, shown: Mapping[str, ArrayLike], start: ArrayLike | None = None, *, compiled: bool = True
+    ) -> IkTable:
+        """Find axis values for many displayed poses; see `from_display`.
+
+        Args:
+            shown: Column → (N,) values, or one value for all.
+            start: Axis values (n_axes,) for all poses.
+            compiled: False: NumPy, even where numba is installed.
+
+        Raises:
+            ChainbuildError: a column is missing or unknown, of another length, or a value is not finite.
+        """
+        from chainbuild.ik.displayed import from_display_batch
+
+        return from_display_batch(self, shown, start, compiled=compiled)
 
     def _in_controller_units(
         self, start: ArrayLike | None, held: Held | None, units: Units

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import Block, side_by_side
 from chainbuild.chain.bodies.geometry import Geometry
+from chainbuild.chain.display import POSE_ANGLES
 from chainbuild.chain.elements import Chain, Frame, Joint, Link, Loop, Partial
 from chainbuild.chain.fold import drawn, joint_motion
 from chainbuild.chain.names import Names, as_name, free_name
@@ -97,6 +98,7 @@ def stack(
         angle_mode=upper.angle_mode,
         tool_axis=upper.tool_axis,
         absolute_c=carried_c(lower, T_offset, upper),
+        display=upper.display if upper.display.kind == "angles" and not upper.display.follows else POSE_ANGLES,
         partials=_numbered((*_partials(lower, low), *_carried(upper, up, T_offset, len(lower.axes)))),
     )
 
@@ -127,6 +129,7 @@ def follow(chain: Chain, *, workpiece_of: Chain, name: str | None = None, other_
         joined,
         name=f"{chain.name}_{other.name}",
         title=f"{chain.title} at {other.title}",
+        display=POSE_ANGLES,
         absolute_c=None,
         partials=_with_new_group(chain, own, other, prefix),
     )

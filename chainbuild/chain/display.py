@@ -25,7 +25,7 @@ class Display:
         kind: "axes": values of some of the axes themselves; "angles": pose angles of `Chain.angle_mode`, of which those
             without a column follow; "direction": two angles of the tool vector; "plane": the angle of the tool in the
             XY plane; "vector": the tool vector; "position": nothing.
-        columns: Column names in the order in which they are written. Of axes: the names they are programmed by.
+        columns: Column names in the order in which they are written; empty for axes shown by their own names.
         axes: Kind "axes": index of the axis of each column.
         solved: Indices of the axes that are found where the columns are given; the others are given. Empty: all.
         letters: Kind "direction": the letters of the two turns, outer first: "CA" is Rz(C)·Rx(A).
@@ -33,6 +33,7 @@ class Display:
         zero_deg: Kind "plane": the angle of the tool vector where the column is 0.
         rtcp: True where an RTCP transformation is programmed: full orientations are then no part of its display.
         keeps_side: True where the control keeps the branch it was switched on in.
+        follows: Kind "angles": True where the orientation of given columns depends on the position.
         plane_xz: True where only x and z are programmed; y is then 0 where it is not given.
     """
 
@@ -47,6 +48,7 @@ class Display:
     zero_deg: float = 0.0
     rtcp: bool = False
     keeps_side: bool = False
+    follows: bool = False
     plane_xz: bool = False
 
 

@@ -271,6 +271,16 @@ class Chain:
         """Which column of the tool frame's rotation is the tool direction: 0 or 2."""
         return 0 if self.tool_axis == "x" else 2
 
+    @property
+    def has_status(self) -> bool:
+        """Whether the controller defines status and turn for the kinematic (KIN_TYP manual 3.3.3)."""
+        return self.kinematic == "KIN_TYP 45"
+
+    @property
+    def display_columns(self) -> tuple[str, ...]:
+        """Names of the columns that the controller displays beside the position."""
+        return self.display.columns or tuple(self.axes[n].name for n in self.display.axes)
+
     def with_axes(self, axes: tuple[Axis, ...]) -> Chain:
         """Return the chain with other axis limits, in its partials, too."""
         return replace(self, axes=axes, partials=tuple(_with_limits(partial, axes) for partial in self.partials))

@@ -6,11 +6,13 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
 
 from chainbuild.cli.axisvalues import At, values_of
 from chainbuild.cli.show import note, output, with_progress
-from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, UsageError, held_axes
+from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, Output, UsageError
 from chainbuild.errors import ChainbuildError, Span
 
 if TYPE_CHECKING:
@@ -29,16 +31,19 @@ def fk(
     *,
     axes: Path | None = None,
     at: At = (),
+    quaternion: Annotated[bool, Parameter(negative="")] = False,
+    angles: str | None = None,
     output_file: Output = None,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
-    """Compute the pose of the tool in the workpiece frame for axis values.
+    """Compute the pose of the tool in the workpiece frame for axis values, as the controller displays it.
 
     The table has one column per axis, named like the controller's axes, in mm and degrees. Each pose is written with
-    position in mm, quaternion, tool vector and the controller's angles A, B, C; where C counts whole turns, so does
-    c_deg. Rows outside the limits are computed and counted; on a machine with limits on sums of axes, such as the angle
-    of a parallelogram, the column violations names what a row violates. Axes that `ik` holds, such as a track, follow
-    in columns of their own, where `ik` reads them.
+    position in mm, the tool vector and what the controller displays beside the position: on RTCP kinematics the rotary
+    axes by name, on complete ones pose angles, with the quaternion. Where C counts whole turns, so does c_deg. Rows
+    outside the limits are computed and counted; on a machine with limits on sums of axes, such as the angle of a
+    parallelogram, the column violations names what a row violates. Axes that `ik` holds, such as a track, follow in
+    columns of their own, where `ik` reads them.
 
     Example: `chainbuild fk kr6r900 --at 0,-90,90,0,0,0 -o poses.csv`
 
@@ -47,29 +52,35 @@ def fk(
         axes: CSV table of axis values.
         at: Axis values in channel order, mm and degrees, separated by commas; may be repeated. They come before the
             rows of the table.
+        quaternion: With qx, qy, qz, qw on RTCP kinematics, too.
+        angles: With all of a_deg, b_deg, c_deg, in an angle mode such as ypr; "own": the machine's. A complete
+            kinematic has its own only.
         output_file: CSV table of poses to write. Default: stdout.
         options: Which kinematic.
     """
-    from chainbuild.tables import AxisTable, PoseWriter
+    from chainbuild.ik.branches.status_turn import status_turn
+    from chainbuild.kinematics.displayed import displayed
+    from chainbuild.tables import AxisTable, PoseForm, PoseWriter
 
     if axes is None and not at:
         raise UsageError("expected --axes or --at")
     robot = options.robot(file)
+    mode = _angle_mode(robot, angles)
     outside: Counter[tuple[str, str]] = Counter()
     with ExitStack() as stack:
         table = stack.enter_context(AxisTable(axes, robot.axes)) if axes else None
         given = [values_of(robot, text) for text in at]
         stream = stack.enter_context(output(output_file))
-        coupled = bool(robot.chain.constraints)
-        held = held_axes(robot)
+        form, shown = PoseForm.of(robot.chain, robot.task), None
         writer = PoseWriter(
-            stream, robot.chain.angle_mode, tool_axis=robot.chain.tool_axis, held=list(held), violations=coupled
+            stream, form, quaternion=quaternion, angles=mode, more=form.held, violations=bool(robot.chain.constraints)
         )
         for span, values in _rows(given, table):
             violated = robot.violated_limits(values)
             try:
-                T = robot.fk(values).homogeneous
-                writer.write(T, _shown_angles(robot, values), violated, [values[n] for n in held.values()])
+                shown = displayed(robot, values, near=shown)
+                status = status_turn(robot, values) if form.status else ()
+                writer.write(robot.fk(values).homogeneous, shown, [shown[name] for name in form.held], status, violated)
             except ChainbuildError as error:
                 error.span = error.span or span
                 raise
@@ -79,6 +90,24 @@ def fk(
     return 0
 
 
+def _angle_mode(robot: Robot, name: str | None) -> str | None:
+    """Return the mode of the angles that --angles requests, or None.
+
+    Raises:
+        UsageError: no such mode, or one that would give columns two meanings.
+    """
+    from chainbuild import frames
+
+    own = robot.chain.angle_mode
+    if name is None or name in ("own", own):
+        return None if name is None else own
+    if name not in frames.ANGLE_MODES:
+        raise UsageError(f"--angles {name}: expected own, {', '.join(frames.ANGLE_MODES)}")
+    if not robot.chain.display.rtcp:
+        raise UsageError(f"--angles {name}: the angles of this kinematic are {own}")
+    return name
+
+
 def _rows(given: Sequence[NDArray[np.float64]], table: AxisTable | None) -> Iterator[tuple[Span, NDArray[np.float64]]]:
     """Yield axis values (n_axes,) and their place in the input: those of the command line, then those of the table."""
     for values in given:
@@ -86,8 +115,3 @@ def _rows(given: Sequence[NDArray[np.float64]], table: AxisTable | None) -> Iter
     if table is not None:
         for line, values in with_progress(table.rows(), table, "poses"):
             yield Span(table.file, line), values
-
-
-def _shown_angles(robot: Robot, axes: NDArray[np.float64]) -> tuple[float, float, float] | None:
-    """Return A, B, C where the controller shows angles other than the pose's, else None."""
-    return robot.pose_angles(axes) if robot.chain.absolute_c else None

@@ -15,15 +15,16 @@ from cyclopts import Parameter
 
 from chainbuild import tolerances
 from chainbuild.cli.show import note, output, with_progress
-from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, MachineOptions, Output, held_axes
+from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, MachineOptions, Output
 from chainbuild.errors import ChainbuildError, Span, TableError
 from chainbuild.ik.rules import Solver
-from chainbuild.units import deg_from_rad, mm_from_m
+from chainbuild.units import deg_from_rad, mm_from_m, rad_from_deg
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from chainbuild.chain.elements import Task
     from chainbuild.ik.result import IkResult
     from chainbuild.robot import Robot
     from chainbuild.tables import AxisTable, PoseRow, PoseTable
@@ -77,28 +78,54 @@ def _followed(robot: Robot, table: PoseTable, last: Vector | None, solver: Solve
     for _, group in groupby(table.rows(), key=_beside):
         part = list(group)
         results: Iterator[IkResult]
-        if len(part) == 1 or part[0].c_deg is not None or solver not in ("auto", "damped"):
+        first = part[0]
+        alone = first.c_deg is not None or first.shown is not None
+        if len(part) == 1 or alone or solver not in ("auto", "damped"):
             results = (_solved(robot, table, row, last, solver) for row in part)
         else:
-            results = iter(robot.ik_path([row.T for row in part], last, part[0].held))
+            results = iter(robot.ik_path([row.T for row in part], last, first.held))
         for row, result in zip(part, results, strict=True):
             if result.success:
                 last = result.axes
             yield row, result
 
 
-def _beside(row: PoseRow) -> tuple[bool, tuple[tuple[str, float], ...]]:
+def _beside(row: PoseRow) -> tuple[bool, bool, tuple[tuple[str, float], ...]]:
     """Return what a row specifies besides its pose."""
-    return row.c_deg is None, tuple((row.held or {}).items())
+    return row.c_deg is None, row.shown is None, tuple((row.held or {}).items())
 
 
 def _solved(robot: Robot, table: PoseTable, row: PoseRow, begin: Vector | None, solver: Solver) -> IkResult:
     try:
+        if row.shown is not None:
+            from chainbuild.ik.displayed import solve_displayed
+
+            return solve_displayed(robot, row.T[:3, 3], row.shown, begin, row.held, solver)
         result = robot.ik(row.T, start=begin, held=row.held, solver=solver, absolute_c_deg=row.c_deg)
     except ChainbuildError as error:
         error.span = error.span or Span(table.file, row.line)
         raise
     return _agreeing(robot, row.T, result) if table.by_quaternion and row.c_deg is not None else result
+
+
+def contradiction(table: PoseTable) -> str:
+    """Return what is said of a row with two orientations that differ."""
+    used = "the quaternion, which is" if table.by_quaternion else f"{', '.join(table.orientation.columns)}, which are"
+    return f"{', '.join(table.beside)} contradict {used} used"
+
+
+def contradicts(robot: Robot, table: PoseTable, row: PoseRow, result: IkResult) -> bool:
+    """Return whether another orientation stands in a row beside the one that is used."""
+    if row.contradictory or row.beside is None or not result.success:
+        return row.contradictory
+    from chainbuild.comparison.comparison import pose_errors
+    from chainbuild.frames import transform
+    from chainbuild.tables.form import QUATERNION_COLUMNS
+
+    ours, theirs = robot.fk(result.axes).homogeneous[None], transform(row.beside)[None]
+    compared: Task = "pose" if len(table.beside) == len(QUATERNION_COLUMNS) else "direction"
+    angle = pose_errors(ours, theirs, compared, robot.chain.tool_column)[1]
+    return bool(angle[0] > rad_from_deg(tolerances.ANGLES_BESIDE_QUATERNION_DEG))
 
 
 @contextmanager
@@ -194,8 +221,10 @@ def ik(
 ) -> int:
     """Compute axis values that bring the tool to poses, inside the limits.
 
-    The table has x_mm, y_mm, z_mm and an orientation: qx, qy, qz, qw, or the controller's angles a_deg, b_deg, c_deg,
-    or, for machines with fewer than six axes, tool_x, tool_y, tool_z. Every solution is verified by forward kinematics.
+    The table has x_mm, y_mm, z_mm and what the controller takes beside them (`info` lists the columns): on RTCP
+    kinematics the rotary axes by name, for which the linear axes alone are solved, exactly; on complete ones pose
+    angles. A full orientation is taken, too: qx, qy, qz, qw, or, for machines with fewer than six axes, tool_x, tool_y,
+    tool_z; then all axes are solved for. Every solution is verified by forward kinematics.
     A row without solution has a status and no axis values; the exit code is then 3, and stderr states each reason once,
     with the first row it applies to.
 
@@ -219,18 +248,18 @@ def ik(
         output_file: CSV table of axis values to write. Default: stdout.
         options: Which kinematic.
     """
-    from chainbuild.tables import AxisTable, IkWriter
+    from chainbuild.tables import AxisTable, IkWriter, PoseForm, PoseTable
 
     robot = options.robot(file)
     with ExitStack() as stack:
-        table = stack.enter_context(_pose_table(robot, poses))
-        report = _Report(table.file, all(axis.kind == "rotary" for axis in robot.axes))
+        table = stack.enter_context(PoseTable(poses, PoseForm.of(robot.chain, robot.task)))
+        report = _Report(table.file, contradiction(table), all(axis.kind == "rotary" for axis in robot.axes))
         starts = stack.enter_context(AxisTable(start, robot.axes)) if start else None
-        report.tell_held([name for name in held_axes(robot) if name not in table.held and not starts])
+        report.tell_held([name for name in table.form.held if name not in table.held and not starts])
         coupled = bool(robot.chain.constraints)
         writer = IkWriter(stack.enter_context(output(output_file)), robot.axes, violations=coupled)
         for row, result in with_progress(solutions(robot, table, starts, solver, follow=follow), table, "axis values"):
-            report.add(row, result)
+            report.add(row, result, contradicts(robot, table, row, result))
             angle = deg_from_rad(result.rotation_error) if table.oriented else None
             axes, distance = result.axes if result.success else None, mm_from_m(result.position_error)
             violated = () if result.success else result.violated or robot.violated_limits(result.axes)
@@ -252,11 +281,12 @@ class _Report:
 
     Args:
         file: Name of the table of poses.
+        contradiction: What is said of a row with two orientations that differ.
         arm: Whether all axes are rotary.
     """
 
-    def __init__(self, file: str, arm: bool) -> None:
-        self._file, self._arm = file, arm
+    def __init__(self, file: str, contradiction: str, arm: bool) -> None:
+        self._file, self._words, self._arm = file, contradiction, arm
         self._statuses: Counter[str] = Counter()
         self._groups: dict[str, _Group] = {}
         self._contradictory = 0
@@ -268,11 +298,11 @@ class _Report:
         if names:
             note(f"{', '.join(names)} held at 0: neither {self._file} nor --start gives a value")
 
-    def add(self, row: PoseRow, result: IkResult) -> None:
-        """Count a row."""
+    def add(self, row: PoseRow, result: IkResult, contradictory: bool) -> None:
+        """Count a row; `contradictory`: another orientation stands beside the one that is used."""
         self._statuses[result.status] += 1
         self._farthest_mm = max(self._farthest_mm, *(abs(mm_from_m(float(value))) for value in row.T[:3, 3]))
-        if row.contradictory:
+        if contradictory:
             self._contradictory += 1
             self._first_contradictory = self._first_contradictory or row.line
         if not result.success:
@@ -286,7 +316,7 @@ class _Report:
         if self._contradictory:
             more = f" ({self._contradictory} rows in all)" if self._contradictory > 1 else ""
             first = f"{self._file}:{self._first_contradictory}"
-            note(f"{first}: a_deg, b_deg, c_deg contradict the quaternion, which is used{more}")
+            note(f"{first}: {self._words}{more}")
         self._tell_reasons()
         failed = self._statuses.total() - self._statuses["ok"]
         if failed:
@@ -306,18 +336,3 @@ class _Report:
         if rest:
             others = "1 other reason" if len(rest) == 1 else f"{len(rest)} other reasons"
             note(f"… and {sum(group.count for group in rest)} more, for {others}")
-
-
-def _pose_table(robot: Robot, poses: Path) -> PoseTable:
-    from chainbuild.tables import PoseTable
-
-    chain = robot.chain
-    return PoseTable(
-        poses,
-        chain.angle_mode,
-        robot.task,
-        follows_c=chain.follows_c,
-        running_c=chain.absolute_c is not None,
-        tool_axis=robot.chain.tool_axis,
-        held=list(held_axes(robot)),
-    )

@@ -23,8 +23,8 @@ from chainbuild.ik.verify import on_limits
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from chainbuild.ik.options import IkOptions
     from chainbuild.ik.policies.redundancy import Preference
+    from chainbuild.ik.request import IkOptions
     from chainbuild.kinematics.inputs import Pose
     from chainbuild.kinematics.mechanism import Mechanism
 

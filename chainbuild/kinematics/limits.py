@@ -12,8 +12,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from chainbuild.arrays import Vector
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.chain.sums import AxisConstraint
 from chainbuild.shown import two_lines
@@ -71,3 +72,17 @@ class Limits:
         """Return what is wrong with a value of axis n, such as "A3 is 170.2, outside -120 … 156 deg"."""
         axis = self.axes[n]
         return f"{axis.name} is {value:.6g}, outside {axis.lower:g} … {axis.upper:g} {axis.unit}"
+
+    def words(self, values: Vector) -> str:
+        """Return what is wrong with values (n_axes,): every axis beyond its limits, then the sums; empty: nothing."""
+        axes = [self.in_words(n, float(values[n])) for n in self.outside(values)]
+        sums = [f"outside the limits of {limit.label}" for limit in self.broken_sums(values)]
+        return "; ".join([*axes, *sums])
+
+    def inside_rows(self, rows: Matrix) -> NDArray[np.bool_]:
+        """Return (N,) whether rows (N, n_axes) are inside all limits; not a number is outside."""
+        inside = ((rows >= self.lower - LIMIT_SLACK) & (rows <= self.upper + LIMIT_SLACK)).all(axis=1)
+        for limit in self.sums:
+            total = rows @ np.array(limit.sum.coefficients) + limit.sum.offset
+            inside = inside & (total >= limit.lower - LIMIT_SLACK) & (total <= limit.upper + LIMIT_SLACK)
+        return np.asarray(inside)

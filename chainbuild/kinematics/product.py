@@ -117,8 +117,38 @@ def poses_at(product: Product, values: Matrix, factors: Vector) -> Matrix:
     return result
 
 
-def _chunk(product: Product, u: Matrix) -> NDArray[np.float64]:
-    """Return x, y, z column and position of the poses at joint values (k, N) as an array (4, 3, N)."""
+def slides_at(product: Product, values: Matrix, factors: Vector, slides: Vector) -> tuple[Matrix, NDArray[np.float64]]:
+    """Return positions (N, 3) [m] and their derivatives (N, 3, m) by m axes that drive prismatic joints only.
+
+    A position is an affine function of such axes: position + derivative · change of the axes is exact.
+
+    Args:
+        product: The chain.
+        values: (N, n_axes) axis values in any unit.
+        factors: (n_axes,) what makes them SI.
+        slides: (m,) indices of the axes.
+    """
+    A = product.A * factors
+    places, rates = np.empty((len(values), 3)), np.zeros((len(values), 3, len(slides)))
+    for first in range(0, len(values), _CHUNK):
+        part = slice(first, first + _CHUNK)
+        found: list[Matrix] = []
+        places[part] = _chunk(product, A @ values[part].T + product.b[:, None], found)[3].T
+        for n, direction in zip(np.flatnonzero(product.prismatic), found, strict=True):
+            for m, axis in enumerate(slides):
+                if product.A[n, axis]:
+                    rates[part, :, m] += product.A[n, axis] * direction.T
+    return places, rates
+
+
+def _chunk(product: Product, u: Matrix, slides: list[Matrix] | None = None) -> NDArray[np.float64]:
+    """Return x, y, z column and position of the poses at joint values (k, N) as an array (4, 3, N).
+
+    Args:
+        product: The chain.
+        u: (k, N) joint values.
+        slides: Takes the direction (3, N) of every prismatic joint in the workpiece frame; None: not wanted.
+    """
     count = u.shape[1]
     columns = np.repeat(product.fixed[0, :3].T[:, :, None], count, axis=2)
     other = np.empty_like(columns)
@@ -127,6 +157,8 @@ def _chunk(product: Product, u: Matrix) -> NDArray[np.float64]:
         X, Y, Z, p = columns
         if prismatic:
             p += np.multiply(u[n], Z, out=work)
+            if slides is not None:
+                slides.append(Z.copy())
         else:
             c, s = np.cos(u[n]), np.sin(u[n])
             np.multiply(s, X, out=work)

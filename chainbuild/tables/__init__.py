@@ -5,12 +5,13 @@ decimals, unit vectors with 15, which is all that double precision keeps of a ma
 quaternion, else from the angles A, B, C of the controller, else, for machines that cannot turn about the tool vector,
 from the tool vector alone.
 
-In reading order: `reader`, `axes`, `poses`, `recording`.
+In reading order: `reader`, `axes`, `form`, `poses`, `recording`.
 """
 
 from __future__ import annotations
 
 from chainbuild.tables.axes import AxisTable, IkWriter
-from chainbuild.tables.poses import POSE_COLUMNS, PoseRow, PoseTable, PoseWriter
+from chainbuild.tables.form import PoseForm
+from chainbuild.tables.poses import PoseRow, PoseTable, PoseWriter
 
-__all__ = ["POSE_COLUMNS", "AxisTable", "IkWriter", "PoseRow", "PoseTable", "PoseWriter"]
+__all__ = ["AxisTable", "IkWriter", "PoseForm", "PoseRow", "PoseTable", "PoseWriter"]

@@ -1,29 +1,24 @@
-"""Tables of poses: the tool in the workpiece frame, mm, with quaternion, tool vector and angles A, B, C."""
+"""Tables of poses: the tool in the workpiece frame as the controller displays and takes it, with full orientations."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, Literal, TextIO
+from typing import Final, TextIO
 
 import numpy as np
 
 from chainbuild import frames, tolerances
-from chainbuild.arrays import Matrix, Vector
+from chainbuild.arrays import Matrix
 from chainbuild.chain.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
-from chainbuild.chain.elements import Task
 from chainbuild.tables.axes import DECIMALS, UNIT_DECIMALS, VIOLATIONS_COLUMN, names_field, number_field
+from chainbuild.tables.form import C_COLUMN, QUATERNION_COLUMNS, STATUS_COLUMNS, VECTOR_COLUMNS, PoseForm
 from chainbuild.tables.reader import Choice, Table
-from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m, rad_from_deg
+from chainbuild.units import m_from_mm, mm_from_m, rad_from_deg
 
-ToolAxis = Literal["x", "z"]
-
-QUATERNION_COLUMNS: Final = ("qx", "qy", "qz", "qw")
-C_COLUMN: Final = "c_deg"
-POSE_COLUMNS: Final = (*POSITION_COLUMNS, *QUATERNION_COLUMNS, *TOOL_COLUMNS, *ANGLE_COLUMNS)
-_UNIT_VECTORS: Final = slice(3, 10)  # quaternion and tool vector
+UNIT_COLUMNS: Final = frozenset((*QUATERNION_COLUMNS, *TOOL_COLUMNS, *VECTOR_COLUMNS))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,38 +27,45 @@ class PoseRow:
 
     Attributes:
         line: Line number, from 1.
-        T: (4, 4) tool in the workpiece frame [m].
+        T: (4, 4) tool in the workpiece frame [m]; its rotation counts only where `shown` and `vector` are None.
+        shown: Values of the displayed columns where they describe no rotation without the kinematic.
+        vector: Vector of vector programming, of any length.
         c_deg: The angle C where it runs on over whole turns and the table gives it, else None.
         held: Input axis → value, for the columns that the table has.
+        status: Pose status, where the table gives it.
+        turn: Turn, where the table gives it.
         contradictory: True where A, B, C beside the quaternion are those of another orientation.
+        beside: (3, 3) a full orientation beside displayed columns, which count; else None.
     """
 
     line: int
     T: Matrix
+    shown: tuple[float, ...] | None = None
+    vector: tuple[float, ...] | None = None
     c_deg: float | None = None
     held: Mapping[str, float] | None = None
+    status: int | None = None
+    turn: int | None = None
     contradictory: bool = False
+    beside: Matrix | None = None
 
 
 class PoseTable(Table):
     """A table of poses.
 
-    x_mm, y_mm, z_mm are required. The orientation is the quaternion where it is given, else A, B, C; a machine whose
-    task is "direction" also takes the tool vector alone, one whose task is "position" needs none. On a machine whose A
-    and B follow C, c_deg alone is enough; where C continues over whole turns, c_deg is also read beside a quaternion.
-    Input axes may have columns of their own. Column `violations`, which `PoseWriter` adds, is permitted and not read;
-    any other is refused.
+    x_mm, y_mm, z_mm and the columns that the controller displays (`PoseForm.columns`) are read, or a full orientation.
+    On RTCP kinematics displayed columns win over a quaternion, on complete ones a quaternion wins. A machine whose task
+    is "direction" also takes the tool vector alone, one whose task is "position" needs none. Where C continues over
+    whole turns, c_deg is also read beside a quaternion. Input axes may have columns of their own. Column `violations`,
+    which `PoseWriter` adds, is permitted and not read; any other is refused.
 
     Args:
         path: The file.
-        angle_mode: Name in `frames.ANGLE_MODES`.
-        task: What the machine's inverse kinematics solves for.
-        follows_c: True where A and B follow C.
-        running_c: True where C runs on over whole turns.
-        tool_axis: Axis of the tool frame that is the tool vector.
-        held: Names of the input axes, which inverse kinematics does not move.
+        form: How the poses are written.
 
     Attributes:
+        form: The form.
+        orientation: Which columns give the orientation.
         held: Those of the input axes that have a column.
         oriented: False where the table gives no orientation.
         by_quaternion: True where it gives quaternions.
@@ -73,79 +75,54 @@ class PoseTable(Table):
         TableError: the header is missing, or names a column that is unknown or duplicate, or is incomplete.
     """
 
-    def __init__(
-        self,
-        path: Path,
-        angle_mode: str,
-        task: Task,
-        *,
-        follows_c: bool = False,
-        running_c: bool = False,
-        tool_axis: ToolAxis = "z",
-        held: Sequence[str] = (),
-    ) -> None:
-        self._inputs = tuple(held)
-        self._angle_mode = angle_mode
-        self._task = task
-        self._follows_c = follows_c
-        self._running_c = running_c
-        self._tool_axis = tool_axis
+    def __init__(self, path: Path, form: PoseForm) -> None:
+        self.form = form
         super().__init__(path, self._choose)
-        orientation = self._orientation_columns(set(self.names))
-        self.oriented = bool(orientation)
-        self.by_quaternion = orientation == QUATERNION_COLUMNS
-        self._orientation = slice(3, 3 + len(orientation))
-        self._rotation = self._reader(orientation)
-        self._c = self.wanted.index(C_COLUMN) if running_c and C_COLUMN in self.wanted else None
-        self.held = tuple(name for name in self._inputs if name in self.names)
-        self._held = slice(len(self.wanted) - len(self.held), len(self.wanted))
+        self.orientation = form.orientation(self.names)
+        source, columns = self.orientation
+        self.oriented = bool(columns)
+        self.by_quaternion = source == "quaternion"
+        first = len(form.position(self.names))
+        self._place = {name: n for n, name in enumerate(self.wanted)}
+        self._orientation = slice(first, first + len(columns))
+        self.held = tuple(name for name in form.held if name in self.names)
 
     def _choose(self, names: Sequence[str]) -> Choice:
-        orientation = self._orientation_columns(set(names))
-        beside = (C_COLUMN,) if self._running_c and C_COLUMN in names and C_COLUMN not in orientation else ()
-        held = (name for name in self._inputs if name in names)
-        return (*POSITION_COLUMNS, *orientation, *beside, *held), (*POSE_COLUMNS, *self._inputs, VIOLATIONS_COLUMN)
+        form = self.form
+        columns = form.orientation(names).columns
+        beside = (C_COLUMN,) if form.running_c and C_COLUMN in names and C_COLUMN not in columns else ()
+        more = (name for name in (*STATUS_COLUMNS, *form.held) if name in names and name in form.permitted())
+        wanted = (*form.position(names), *columns, *beside, *more)
+        return wanted, (*self._permitted(names), VIOLATIONS_COLUMN)
+
+    def _permitted(self, names: Sequence[str]) -> tuple[str, ...]:
+        permitted = self.form.permitted()
+        # What `fk --angles` adds for RTCP kinematics may stand beside the columns that count; it is not read.
+        aside = self.form.display.rtcp and set(self.form.columns) & set(names)
+        return (*permitted, *(name for name in ANGLE_COLUMNS if aside and name not in permitted))
 
     def _shown_columns(self, permitted: Sequence[str]) -> Sequence[str]:
         return [name for name in permitted if name != VIOLATIONS_COLUMN]
 
+    def _hint(self, name: str) -> str | None:
+        return self.form.programmed_by() if name in ANGLE_COLUMNS else None
+
     def _beside_columns(self) -> tuple[str, ...]:
         # Read for comparison only. Where C runs on over whole turns c_deg is an input of its own.
-        given = set(self.names) >= {*QUATERNION_COLUMNS, *ANGLE_COLUMNS}
-        return ANGLE_COLUMNS if given and not self._running_c else ()
+        names, source = set(self.names), self.form.orientation(self.names).source
+        if self.form.display.rtcp:
+            given = next((group for group in (QUATERNION_COLUMNS, TOOL_COLUMNS) if names >= set(group)), ())
+            return given if source == "shown" and self.form.columns else ()
+        angles = self.form.columns if self.form.shows_angles else ()
+        angles = ANGLE_COLUMNS if angles and names >= set(ANGLE_COLUMNS) else angles
+        return angles if source == "quaternion" and angles and names >= set(angles) and not self.form.running_c else ()
 
     def _alternatives(self, missing: Sequence[str]) -> str:
         """Return the other orientations that this machine takes, where the table gives none at all."""
-        groups = [QUATERNION_COLUMNS, ANGLE_COLUMNS]
-        groups += [(C_COLUMN,)] if self._follows_c else []
-        groups += [TOOL_COLUMNS] if self._task != "pose" else []
+        groups = self.form.groups()
         if set(self.names) & {name for group in groups for name in group}:
             return ""
         return "".join(f", or {', '.join(group)}" for group in groups if not set(group) & set(missing))
-
-    def _orientation_columns(self, names: set[str]) -> tuple[str, ...]:
-        if names & set(QUATERNION_COLUMNS):
-            return QUATERNION_COLUMNS
-        if self._follows_c and names & set(ANGLE_COLUMNS) == {C_COLUMN}:
-            return (C_COLUMN,)
-        if names & set(ANGLE_COLUMNS):
-            return ANGLE_COLUMNS
-        if self._task == "pose":
-            return QUATERNION_COLUMNS
-        if self._task == "position" and not names & set(TOOL_COLUMNS):
-            return ()
-        return TOOL_COLUMNS
-
-    def _reader(self, orientation: tuple[str, ...]) -> Callable[[int, list[float]], Matrix]:
-        if orientation == QUATERNION_COLUMNS:
-            return self._from_quaternion
-        if orientation == ANGLE_COLUMNS:
-            return lambda _line, angles: frames.matrix_from_angles(self._angle_mode, angles)
-        if orientation == (C_COLUMN,):
-            return lambda _line, angle: frames.matrix_from_angles(self._angle_mode, (0.0, 0.0, *angle))
-        if orientation == TOOL_COLUMNS:
-            return self._from_tool_vector
-        return lambda _line, _nothing: np.eye(3)
 
     def rows(self) -> Iterator[PoseRow]:
         """Read the poses that are left.
@@ -153,102 +130,143 @@ class PoseTable(Table):
         Raises:
             TableError: a row holds no pose.
         """
+        position = [self._place.get(name) for name in POSITION_COLUMNS]
         for chunk in self.chunks():
             for line, values in zip(chunk.lines, chunk.values.tolist(), strict=True):
-                position = [m_from_mm(value) for value in values[:3]]
-                rotation = self._rotation(line, values[self._orientation])
-                c_deg = None if self._c is None else values[self._c]
-                held = dict(zip(self.held, values[self._held], strict=True)) if self.held else None
-                contradictory = bool(self.beside) and self._contradicts(rotation, values[-len(self.beside) :])
-                yield PoseRow(line, frames.transform(rotation, position), c_deg, held, contradictory)
+                place = [0.0 if n is None else m_from_mm(values[n]) for n in position]
+                yield self._row_of(line, place, values)
 
-    def _contradicts(self, rotation: Matrix, angles: list[float]) -> bool:
-        """Return whether angles A, B, C are given and describe another rotation than the quaternion."""
-        if not all(abs(angle) < tolerances.HUGE_AXIS_VALUE for angle in angles):
+    def _row_of(self, line: int, place: Sequence[float], values: list[float]) -> PoseRow:
+        given, beside = tuple(values[self._orientation]), values[len(self.wanted) :]
+        self._check_vector(line, given, self.orientation.columns)
+        rotation = self.form.rotation(self.orientation, given)
+        T = frames.transform(rotation, place)
+        is_vector = self.orientation.source == "vector"
+        status, turn = (self._whole(line, name, values) for name in STATUS_COLUMNS)
+        return PoseRow(
+            line,
+            T,
+            shown=given if rotation is None and not is_vector else None,
+            vector=given if is_vector else None,
+            c_deg=values[self._place[C_COLUMN]] if self.form.running_c and C_COLUMN in self._place else None,
+            held={name: values[self._place[name]] for name in self.held} if self.held else None,
+            status=status,
+            turn=turn,
+            contradictory=rotation is not None and self._contradicts(rotation, beside),
+            beside=self._orientation_beside(beside) if rotation is None else None,
+        )
+
+    def _whole(self, line: int, name: str, values: Sequence[float]) -> int | None:
+        if name not in self._place:
+            return None
+        value = values[self._place[name]]
+        if value != int(value):
+            raise self.error_at(line, f"{name} is {value:g}", "a whole number")
+        return int(value)
+
+    def _contradicts(self, rotation: Matrix, beside: Sequence[float]) -> bool:
+        """Return whether the displayed angles are given and are those of another rotation than the quaternion."""
+        if not beside or not all(abs(angle) < tolerances.HUGE_AXIS_VALUE for angle in beside):
             return False
-        difference = rotation - frames.matrix_from_angles(self._angle_mode, angles)
+        own = dict(zip(ANGLE_COLUMNS, frames.angles_from_matrix(self.form.angle_mode, rotation), strict=True))
+        given = own | dict(zip(self.beside, beside, strict=True))
+        difference = rotation - frames.matrix_from_angles(self.form.angle_mode, [given[n] for n in ANGLE_COLUMNS])
         # A rotation by a small angle differs from 1 by the angle times the square root of 2.
         return float(np.linalg.norm(difference)) > math.sqrt(2.0) * rad_from_deg(
             tolerances.ANGLES_BESIDE_QUATERNION_DEG
         )
 
-    def _from_quaternion(self, line: int, quaternion: list[float]) -> Matrix:
-        self._check_length(line, quaternion, QUATERNION_COLUMNS)
-        return frames.matrix_from_quaternion(quaternion)
+    def _orientation_beside(self, beside: Sequence[float]) -> Matrix | None:
+        """Return the orientation that stands beside displayed columns, for comparison; None where there is none."""
+        if not beside or not 0.0 < sum(abs(value) for value in beside) < tolerances.HUGE_AXIS_VALUE:
+            return None
+        if len(beside) == len(QUATERNION_COLUMNS):
+            return frames.matrix_from_quaternion(beside)
+        return self.form.rotation(self.orientation._replace(source="tool"), beside)
 
-    def _from_tool_vector(self, line: int, direction: list[float]) -> Matrix:
-        self._check_length(line, direction, TOOL_COLUMNS)
-        x, y, z = direction
-        tilt, turn = math.atan2(math.hypot(x, y), z), math.atan2(y, x)
-        R = frames.rot_z(deg_from_rad(turn)) @ frames.rot_y(deg_from_rad(tilt))
-        return R if self._tool_axis == "z" else R @ frames.rot_y(-90.0)
-
-    def _check_length(self, line: int, values: list[float], columns: tuple[str, ...]) -> None:
+    def _check_vector(self, line: int, values: Sequence[float], columns: tuple[str, ...]) -> None:
+        if not columns or not set(columns) <= UNIT_COLUMNS:
+            return
         norm = math.hypot(*values)
-        if not abs(norm - 1.0) <= tolerances.QUATERNION_NORM:
+        if columns == VECTOR_COLUMNS:
+            if norm < tolerances.ZERO_VECTOR:
+                raise self.error_at(line, f"({', '.join(columns)}) is the zero vector", "any other vector")
+        elif not abs(norm - 1.0) <= tolerances.QUATERNION_NORM:
             raise self.error_at(
                 line, f"({', '.join(columns)}) has the length {norm:.6g}", f"1 ± {tolerances.QUATERNION_NORM:g}"
             )
 
 
 class PoseWriter:
-    """Writes poses with quaternion (qw ≥ 0), tool vector and angles A, B, C.
+    """Writes poses: position, full orientation (qw ≥ 0), tool vector and what the controller displays.
 
     Args:
         stream: Where to.
-        angle_mode: Name in `frames.ANGLE_MODES`.
-        tool_axis: Axis of the tool frame that is the tool vector.
-        held: Names of the input axes; each has a column behind the pose.
+        form: How the poses are written.
+        quaternion: True: with the quaternion in any case.
+        angles: Name in `frames.ANGLE_MODES` of angles A, B, C that are written in addition; None: none.
+        more: Names of further columns behind the pose, such as input axes and drives.
         violations: True: one more column names the limits that are violated.
     """
 
     def __init__(
         self,
         stream: TextIO,
-        angle_mode: str,
+        form: PoseForm,
         *,
-        tool_axis: ToolAxis = "z",
-        held: Sequence[str] = (),
+        quaternion: bool = False,
+        angles: str | None = None,
+        more: Sequence[str] = (),
         violations: bool = False,
     ) -> None:
-        self._stream = stream
-        self._angle_mode = angle_mode
-        self._tool_axis = tool_axis
-        self._violations = violations
+        self._stream, self._form, self._angles, self._violations = stream, form, angles, violations
+        names = [name for name in form.full if name not in form.columns]
+        names = [*(QUATERNION_COLUMNS if quaternion and not set(names) & set(QUATERNION_COLUMNS) else ()), *names]
+        shown = [*form.columns, *(name for name in ANGLE_COLUMNS if angles and name not in form.columns)]
+        self._columns = (*POSITION_COLUMNS, *names, *(sorted(shown) if form.shows_angles else shown))
+        self._status = STATUS_COLUMNS if form.status else ()
         last = (VIOLATIONS_COLUMN,) if violations else ()
-        stream.write(",".join((*POSE_COLUMNS, *held, *last)) + "\n")
+        stream.write(",".join((*self._columns, *self._status, *more, *last)) + "\n")
 
     def write(
         self,
         T: Matrix,
-        angles: Sequence[float] | None = None,
+        shown: Mapping[str, float] | None = None,
+        more: Sequence[float] = (),
+        status: Sequence[int] = (),
         violated: Sequence[str] = (),
-        held: Sequence[float] = (),
     ) -> None:
         """Write one pose.
 
         Args:
             T: (4, 4) tool in the workpiece frame [m].
-            angles: A, B, C as the controller shows them; None: those of the pose.
+            shown: Displayed column → value; angles that are not among them are those of the pose.
+            more: Values of the further columns, mm and degrees.
+            status: Pose status and turn.
             violated: Names of the limits that are violated.
-            held: Values of the input axes, mm and degrees.
         """
-        values = pose_values(T, self._angle_mode, self._tool_axis).tolist()
-        # Rounding may give -180, which is outside (-180, 180].
-        shown = angles or [180.0 if round(value, DECIMALS) == -180.0 else value for value in values[-3:]]
-        fields = [
-            *(number_field(value) for value in values[: _UNIT_VECTORS.start]),
-            *(number_field(value, UNIT_DECIMALS) for value in values[_UNIT_VECTORS]),
-            *(number_field(value) for value in (*shown, *held)),
-        ]
+        values = self._values(T) | dict(shown or {})
+        fields = [self._field(name, values[name]) for name in self._columns]
+        fields += [*map(str, status), *map(number_field, more)]
         last = [names_field(violated)] if self._violations else []
         self._stream.write(",".join([*fields, *last]) + "\n")
 
+    def _values(self, T: Matrix) -> dict[str, float]:
+        """Return what a pose alone determines, by column."""
+        R, names = T[:3, :3], set(self._columns)
+        values = dict(zip(POSITION_COLUMNS, map(mm_from_m, T[:3, 3].tolist()), strict=True))
+        if names >= set(QUATERNION_COLUMNS):
+            values |= zip(QUATERNION_COLUMNS, frames.quaternion_from_matrix(R), strict=True)
+        values |= zip(TOOL_COLUMNS, R[:, 0 if self._form.tool_axis == "x" else 2].tolist(), strict=True)
+        if names & set(ANGLE_COLUMNS):
+            mode = self._angles or self._form.angle_mode
+            values |= zip(ANGLE_COLUMNS, frames.angles_from_matrix(mode, R), strict=True)
+        return values
 
-def pose_values(T: Matrix, angle_mode: str, tool_axis: ToolAxis = "z") -> Vector:
-    """Return the values (13,) of a pose (4, 4) [m] in the order of `POSE_COLUMNS`, mm and degrees."""
-    R = T[:3, :3]
-    position = [mm_from_m(value) for value in T[:3, 3].tolist()]
-    quaternion, angles = frames.quaternion_from_matrix(R), frames.angles_from_matrix(angle_mode, R)
-    tool = R[:, 0 if tool_axis == "x" else 2]
-    return np.array([*position, *quaternion, *tool.tolist(), *angles])
+    def _field(self, name: str, value: float) -> str:
+        if name in UNIT_COLUMNS:
+            return number_field(value, UNIT_DECIMALS)
+        # Rounding may give -180, which is outside (-180, 180].
+        is_axis = self._form.display.kind == "axes" and name in self._form.columns
+        at_end = name in ANGLE_COLUMNS and not is_axis and not self._form.running_c
+        return number_field(180.0 if at_end and round(value, DECIMALS) == -180.0 else value)

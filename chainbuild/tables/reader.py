@@ -161,6 +161,10 @@ class Table:
         """Return the alternatives to missing columns, as the end of a sentence."""
         return ""
 
+    def _hint(self, name: str) -> str | None:
+        """Return what to say of a column that is not permitted, where there is more to say than its name."""
+        return None
+
     def _check_header(self, permitted: Sequence[str]) -> None:
         shown = self._shown_columns(permitted)
         listed = ", ".join(shown)
@@ -170,6 +174,7 @@ class Table:
                 near = closest(name, shown)
                 hint = f"did you mean {near}?" if near else None
                 hint = hint if _field_fault(name) else "the first line must name the columns"
+                hint = self._hint(name) or hint
                 raise TableError(text, span=self._header_spot(place), parameter=name, permitted=listed, hint=hint)
             if name in self.names[:place]:
                 raise TableError(f"column '{name}' occurs twice", span=self._header_spot(place), parameter=name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,14 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild import frames
-from chainbuild.arrays import Matrix
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
 from chainbuild.chain.elements import Chain, Task
+from chainbuild.chain.poses import pose
 from chainbuild.errors import Span, TableError
+from chainbuild.kinematics.displayed import plane_angle
 from chainbuild.shown import fields_shown
 from chainbuild.tables.axes import RESULT_COLUMNS, VIOLATIONS_COLUMN
-from chainbuild.tables.poses import POSE_COLUMNS, QUATERNION_COLUMNS
-from chainbuild.tables.reader import Table
+from chainbuild.tables.form import QUATERNION_COLUMNS, STATUS_COLUMNS, Orientation, OrientationSource, PoseForm
+from chainbuild.tables.reader import Choice, Table
 from chainbuild.units import m_from_mm
 
 
@@ -43,9 +46,10 @@ class Recording:
 def read_recording(path: Path | str, chain: Chain) -> Recording:
     """Read axis values and poses from one table.
 
-    Columns: the axes by name, x_mm, y_mm, z_mm, and an orientation: qx, qy, qz, qw, else a_deg, b_deg, c_deg in the
-    controller's angles, else the tool direction tool_x, tool_y, tool_z, else none. The result columns of inverse
-    kinematics are permitted and not read.
+    Columns: the axes by name, x_mm, y_mm, z_mm, and what the controller displays beside them, or a full orientation:
+    qx, qy, qz, qw, on complete kinematics a_deg, b_deg, c_deg, else the tool direction tool_x, tool_y, tool_z, else
+    none. RTCP kinematics display their rotary axes, whose columns are there. Angles that follow from the displayed ones
+    are those of the model. The result columns of inverse kinematics are permitted and not read.
 
     Args:
         path: The file.
@@ -55,42 +59,78 @@ def read_recording(path: Path | str, chain: Chain) -> Recording:
         FileAccessError: the file cannot be read.
         TableError: a column is missing or unknown, or a row holds no numbers.
     """
-    names = tuple(axis.name for axis in chain.axes)
-    orientation: list[str] = []
-
-    def choose(found: Sequence[str]) -> tuple[Sequence[str], Sequence[str]]:
-        columns = (QUATERNION_COLUMNS, ANGLE_COLUMNS, TOOL_COLUMNS)
-        orientation.extend(next((group for group in columns if set(group) & set(found)), ()))
-        return (*names, *POSITION_COLUMNS, *orientation), (*names, *POSE_COLUMNS, *RESULT_COLUMNS, VIOLATIONS_COLUMN)
-
-    with Table(path, choose) as table:
+    with _RecordingTable(path, chain) as table:
         values = [chunk.values for chunk in table.chunks()]
     if not values:
         raise TableError("the recording has no rows", span=Span(str(path)))
     rows = np.vstack(values)
-    count = len(names)
+    count, first = len(chain.axes), len(chain.axes) + len(table.place_columns)
+    axes = rows[:, :count].copy()
     poses = np.tile(np.eye(4), (len(rows), 1, 1))
-    poses[:, :3, 3] = [[m_from_mm(v) for v in row] for row in rows[:, count : count + 3].tolist()]
-    if orientation:
-        poses[:, :3, :3] = [_rotation(tuple(orientation), row, chain, path) for row in rows[:, count + 3 :].tolist()]
-    return Recording(rows[:, :count].copy(), poses, _compared(tuple(orientation)), str(path))
+    for column, name in enumerate(table.place_columns, start=count):
+        poses[:, POSITION_COLUMNS.index(name), 3] = [m_from_mm(value) for value in rows[:, column].tolist()]
+    for n, given in enumerate(rows[:, first:].tolist()):
+        poses[n, :3, :3] = table.rotation(axes[n], given)
+    return Recording(axes, poses, table.compared, str(path))
 
 
-def _compared(orientation: tuple[str, ...]) -> Task:
-    if not orientation:
-        return "position"
-    return "direction" if orientation == TOOL_COLUMNS else "pose"
+class _RecordingTable(Table):
+    """A recording while it is read."""
 
+    def __init__(self, path: Path | str, chain: Chain) -> None:
+        self._chain = chain
+        # Everything recorded is compared, whatever inverse kinematics can solve for.
+        self.form = PoseForm.of(chain, "direction")
+        super().__init__(path, self._choose)
+        self.place_columns = self.form.position(self.names)
+        self.orientation = self._orientation(self.names)
 
-def _rotation(orientation: tuple[str, ...], values: list[float], chain: Chain, path: Path | str) -> Matrix:
-    """Return the rotation of a row; of a tool direction, some rotation that has it."""
-    if orientation == ANGLE_COLUMNS:
-        return frames.matrix_from_angles(chain.angle_mode, values)
-    if not any(values):
-        raise TableError(f"({', '.join(orientation)}) is zero", span=Span(str(path)), permitted="length 1")
-    if orientation == QUATERNION_COLUMNS:
-        return frames.matrix_from_quaternion(values)
-    tool = frames.unit(values)
-    aside = frames.unit(np.cross(np.eye(3)[int(np.argmin(np.abs(tool)))], tool))
-    third = np.cross(tool, aside)
-    return np.column_stack((tool, aside, third) if chain.tool_axis == "x" else (aside, third, tool))
+    def _orientation(self, names: Sequence[str]) -> Orientation:
+        """Return which columns hold the orientation; those of axes are there as axes."""
+        found = set(names) - {axis.name for axis in self._chain.axes}
+        follow = self.form.shows_angles and found & set(ANGLE_COLUMNS) - set(self.form.columns)
+        groups: tuple[tuple[OrientationSource, tuple[str, ...]], ...] = (
+            ("quaternion", QUATERNION_COLUMNS),
+            ("angles", ANGLE_COLUMNS if follow else ()),
+            ("shown", self.form.columns),
+            ("tool", TOOL_COLUMNS),
+        )
+        return next((Orientation(*group) for group in groups if found & set(group[1])), Orientation("none", ()))
+
+    def _choose(self, names: Sequence[str]) -> Choice:
+        axes = tuple(axis.name for axis in self._chain.axes)
+        permitted = (*axes, *self.form.permitted(), *STATUS_COLUMNS, *RESULT_COLUMNS, VIOLATIONS_COLUMN)
+        return (*axes, *self.form.position(names), *self._orientation(names).columns), tuple(dict.fromkeys(permitted))
+
+    def _hint(self, name: str) -> str | None:
+        return self.form.programmed_by() if name in ANGLE_COLUMNS else None
+
+    @property
+    def compared(self) -> Task:
+        """What of the poses is there."""
+        source, _ = self.orientation
+        if source == "none":
+            return "position"
+        by_vector = source == "tool" or (source == "shown" and self.form.display.kind in {"direction", "vector"})
+        return "direction" if by_vector else "pose"
+
+    def rotation(self, axes: Vector, given: Sequence[float]) -> Matrix:
+        """Return the rotation of a row: of a direction one that has it; angles that follow are those of the model."""
+        unit = self.orientation.columns in {QUATERNION_COLUMNS, TOOL_COLUMNS}
+        if unit and not math.hypot(*given) > 0.0:
+            text = f"({', '.join(self.orientation.columns)}) is zero"
+            raise TableError(text, span=Span(self.file), permitted="length 1")
+        if self.orientation.source == "shown" and self.form.display.kind in {"angles", "plane"}:
+            return self._completed(pose(self._chain, axes)[:3, :3], given)
+        found = self.form.rotation(self.orientation, given)
+        assert found is not None  # only displayed columns describe none alone
+        return found
+
+    def _completed(self, ours: Matrix, given: Sequence[float]) -> Matrix:
+        if self.form.display.kind == "plane":
+            turned: Matrix = frames.rot_z(given[0] - plane_angle(self.form.display, ours)) @ ours
+            return turned
+        mode = self._chain.angle_mode
+        own = dict(zip(ANGLE_COLUMNS, frames.angles_from_matrix(mode, ours), strict=True))
+        angles = own | dict(zip(self.orientation.columns, given, strict=True))
+        return frames.matrix_from_angles(mode, [angles[name] for name in ANGLE_COLUMNS])

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pinocchio as pin
 
-from chainbuild.ik.options import IkOptions
+from chainbuild.ik.request import IkOptions
 from tests.bench.machines import Machine
 
 Solver = Callable[[np.ndarray, np.ndarray | None], np.ndarray | None]

@@ -11,7 +11,7 @@ import pytest
 
 import chainbuild
 from chainbuild.comparison.samples import make_samples
-from chainbuild.tables import PoseWriter
+from chainbuild.tables import PoseForm, PoseWriter
 from tests.kit.command_line import Run
 from tests.kit.paths import REFERENCE
 
@@ -25,9 +25,9 @@ def record(path: Path, there: chainbuild.Chain, shown: chainbuild.Chain, columns
     rows = make_samples(chainbuild.Robot(shown), 30, ("random",)).axes
     lines = [",".join((*(axis.name for axis in shown.axes), *columns))]
     with (path.parent / "poses.csv").open("w", encoding="utf-8") as stream:
-        writer = PoseWriter(stream, shown.angle_mode)
+        writer = PoseWriter(stream, PoseForm.of(shown, "pose"), quaternion=True, angles=shown.angle_mode)
         for row in rows:
-            writer.write(robot.fk(row).homogeneous)
+            writer.write(robot.fk(row).homogeneous, robot.display(row))
     header, *written = (path.parent / "poses.csv").read_text("utf-8").splitlines()
     places = [header.split(",").index(column) for column in columns]
     for row, line in zip(rows, written, strict=True):
@@ -112,7 +112,7 @@ def test_many_rows_that_differ_are_counted(run: Run) -> None:
 
 def test_a_tool_length_is_named(run: Run) -> None:
     machine = chainbuild.load(TABLE)
-    record(Path("r.csv"), machine.chain(tool_length_mm=37.5), machine.chain(), POSITION + ANGLES)
+    record(Path("r.csv"), machine.chain(tool_length_mm=37.5), machine.chain(), POSITION + VECTOR)
     outcome = run("crosscheck", TABLE, "--recording", "r.csv")
     assert outcome.code == 3
     # On a table machine the zero of Z cannot be told from the length of the tool: both are named.
@@ -167,7 +167,7 @@ class _Page(HTMLParser):
 
 def test_the_page_stands_alone(run: Run) -> None:
     machine = chainbuild.load(TABLE)
-    record(Path("r.csv"), machine.chain(tool_length_mm=37.5), machine.chain(), POSITION + ANGLES)
+    record(Path("r.csv"), machine.chain(tool_length_mm=37.5), machine.chain(), POSITION + VECTOR)
     outcome = run("crosscheck", TABLE, "--recording", "r.csv", "--html", "page.html")
     assert outcome.code == 3
     assert "wrote page.html" in outcome.err

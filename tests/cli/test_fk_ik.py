@@ -29,7 +29,7 @@ def test_fk_gives_the_recorded_poses(run: Run, name: str) -> None:
     axes, column = [axis.name for axis in chain.axes], chain.tool_column
     write("axes.csv", ",".join(axes) + "\n" + "".join(",".join(map(repr, r["axes"])) + "\n" for r in record["rows"]))
     options = ["--tool-length", repr(record["tool_length"])] if record.get("tool_length") else []
-    outcome = run("fk", machine, "--axes", "axes.csv", "-o", "poses.csv", *options)
+    outcome = run("fk", machine, "--axes", "axes.csv", "--quaternion", "-o", "poses.csv", *options)
     assert (outcome.code, outcome.out) == (0, "")
     poses = rows_of(Path("poses.csv").read_text("utf-8"))
     for row, recorded in zip(poses, record["rows"], strict=True):
@@ -47,7 +47,7 @@ def test_columns_of_fk_in_any_order_to_stdout(run: Run) -> None:
     write("ordered.csv", AXES + "0,1,2,3,4,5\n")
     one, two = run("fk", ARM, "--axes", "axes.csv"), run("fk", ARM, "--axes", "ordered.csv")
     assert one.out == two.out
-    assert one.out.splitlines()[0] == "x_mm,y_mm,z_mm,qx,qy,qz,qw,tool_x,tool_y,tool_z,a_deg,b_deg,c_deg"
+    assert one.out.splitlines()[0] == "x_mm,y_mm,z_mm,qx,qy,qz,qw,tool_x,tool_y,tool_z,a_deg,b_deg,c_deg,is,it"
     assert (one.code, two.code) == (0, 0)
 
 
@@ -152,7 +152,7 @@ def test_failed_rows_end_with_3_and_leave_the_axes_empty(run: Run) -> None:
     poses_of(run, HOME)
     good = Path("poses.csv").read_text("utf-8").splitlines()[1]
     with Path("poses.csv").open("a", encoding="utf-8") as stream:
-        stream.write("9000,0,0,0,0,0,1,0,0,1,0,0,0\n" + good + "\n")
+        stream.write("9000,0,0,0,0,0,1,0,0,1,0,0,0,2,0\n" + good + "\n")
     outcome = run("ik", "kr6r900_2", "--poses", "poses.csv", "-o", "axes.csv")
     assert outcome.code == 3
     why, count = outcome.err.splitlines()

@@ -27,7 +27,7 @@ def test_what_fk_writes_agrees_as_a_recording(name: str, run: Any, tmp_path: Pat
     """With all columns, and with the tool direction alone."""
     robot = chainbuild.Robot.load(name)
     header, *rows = table_of(tmp_path / "axes.csv", robot, 8)
-    assert run("fk", name, "--axes", "axes.csv", "-o", "poses.csv").code == 0
+    assert run("fk", name, "--axes", "axes.csv", "--quaternion", "-o", "poses.csv").code == 0
     with (tmp_path / "poses.csv").open(encoding="utf-8") as stream:
         written = list(csv.DictReader(stream))
     for columns in (("qx", "qy", "qz", "qw"), ("tool_x", "tool_y", "tool_z")):

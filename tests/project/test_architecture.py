@@ -27,7 +27,7 @@ ORDER = [
     "formats.twincat.lists", "formats.twincat.maps", "formats.twincat.recipes", "formats.twincat.families",
     "formats.twincat.types", "formats.twincat.universal", "formats.twincat.coupling", "formats.twincat",
     "formats",
-    "ik.rules", "ik.options", "ik.result", "ik.region", "ik.request", "ik.verify",
+    "ik.rules", "ik.result", "ik.region", "ik.request", "ik.verify",
     "ik.search.starts", "ik.search.found", "ik.search.problem", "ik.search.compiled", "ik.search",
     "ik.branches.core", "ik.branches.arms", "ik.branches.elimination", "ik.branches.opw", "ik.branches.direct",
     "ik.plan", "ik.branches",

@@ -12,10 +12,18 @@ import pytest
 
 import chainbuild
 from chainbuild import frames
+from chainbuild.chain.display import Display
 from chainbuild.chain.elements import Axis, Task
 from chainbuild.errors import FileAccessError, TableError
-from chainbuild.tables import POSE_COLUMNS, AxisTable, IkWriter, PoseTable, PoseWriter
+from chainbuild.tables import AxisTable, IkWriter, PoseForm, PoseTable, PoseWriter
 
+POSE_COLUMNS = (
+    *("x_mm", "y_mm", "z_mm"),
+    *("qx", "qy", "qz", "qw"),
+    *("tool_x", "tool_y", "tool_z"),
+    *("a_deg", "b_deg", "c_deg"),
+)
+C_ALONE = Display(columns=("c_deg",))
 AXES = (Axis.unlimited("A1", "rotary"), Axis.unlimited("A2", "rotary"), Axis.unlimited("X", "linear"))
 
 
@@ -31,7 +39,7 @@ def read_axes(path: Path) -> list[list[float]]:
 
 
 def read_poses(path: Path, task: Task = "pose", mode: str = "orirpy") -> list[np.ndarray]:
-    with PoseTable(path, mode, task) as table:
+    with PoseTable(path, PoseForm(mode, task)) as table:
         return [row.T for row in table.rows()]
 
 
@@ -139,8 +147,12 @@ def test_rounded_quaternions_are_normalised(tmp_path: Path) -> None:
 
 
 BAD_POSES = {
-    "no_orientation": (f"{POSITION}\n1,2,3\n", "pose", "missing columns qx, qy, qz, qw"),
-    "tool_vector": (f"{POSITION},tool_x,tool_y,tool_z\n1,2,3,0,0,1\n", "pose", "missing columns qx, qy, qz, qw"),
+    "no_orientation": (f"{POSITION}\n1,2,3\n", "pose", "missing columns a_deg, b_deg, c_deg, or qx"),
+    "tool_vector": (
+        f"{POSITION},tool_x,tool_y,tool_z\n1,2,3,0,0,1\n",
+        "pose",
+        "missing columns a_deg, b_deg, c_deg, or qx",
+    ),
     "half_a_quaternion": (f"{POSITION},qx,qy,qz,a_deg,b_deg,c_deg\n1,2,3,0,0,0,0,0,0\n", "pose", "missing column qw"),
     "two_angles": (f"{POSITION},a_deg,b_deg\n1,2,3,0,0\n", "pose", "missing column c_deg"),
     "no_position": ("x_mm,y_mm,qx,qy,qz,qw\n1,2,0,0,0,1\n", "pose", "missing column z_mm"),
@@ -148,7 +160,7 @@ BAD_POSES = {
     "zero": (f"{POSITION},qx,qy,qz,qw\n1,2,3,0,0,0,0\n", "pose", "has the length 0"),
     "short_vector": (f"{POSITION},tool_x,tool_y,tool_z\n1,2,3,0,0,0.5\n", "direction", "has the length 0.5"),
     "half_a_vector": (f"{POSITION},tool_x,tool_z\n1,2,3,0,1\n", "position", "missing column tool_y"),
-    "direction_without": (f"{POSITION}\n1,2,3\n", "direction", "missing columns tool_x"),
+    "direction_without": (f"{POSITION}\n1,2,3\n", "direction", "missing columns a_deg"),
     "axis_column": (f"{POSITION},A1\n1,2,3,0\n", "pose", "unknown column 'A1'"),
 }
 
@@ -163,12 +175,12 @@ def test_bad_poses_are_refused(tmp_path: Path, content: str, task: Task, message
 
 def test_c_alone_where_a_and_b_follow(tmp_path: Path) -> None:
     path = write(tmp_path, f"{POSITION},c_deg\n1,2,3,700\n")
-    with PoseTable(path, "orirpy", "pose", follows_c=True) as table:
+    with PoseTable(path, PoseForm("orirpy", "pose", C_ALONE, C_ALONE.columns)) as table:
         (row,) = table.rows()
     assert row.c_deg is None
     assert np.abs(row.T[:3, :3] - frames.rot_x(700.0)).max() < 1e-12
     with pytest.raises(TableError, match="a_deg, b_deg"):
-        PoseTable(path, "orirpy", "pose")
+        PoseTable(path, PoseForm("orirpy", "pose"))
 
 
 @pytest.mark.parametrize("orientation", ["qx,qy,qz,qw,c_deg", "c_deg", "b_deg,c_deg,a_deg"])
@@ -176,7 +188,7 @@ def test_c_is_kept_where_it_runs_on(tmp_path: Path, orientation: str) -> None:
     values = {"qx": 0, "qy": 0, "qz": 0, "qw": 1, "a_deg": 0, "b_deg": 0, "c_deg": 720}
     fields = ",".join(str(values[name]) for name in orientation.split(","))
     path = write(tmp_path, f"{POSITION},{orientation}\n1,2,3,{fields}\n")
-    with PoseTable(path, "orirpy", "pose", follows_c=True, running_c=True) as table:
+    with PoseTable(path, PoseForm("orirpy", "pose", C_ALONE, C_ALONE.columns, running_c=True)) as table:
         (row,) = table.rows()
         assert table.by_quaternion == orientation.startswith("q")
     assert row.c_deg == 720.0
@@ -185,7 +197,7 @@ def test_c_is_kept_where_it_runs_on(tmp_path: Path, orientation: str) -> None:
 
 def test_a_tool_vector_along_x(tmp_path: Path) -> None:
     path = write(tmp_path, f"{POSITION},tool_x,tool_y,tool_z\n0,0,0,-0.48,0.64,-0.6\n")
-    with PoseTable(path, "orirpy", "direction", tool_axis="x") as table:
+    with PoseTable(path, PoseForm("orirpy", "direction", tool_axis="x")) as table:
         (row,) = table.rows()
     assert np.abs(row.T[:3, 0] - (-0.48, 0.64, -0.6)).max() < 1e-12
 
@@ -200,7 +212,7 @@ def test_a_tool_vector_is_enough_for_fewer_freedoms(tmp_path: Path, direction: t
 
 
 def test_a_position_is_enough_where_nothing_else_can_be_met(tmp_path: Path) -> None:
-    with PoseTable(write(tmp_path, f"{POSITION}\n1,2,3\n"), "orirpy", "position") as table:
+    with PoseTable(write(tmp_path, f"{POSITION}\n1,2,3\n"), PoseForm("orirpy", "position")) as table:
         assert not table.oriented
         assert [row.T[:3, 3].tolist() for row in table.rows()] == [[0.001, 0.002, 0.003]]
 
@@ -213,7 +225,7 @@ def test_poses_read_back_within_the_digits_written(tmp_path: Path, mode: str) ->
         for _ in range(200)
     ]
     text = io.StringIO()
-    writer = PoseWriter(text, mode)
+    writer = PoseWriter(text, PoseForm(mode))
     for T in poses:
         writer.write(T)
     lines = text.getvalue().splitlines()
@@ -282,8 +294,9 @@ def test_a_million_rows_stream_in_constant_memory(tmp_path: Path) -> None:
 
 def test_violations_have_a_column_where_they_are_asked_for() -> None:
     text = io.StringIO()
-    writer = PoseWriter(text, "orirpy", tool_axis="x", violations=True)
-    writer.write(np.eye(4), (1.0, 2.0, 900.0), ("A1", "parallelogram angle"))
+    writer = PoseWriter(text, PoseForm("orirpy", tool_axis="x"), violations=True)
+    shown = {"a_deg": 1.0, "b_deg": 2.0, "c_deg": 900.0}
+    writer.write(np.eye(4), shown, violated=("A1", "parallelogram angle"))
     writer.write(np.eye(4))
     head, first, second = text.getvalue().splitlines()
     assert head.endswith("c_deg,violations")
@@ -300,8 +313,8 @@ def test_numbers_are_written_without_noise_and_without_signed_zero() -> None:
     T = frames.transform(frames.rot_z(180.0), (1.7650000000000002, -1e-33, -2.3e-17))
     T[0, 1], T[1, 0], T[2, 0] = -6.1e-17, 1.2e-16, -1e-17
     text = io.StringIO()
-    PoseWriter(text, "cba").write(T, held=(-0.0, 10.000000000000002))
-    PoseWriter(text, "cba").write(frames.transform(frames.rot_z(-180.0 + 4e-13)))
+    PoseWriter(text, PoseForm("cba"), more=("EX1", "EW1")).write(T, more=(-0.0, 10.000000000000002))
+    PoseWriter(text, PoseForm("cba")).write(frames.transform(frames.rot_z(-180.0 + 4e-13)))
     lines = text.getvalue().splitlines()
     assert lines[1] == "1765.0,0.0,0.0,0.0,0.0,1.0,0.0,0.0,0.0,1.0,180.0,0.0,0.0,0.0,10.0"
     assert lines[3].split(",")[10] == "180.0"
@@ -314,7 +327,7 @@ def test_angles_that_contradict_the_quaternion_are_told(tmp_path: Path) -> None:
     header = f"{POSITION},qx,qy,qz,qw,a_deg,b_deg,c_deg"
     rows = ("10,20,30", "370,20,-330", "-170,160,-150", "10.04,20,30", "10.06,20,30", "99,20,30", "99,,nan")
     path = write(tmp_path, f"{header}\n" + "".join(f"0,0,0,{QUATERNION},{angles}\n" for angles in rows))
-    with PoseTable(path, "orirpy", "pose") as table:
+    with PoseTable(path, PoseForm("orirpy", "pose")) as table:
         read = list(table.rows())
     assert [row.contradictory for row in read] == [False, False, False, False, True, True, False]
     assert all(np.abs(row.T[:3, :3] - R).max() < 1e-15 for row in read)
@@ -322,39 +335,43 @@ def test_angles_that_contradict_the_quaternion_are_told(tmp_path: Path) -> None:
 
 def test_input_axes_have_columns_of_their_own(tmp_path: Path) -> None:
     text = io.StringIO()
-    writer = PoseWriter(text, "orirpy", held=("EX1", "EW1"), violations=True)
-    writer.write(np.eye(4), None, ("A1",), (800.0, -5.0))
+    form = PoseForm("orirpy", held=("EX1", "EW1"))
+    writer = PoseWriter(text, form, more=form.held, violations=True)
+    writer.write(np.eye(4), None, (800.0, -5.0), violated=("A1",))
     head, row = text.getvalue().splitlines()
     assert head.endswith("c_deg,EX1,EW1,violations")
     assert row.endswith("0.0,800.0,-5.0,A1")
-    with PoseTable(write(tmp_path, text.getvalue()), "orirpy", "pose", held=("EX1", "EW1")) as table:
+    with PoseTable(write(tmp_path, text.getvalue()), form) as table:
         assert [one.held for one in table.rows()] == [{"EX1": 800.0, "EW1": -5.0}]
     path = write(tmp_path, f"EW1,{POSITION},qx,qy,qz,qw\n7,1,2,3,0,0,0,1\n")
-    with PoseTable(path, "orirpy", "pose", held=("EX1", "EW1")) as table:
+    with PoseTable(path, form) as table:
         assert [one.held for one in table.rows()] == [{"EW1": 7.0}]
     with pytest.raises(TableError, match="unknown column 'EW1'"):
-        PoseTable(path, "orirpy", "pose")
+        PoseTable(path, PoseForm("orirpy", "pose"))
 
 
 @pytest.mark.parametrize(
-    ("task", "follows_c", "end"),
+    ("form", "end"),
     [
-        ("pose", False, "missing columns qx, qy, qz, qw, or a_deg, b_deg, c_deg"),
-        ("pose", True, "missing columns qx, qy, qz, qw, or a_deg, b_deg, c_deg, or c_deg"),
-        ("direction", False, "missing columns tool_x, tool_y, tool_z, or qx, qy, qz, qw, or a_deg, b_deg, c_deg"),
+        (PoseForm("orirpy"), "missing columns a_deg, b_deg, c_deg, or qx, qy, qz, qw"),
+        (PoseForm("orirpy", "pose", C_ALONE, C_ALONE.columns), "missing column c_deg, or qx, qy, qz, qw"),
+        (
+            PoseForm("orirpy", "direction"),
+            "missing columns a_deg, b_deg, c_deg, or qx, qy, qz, qw, or tool_x, tool_y, tool_z",
+        ),
     ],
 )
-def test_a_missing_orientation_names_all_that_would_do(tmp_path: Path, task: Task, follows_c: bool, end: str) -> None:
+def test_a_missing_orientation_names_all_that_would_do(tmp_path: Path, form: PoseForm, end: str) -> None:
     path = write(tmp_path, f"{POSITION}\n1,2,3\n")
     with pytest.raises(TableError) as caught:
-        PoseTable(path, "orirpy", task, follows_c=follows_c)
+        PoseTable(path, form)
     assert caught.value.message == end
 
 
 @pytest.mark.parametrize(("name", "meant"), [("x", "x_mm"), ("A_DEG", "a_deg"), ("qW", "qw"), ("tool_xx", "tool_x")])
 def test_an_unknown_pose_column_names_the_nearest(tmp_path: Path, name: str, meant: str) -> None:
     with pytest.raises(TableError, match=f"did you mean {meant}\\?"):
-        PoseTable(write(tmp_path, f"{name}\n1\n"), "orirpy", "pose")
+        PoseTable(write(tmp_path, f"{name}\n1\n"), PoseForm("orirpy"))
 
 
 def test_an_unknown_axis_column_names_the_nearest_and_axes_only(tmp_path: Path) -> None:

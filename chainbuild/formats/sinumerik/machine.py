@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Final
 
 from chainbuild.chain.assemble import assemble
+from chainbuild.chain.display import POSE_ANGLES, Display
 from chainbuild.chain.elements import Chain
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, MachineDataError, Span
@@ -199,6 +201,10 @@ def _entries(robx: Robx, default: bool) -> tuple[_Configured, _Configured]:
     return _Configured(entry, robx, False), _Configured(gripper, robx, True)
 
 
+# Angles that robots with fewer axes than six are programmed by (ROBX manual 5.3.19, 6.1.3); the others follow.
+_DISPLAYS: Final = {4: Display(columns=("c_deg",)), 5: Display(columns=("a_deg", "b_deg"))}
+
+
 def _build(
     machine: RobxMachine, robx: Robx, tool_length_mm: float, gripper: bool, choose: Choices, collector: Collector
 ) -> Chain:
@@ -229,6 +235,7 @@ def _build(
         follows_c=robx.num_axes == 4,
         controller_solver=controller_solver(robx, translation, axes),
         singularity_watch=singularity_watch(machine.table),
+        display=_DISPLAYS.get(robx.num_axes, POSE_ANGLES),
     )
 
 

@@ -13,7 +13,7 @@ axis next to the tool then makes as many turns as the given C requires.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final, Protocol
 
@@ -38,31 +38,37 @@ _STEPS: Final = 40  # at most, of one descent
 _STARTS: Final = 24  # starts of further descents if the first one fails
 _DAMPING: Final = shrinking(1e-3, 1e-14)
 _MET: Final = below(1e-20)
-_BLIND: Final = 1e-6  # a C that changes less than this with every axis cannot be programmed
+_BLIND: Final = 1e-6  # an angle that changes less than this with every axis cannot be programmed
 _SAME: Final = 1e-6  # solutions closer than this in every axis [m, rad] are one
 _FULL_TURN_DEG: Final = 360.0  # places that differ by it are one orientation
 
 
-class Angle(Protocol):
-    """The angle C as an equation."""
+class Angles(Protocol):
+    """The angles that are programmed, as equations."""
 
-    def row(self, x: Vector, T: Pose, J: Vector) -> tuple[float, Vector]:
-        """Return the remaining error of C [rad], within half a turn, and its derivative by the SI axis values."""
+    def rows(self, x: Vector, T: Pose, J: Matrix) -> tuple[Vector, Matrix]:
+        """Return what is missing (m,) [rad], within half a turn, and the derivatives (m, n) by the SI axis values."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
-class PoseAngle:
-    """C as the last angle of the pose; at gimbal lock (B = ±90) A is 0."""
+class PoseAngles:
+    """Some of the angles A, B, C of the pose; at gimbal lock the first of the three turns is 0.
+
+    Attributes:
+        angle_mode: Name in `frames.ANGLE_MODES`.
+        wanted: Letter → degrees.
+    """
 
     angle_mode: str
-    c_deg: float
+    wanted: Mapping[str, float]
 
-    def row(self, x: Vector, T: Pose, J: Vector) -> tuple[float, Vector]:
-        """See `Angle`."""
-        angles = frames.angles_from_matrix(self.angle_mode, T.rotation)
-        rates = _angle_rates(self.angle_mode, angles)
-        return math.remainder(rad_from_deg(self.c_deg - angles[2]), math.tau), rates @ J[3:]
+    def rows(self, x: Vector, T: Pose, J: Matrix) -> tuple[Vector, Matrix]:
+        """See `Angles`."""
+        angles = dict(zip("ABC", frames.angles_from_matrix(self.angle_mode, T.rotation), strict=True))
+        rates = _angle_rates(self.angle_mode, angles, tuple(self.wanted))
+        missing = [math.remainder(rad_from_deg(self.wanted[n] - angles[n]), math.tau) for n in self.wanted]
+        return np.array(missing), rates @ J[3:]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,24 +79,25 @@ class RunningAngle:
     si_factors: Vector
     c_deg: float
 
-    def row(self, x: Vector, T: Pose, J: Vector) -> tuple[float, Vector]:
-        """See `Angle`."""
+    def rows(self, x: Vector, T: Pose, J: Matrix) -> tuple[Vector, Matrix]:
+        """See `Angles`."""
         missing = rad_from_deg(self.c_deg - self.total.value(x / self.si_factors))
-        return math.remainder(missing, math.tau), np.array(self.total.coefficients)
+        return np.array([math.remainder(missing, math.tau)]), np.array([self.total.coefficients])
 
 
-def _angle_rates(angle_mode: str, angles: tuple[float, float, float]) -> Vector:
-    """Return the row (3,) that makes the rate of C of an angular velocity in the tool frame."""
-    R, columns = np.eye(3), []
-    factors = frames.ANGLE_MODES[angle_mode].factors
-    for (letter, _, sign), angle in zip(reversed(factors), reversed(angles), strict=True):
-        direction = np.eye(3)["xyz".index(letter)] * sign
+def _angle_rates(angle_mode: str, angles: Mapping[str, float], letters: tuple[str, ...]) -> Matrix:
+    """Return the rows (m, 3) that make the rates of some angles of an angular velocity in the tool frame."""
+    R, columns, turning = np.eye(3), [], []
+    for axis, letter, sign in reversed(frames.ANGLE_MODES[angle_mode].factors):
+        direction = np.eye(3)["xyz".index(axis)] * sign
         columns.append(R.T @ direction)
-        R = frames.rot_about(direction, angle) @ R
-    locked = abs(math.cos(rad_from_deg(angles[1]))) < tolerances.GIMBAL_LOCK
-    E = np.column_stack(columns[:2] if locked else columns)
-    row: Vector = np.linalg.pinv(E)[0]
-    return row
+        turning.append(letter)
+        R = frames.rot_about(direction, angles[letter]) @ R
+    E = np.column_stack(columns)
+    if abs(np.linalg.det(E)) < tolerances.GIMBAL_LOCK:  # the first turn of the three is 0
+        E[:, 2] = 0.0
+    rates: Matrix = np.linalg.pinv(E)[[turning.index(letter) for letter in letters]]
+    return rates
 
 
 def as_programmed(
@@ -119,7 +126,7 @@ def as_programmed(
     if float(np.linalg.norm(request.target[:3, 3])) > request.mechanism.kinematics.reach:
         return request, found  # too far for any orientation
     c_deg = frames.angles_from_matrix(chain.angle_mode, request.target[:3, :3])[2]
-    followed = _with_reachable_orientation(request, PoseAngle(chain.angle_mode, c_deg), solve, from_start)
+    followed = with_reachable_orientation(request, PoseAngles(chain.angle_mode, {"C": c_deg}), solve, from_start)
     return followed or (request, found)
 
 
@@ -145,17 +152,24 @@ def _with_running_c(request: IkRequest, solve: Solve, c_deg: float, from_start: 
     off = rad_from_deg(c_deg - total.value(found.axes))
     if found.success and abs(off) <= tolerances.IK_ROTATION_RAD:
         return request, found
-    angle = RunningAngle(total, mechanism.kinematics.si_factors, c_deg)
-    return _with_reachable_orientation(request, angle, turned, from_start) or (request, found)
+    angles = RunningAngle(total, mechanism.kinematics.si_factors, c_deg)
+    return with_reachable_orientation(request, angles, turned, from_start) or (request, found)
 
 
-def _with_reachable_orientation(
-    request: IkRequest, angle: Angle, solve: Solve, from_start: bool
+def with_reachable_orientation(
+    request: IkRequest, angles: Angles, solve: Solve, from_start: bool = False
 ) -> tuple[IkRequest, IkResult] | None:
-    """Return the answer for a reachable orientation with the given C, or its failure, or None if there is none."""
+    """Return the answer for a reachable orientation with the given angles, or its failure, or None if there is none.
+
+    Args:
+        request: The request, of whose target only the position counts.
+        angles: The angles that are programmed.
+        solve: The solver for a whole pose.
+        from_start: True: `solve` begins at the start of the request for every orientation.
+    """
     query, failed = BranchQuery.of(request), None
     kinematics = request.mechanism.kinematics
-    for x in _orientations_with_c(query, angle):
+    for x in _orientations_with(query, angles):
         T = kinematics.pose(kinematics.q(x))
         reachable = request.to(
             frames.transform(T.rotation, query.target.translation), request.start if from_start else query.shown(x)
@@ -167,12 +181,12 @@ def _with_reachable_orientation(
     return failed
 
 
-def _orientations_with_c(query: BranchQuery, angle: Angle) -> Iterator[Vector]:
-    """Yield SI axis values with the given position and C, with whole turns towards the limits, each once.
+def _orientations_with(query: BranchQuery, angles: Angles) -> Iterator[Vector]:
+    """Yield SI axis values with the given position and angles, with whole turns towards the limits, each once.
 
     First the result of a descent from the start, then those of other starts, nearest to the start first.
     """
-    near = _descend(query, angle, query.x0.copy())
+    near = _descend(query, angles, query.x0.copy())
     if near is not None:
         near = next(turned_axes(query, near, query.structure.free))
         yield near
@@ -183,7 +197,7 @@ def _orientations_with_c(query: BranchQuery, angle: Angle) -> Iterator[Vector]:
     for _ in range(_STARTS):
         x = query.x0.copy()
         x[query.structure.free] = (low + (high - low) * rng.random(len(low)))[query.structure.free]
-        found = _descend(query, angle, x)
+        found = _descend(query, angles, x)
         if found is None:
             continue
         found = next(turned_axes(query, found, query.structure.free))
@@ -193,16 +207,17 @@ def _orientations_with_c(query: BranchQuery, angle: Angle) -> Iterator[Vector]:
     yield from sorted(others, key=query.distance)
 
 
-def _descend(query: BranchQuery, angle: Angle, x: Vector) -> Vector | None:
-    """Return SI axis values that meet position and C, by damped Newton steps from x, or None."""
+def _descend(query: BranchQuery, angles: Angles, x: Vector) -> Vector | None:
+    """Return SI axis values that meet position and angles, by damped Newton steps from x, or None."""
     kinematics, free = query.mechanism.kinematics, query.structure.free
 
     def residual(x: Vector) -> tuple[Vector, Matrix]:
         T, J = kinematics.pose_and_jacobian(x)
-        missing, row = angle.row(x, T, J)
-        if np.abs(row[free]).max(initial=0.0) < _BLIND:
-            missing = math.nan  # ends the descent
-        return np.append(T.rotation.T @ (query.target.translation - T.translation), missing), np.vstack((J[:3], row))
+        missing, rows = angles.rows(x, T, J)
+        if np.abs(rows[:, free]).max(axis=1, initial=0.0).min() < _BLIND:
+            missing = missing * math.nan  # ends the descent
+        place = T.rotation.T @ (query.target.translation - T.translation)
+        return np.concatenate((place, missing)), np.vstack((J[:3], rows))
 
     ended = newton(residual, x, free, _MET, _DAMPING, _STEPS)
     return ended.x if ended.met else None

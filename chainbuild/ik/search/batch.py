@@ -13,8 +13,7 @@ from chainbuild import tolerances
 from chainbuild.arrays import Matrix
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.ik import rules
-from chainbuild.ik.options import DEFAULT, IkOptions
-from chainbuild.ik.request import Held, IkRequest, matrix_of
+from chainbuild.ik.request import DEFAULT, Held, IkOptions, IkRequest, matrix_of
 from chainbuild.ik.result import STATUSES
 from chainbuild.ik.search.compiled import packing as compiled
 from chainbuild.ik.search.problem import Problem, problem_of

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik import rules
-from chainbuild.ik.options import IkOptions
+from chainbuild.ik.request import IkOptions
 from chainbuild.ik.search.problem import Problem
 from chainbuild.ik.search.solver import find
 

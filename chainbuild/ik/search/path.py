@@ -16,8 +16,7 @@ from numpy.typing import ArrayLike
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik import rules
-from chainbuild.ik.options import DEFAULT, IkOptions
-from chainbuild.ik.request import Held
+from chainbuild.ik.request import DEFAULT, Held, IkOptions
 from chainbuild.ik.search.batch import BAR, Columns, pose_array, start_array
 from chainbuild.ik.search.compiled import packing as compiled
 from chainbuild.ik.search.found import SearchEnd

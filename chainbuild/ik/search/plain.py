@@ -21,7 +21,7 @@ from chainbuild.ik.search.found import SearchEnd
 from chainbuild.kinematics.task_error import TaskError
 
 if TYPE_CHECKING:
-    from chainbuild.ik.options import IkOptions
+    from chainbuild.ik.request import IkOptions
     from chainbuild.ik.search.problem import Problem
     from chainbuild.ik.search.starts.turned import TableKey
 

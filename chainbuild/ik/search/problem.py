@@ -14,9 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Task as TaskKind
-from chainbuild.ik.options import IkOptions
 from chainbuild.ik.region import Box, freedoms_of
-from chainbuild.ik.request import Held, IkRequest, start_point
+from chainbuild.ik.request import Held, IkOptions, IkRequest, start_point
 from chainbuild.ik.search.starts.arm_reach import ArmReach, arm_reach
 from chainbuild.ik.search.starts.sampled import Starts, starts_of
 from chainbuild.ik.search.starts.turned import TurnedStarts, turned_starts

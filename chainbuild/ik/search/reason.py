@@ -9,7 +9,7 @@ from typing import Final
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik import rules
-from chainbuild.ik.options import IkOptions
+from chainbuild.ik.request import IkOptions
 from chainbuild.ik.search.found import SearchEnd
 from chainbuild.ik.search.problem import Problem
 

@@ -12,8 +12,7 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import is_rigid
 from chainbuild.ik import rules
-from chainbuild.ik.options import IkOptions
-from chainbuild.ik.request import IkRequest
+from chainbuild.ik.request import IkOptions, IkRequest
 from chainbuild.ik.result import STATUSES, IkResult
 from chainbuild.ik.search import plain
 from chainbuild.ik.search.compiled import packing as compiled

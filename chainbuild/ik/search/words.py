@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik import rules
-from chainbuild.ik.options import IkOptions
+from chainbuild.ik.request import IkOptions
 from chainbuild.ik.result import STATUSES, IkResult
 from chainbuild.ik.search.found import SearchEnd
 from chainbuild.ik.search.problem import Problem

@@ -10,7 +10,7 @@ import pytest
 
 import chainbuild
 from chainbuild.frames import transform
-from chainbuild.ik.options import DEFAULT, IkOptions
+from chainbuild.ik.request import DEFAULT, IkOptions
 from chainbuild.ik.search.problem import problem_of
 from chainbuild.ik.search.starts.arm_reach import ArmReach, arm_reach
 from chainbuild.kinematics.product import Product, poses_at

@@ -9,8 +9,7 @@ import pinocchio as pin
 import pytest
 
 import chainbuild
-from chainbuild.ik.options import DEFAULT, IkOptions
-from chainbuild.ik.request import IkRequest
+from chainbuild.ik.request import DEFAULT, IkOptions, IkRequest
 from chainbuild.ik.search.compiled import packing as compiled
 from chainbuild.ik.search.problem import problem_of
 from chainbuild.ik.search.solver import search

@@ -12,8 +12,8 @@ import chainbuild
 from chainbuild.chain.assemble import Element, rotary, shift
 from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.options import DEFAULT, IkOptions
 from chainbuild.ik.region import freedoms_of
+from chainbuild.ik.request import DEFAULT, IkOptions
 from chainbuild.robot import Robot
 from tests.kit.draws import random_axes
 from tests.kit.robots import arm, make_chain, table_machine

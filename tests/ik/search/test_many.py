@@ -7,7 +7,7 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import AxisValueError, ChainbuildError
-from chainbuild.ik.options import IkOptions
+from chainbuild.ik.request import IkOptions
 from tests.kit.draws import random_axes
 from tests.kit.robots import arm, table_machine
 

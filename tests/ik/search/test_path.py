@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.ik.options import IkOptions
+from chainbuild.ik.request import IkOptions
 from tests.kit.draws import random_axes
 from tests.kit.robots import arm, table_machine
 

@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 
 import chainbuild
-from chainbuild.ik.options import DEFAULT, IkOptions
+from chainbuild.ik.request import DEFAULT, IkOptions
 from chainbuild.ik.search.problem import Problem, problem_of
 from chainbuild.ik.search.starts.turned import COUNT, LARGEST_STEP, TurnedStarts
 from chainbuild.robot import Robot

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.ik.options import IkOptions
+from chainbuild.ik.request import IkOptions
 from chainbuild.ik.search import words
 from tests.kit.draws import random_axes
 from tests.kit.robots import arm, table_machine

@@ -25,6 +25,7 @@ from chainbuild.formats.twincat.coupling.coupling_groups import (
 )
 from chainbuild.formats.twincat.lists.config import Trafo
 from chainbuild.formats.twincat.lists.source import Source
+from chainbuild.formats.twincat.types.displays import by_angles
 from chainbuild.formats.twincat.types.draft import draft_name, serial_draft
 from chainbuild.formats.twincat.universal.universal import UNIVERSAL, universal_draft
 from chainbuild.units import deg_from_raw, m_from_mm, mm_from_tenth_um
@@ -75,6 +76,7 @@ class _Building:
             title=self.source.trafo.name or "Coupling kinematic",
             kinematic=f"KIN_TYP {COUPLING} ({types})",
             partials=self.ranked(chain),
+            display=by_angles(chain.angle_mode),
         )
 
     def stacked(self, group: Group) -> Chain:

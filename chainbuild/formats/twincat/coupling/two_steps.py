@@ -15,6 +15,7 @@ import numpy as np
 from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AxisMap, refusal_of
+from chainbuild.chain.display import POSE_ANGLES, Display
 from chainbuild.chain.elements import Chain
 from chainbuild.chain.fold import reach
 from chainbuild.chain.poses import angle_rates, pose, pose_jacobian
@@ -22,6 +23,7 @@ from chainbuild.errors import ChainbuildError, UnsupportedKinematicError
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.config import Trafo
 from chainbuild.formats.twincat.types.catalogue import catalogue
+from chainbuild.formats.twincat.types.displays import by_rotary_axes
 from chainbuild.units import AxisKind, mm_from_m, si_factor
 
 _POSITION: Final = 3  # values ahead of the angles: X, Y, Z
@@ -58,7 +60,18 @@ def two_steps(first: Chain, first_trafo: Trafo, second: Chain, second_trafo: Tra
         kinematic=f"{first.kinematic} below {second.kinematic}",
         axes=first.axes,
         axis_map=TwoStepMap(coordinates, second.axis_map, len(wanted), len(second.joints)),
+        display=_outer(coordinates, second),
     )
+
+
+def _outer(coordinates: Coordinates, second: Chain) -> Display:
+    """Return what is displayed: what the outer step displays, its rotary axes being those that step 0 passes on."""
+    display = second.display
+    if display.kind == "axes" and coordinates.orientation == "axes":
+        linear = by_rotary_axes(coordinates.chain.axes).solved
+        return replace(display, solved=linear)
+    kept = display.kind not in {"axes", "plane"} and not display.follows
+    return replace(display, solved=(), keeps_side=False) if kept else POSE_ANGLES
 
 
 def _coordinates(chain: Chain, trafo: Trafo) -> Coordinates:

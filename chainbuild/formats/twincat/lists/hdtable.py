@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
 from types import MappingProxyType
@@ -88,6 +88,7 @@ class TypeData:
         summary: Structure and zero position in words.
         axes: Axes in channel order.
         hd: HD rows in the order of their numbers.
+        display: What is displayed beside the position, as fields of `Display`; empty: by `orientation`.
     """
 
     __repr__ = fields_shown
@@ -100,6 +101,7 @@ class TypeData:
     summary: str
     axes: tuple[AxisRow, ...]
     hd: tuple[HdRow, ...]
+    display: Mapping[str, Any] = field(default_factory=dict)
 
     def row(self, key: str | int) -> HdRow:
         """Return an HD row by name or number.
@@ -141,4 +143,5 @@ def _type_data(raw: Mapping[str, Any]) -> TypeData:
         summary=raw["summary"].strip(),
         axes=axes,
         hd=tuple(sorted(rows, key=lambda row: row.n)),
+        display=MappingProxyType(raw.get("display", {})),
     )

@@ -16,6 +16,7 @@ from chainbuild.formats.twincat.lists.toollist import acting_params
 from chainbuild.formats.twincat.recipes.arms import check_arm_magnitudes
 from chainbuild.formats.twincat.recipes.recipe import Params
 from chainbuild.formats.twincat.types.catalogue import KinType, kin_type
+from chainbuild.formats.twincat.types.displays import display_of
 
 _EULER: Final = {"a_first": "euler_a_first", "c_first": "euler_c_first"}
 
@@ -62,6 +63,7 @@ def serial_draft(source: Source, choose: Choices, collector: Collector) -> Chain
     check_arm_magnitudes(params)
     axes = recipe.axes or params.axes
     body = assemble(axes, recipe.tool, recipe.workpiece, recipe.axis_map)
+    mode = recipe.angle_mode or angle_mode(source.channel.angle_mode, choose, collector)
     return Chain(
         name=draft_name(source),
         title=source.trafo.name or kind.title,
@@ -72,8 +74,9 @@ def serial_draft(source: Source, choose: Choices, collector: Collector) -> Chain
         frames=body.frames,
         axes=axes,
         axis_map=body.axis_map,
-        angle_mode=recipe.angle_mode or angle_mode(source.channel.angle_mode, choose, collector),
+        angle_mode=mode,
         task=recipe.task,
+        display=display_of(params, axes, mode, choose),
     )
 
 

@@ -11,27 +11,42 @@ mark them: the whole chain, from the workpiece to the tool, is rooted in the lis
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
-from typing import Final
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Final, Literal
 
 import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.assemble import Element, Fixed, Move, assemble, mark, shift, turn
+from chainbuild.chain.display import TOOL_COLUMNS, Display
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.convention import Choices
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.source import DIALECT, Source
 from chainbuild.formats.twincat.lists.toollist import acting_params
+from chainbuild.formats.twincat.types.displays import by_angles, by_rotary_axes
 from chainbuild.formats.twincat.types.draft import angle_mode, draft_name
-from chainbuild.formats.twincat.universal.universal_data import UniversalAxis, UniversalData, read_universal
+from chainbuild.formats.twincat.universal.universal_data import UniversalAxis, UniversalData, check_mode, read_universal
 from chainbuild.frames import inverse, rot_about, unit
 from chainbuild.units import deg_from_rad
 
 UNIVERSAL: Final = 91
 
 _LETTERS: Final = {"linear": "XYZ", "rotary": "ABC"}
-_FIRST_SPECIAL_MODE: Final = 10
+_FIRST_SPECIAL_MODE: Final = 10  # of P-CHAN-00112: those below are angle modes of every complete type
+_VECTOR_MODE: Final = 10
+# Programming modes of two angles: their letters, outer turn first, and what they turn to the tool vector.
+_ANGLES_OF_TOOL: Final[Mapping[int, tuple[str, Literal["x", "y", "z"]]]] = {
+    14: ("AB", "x"),
+    15: ("BA", "y"),
+    16: ("AC", "x"),
+    17: ("CA", "z"),
+    18: ("BC", "y"),
+    19: ("CB", "z"),
+    20: ("AB", "z"),
+    21: ("BA", "z"),
+}
 
 
 def universal_draft(
@@ -62,7 +77,7 @@ def universal_draft(
         mark("flange"),
         shift(z=-source.tool_length_mm),
     ]
-    body = assemble(axes, [*moves, *end])
+    body, mode = assemble(axes, [*moves, *end]), _angle_mode(source, choose, collector)
     return Chain(
         name=draft_name(source),
         title=source.trafo.name or "Universal kinematic",
@@ -73,8 +88,33 @@ def universal_draft(
         frames=body.frames,
         axes=axes,
         axis_map=body.axis_map,
-        angle_mode=_angle_mode(source, choose, collector),
+        angle_mode=mode,
+        display=_display(data, source, axes, mode, collector),
     )
+
+
+def _display(data: UniversalData, source: Source, axes: Sequence[Axis], mode: str, collector: Collector) -> Display:
+    """Return what is displayed: by the programming mode, else rotary axes with RTCP, else pose angles.
+
+    Modes 10 to 21 may also be given by P-CHAN-00112; `programming_mode` wins.
+    """
+    given, number = source.channel.angle_mode, data.mode
+    special = int(given.value) if given and given.value >= _FIRST_SPECIAL_MODE else 0
+    if special and given and not number:
+        number = special
+        check_mode(number, given.span, given.name)
+    elif special and given and number != special:
+        text = f"programming_mode {number} and ori_rotation_angle {special} differ; programming_mode is used"
+        collector.add("CB419", text, span=given.span, parameter=given.name)
+    if number in _ANGLES_OF_TOOL:
+        letters, along = _ANGLES_OF_TOOL[number]
+        columns = tuple(f"{letter.lower()}_deg" for letter in letters)
+        return Display("direction", columns, letters=letters, along=along, rtcp=data.rtcp)
+    if number == _VECTOR_MODE:
+        return Display("vector", TOOL_COLUMNS, rtcp=data.rtcp)
+    if number or data.rtcp:
+        return replace(by_rotary_axes(axes), rtcp=data.rtcp)
+    return by_angles(mode)
 
 
 def _motion(data: UniversalData, axes: Sequence[Axis], k: int, choose: Choices, collector: Collector) -> list[Element]:

@@ -171,9 +171,7 @@ class _Reading:
 
     def mode(self) -> int:
         mode = self.whole("programming_mode", None, _MODES)
-        if mode == _UNSUPPORTED_MODE:
-            permitted = "10, 12 to 21"
-            raise self.refusal("programming_mode", "programming mode 11 is not supported by the controller", permitted)
+        check_mode(mode, self.span("programming_mode", None), f"{self.trafo.prefix}.programming_mode")
         return mode
 
     def linkage(self, kinds: Sequence[AxisKind]) -> Matrix | None:
@@ -229,6 +227,19 @@ class _Reading:
         return MachineDataError(
             what, span=self.span(name, slot), parameter=f"{self.trafo.prefix}.{name}", permitted=permitted, code="CB452"
         )
+
+
+def check_mode(mode: int, span: Span | None, parameter: str) -> None:
+    """Refuse the programming mode that the controller does not support.
+
+    Raises:
+        MachineDataError: mode 11.
+    """
+    if mode == _UNSUPPORTED_MODE:
+        raise MachineDataError(
+            "programming mode 11 is not supported by the controller", span=span, parameter=parameter,
+            permitted="10, 12 to 21", code="CB452",
+        )  # fmt: skip
 
 
 def _first_slot(k: int) -> int:

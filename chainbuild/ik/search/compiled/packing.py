@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.ik.options import IkOptions
+from chainbuild.ik.request import IkOptions
 from chainbuild.ik.search.found import SearchEnd
 from chainbuild.ik.search.problem import MAX_PREPARED, Problem
 from chainbuild.ik.search.starts.turned import TurnedStarts
