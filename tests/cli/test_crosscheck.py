@@ -167,7 +167,7 @@ class _Page(HTMLParser):
 
 def test_the_page_stands_alone(run: Run) -> None:
     machine = chainbuild.load(TABLE)
-    record(Path("r.csv"), machine.chain(tool_length_mm=37.5), machine.chain(), POSITION + VECTOR)
+    record(Path("r.csv"), machine.chain(tool_length_mm=37.5), machine.chain(), (*POSITION, "qx", "qy", "qz", "qw"))
     outcome = run("crosscheck", TABLE, "--recording", "r.csv", "--html", "page.html")
     assert outcome.code == 3
     assert "wrote page.html" in outcome.err
