@@ -95,6 +95,7 @@ def stack(
         name=f"{lower.name}_{upper.name}",
         title=f"{upper.title} on {lower.title}",
         angle_mode=upper.angle_mode,
+        vectors=upper.vectors,
         tool_axis=upper.tool_axis,
         absolute_c=carried_c(lower, T_offset, upper),
         partials=_numbered((*_partials(lower, low), *_carried(upper, up, T_offset, len(lower.axes)))),
