@@ -56,6 +56,10 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.chain.elements import Task as Task
     from chainbuild.chain.sums import AxisConstraint as AxisConstraint
     from chainbuild.chain.sums import AxisSum as AxisSum
+    from chainbuild.chain.vectors import AngleLetter as AngleLetter
+    from chainbuild.chain.vectors import OriMode as OriMode
+    from chainbuild.chain.vectors import ToolPlane as ToolPlane
+    from chainbuild.chain.vectors import VectorProgramming as VectorProgramming
     from chainbuild.collision.model import CollisionModel as CollisionModel
     from chainbuild.collision.model import Distance as Distance
     from chainbuild.comparison.comparison import Forward as Forward
@@ -146,6 +150,7 @@ _HOMES = {
     ),
     "chainbuild.chain.bodies.geometry": "Geometry RodData Shape",
     "chainbuild.chain.sums": "AxisConstraint AxisSum",
+    "chainbuild.chain.vectors": "AngleLetter OriMode ToolPlane VectorProgramming",
     "chainbuild.collision.model": "CollisionModel Distance",
     "chainbuild.comparison.comparison": "Forward Inverse",
     "chainbuild.comparison.convention_trials": "Selection Trial",

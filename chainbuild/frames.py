@@ -204,7 +204,12 @@ ANGLE_MODE_NUMBERS: Final[Mapping[int, str]] = MappingProxyType(
 )
 
 
-def _angle_mode(name: str) -> AngleMode:
+def angle_mode_named(name: str) -> AngleMode:
+    """Return an angle mode by its name.
+
+    Raises:
+        ChainbuildError: there is none of that name.
+    """
     try:
         return ANGLE_MODES[name]
     except KeyError:
@@ -223,7 +228,7 @@ def matrix_from_angles(mode: str, angles_deg: Sequence[float]) -> Matrix:
     """
     by_letter = dict(zip("ABC", angles_deg, strict=True))
     result = np.eye(3)
-    for axis, letter, sign in _angle_mode(mode).factors:
+    for axis, letter, sign in angle_mode_named(mode).factors:
         result = result @ _ROTATIONS[axis](sign * by_letter[letter])
     return result
 
@@ -237,7 +242,7 @@ def angles_from_matrix(mode: str, rotation: Matrix) -> tuple[float, float, float
     >>> [round(angle, 9) for angle in angles_from_matrix("orirpy2", matrix)]
     [10.0, 20.0, 30.0]
     """
-    factors = _angle_mode(mode).factors
+    factors = angle_mode_named(mode).factors
     first, middle, last = (_INDEX[axis] for axis, _, _ in factors)
     raw = _proper_euler(rotation, first, middle) if first == last else _tait_bryan(rotation, first, middle, last)
     letters = {letter: sign * math.degrees(angle) for (_, letter, sign), angle in zip(factors, raw, strict=True)}

@@ -96,6 +96,7 @@ def stack(
         name=f"{lower.name}_{upper.name}",
         title=f"{upper.title} on {lower.title}",
         angle_mode=upper.angle_mode,
+        vectors=upper.vectors,
         tool_axis=upper.tool_axis,
         absolute_c=carried_c(lower, T_offset, upper),
         display=upper.display if upper.display.kind == "angles" and not upper.display.follows else POSE_ANGLES,

@@ -10,6 +10,7 @@ from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.bodies.geometry import NO_GEOMETRY, Geometry
 from chainbuild.chain.display import POSE_ANGLES, Display
 from chainbuild.chain.sums import AxisConstraint, AxisSum
+from chainbuild.chain.vectors import VectorProgramming
 from chainbuild.convention import UsedConvention
 from chainbuild.findings import NO_FINDINGS, Findings
 from chainbuild.shown import fields_shown, two_lines
@@ -231,6 +232,7 @@ class Chain:
         singularity_watch: How the control monitors singularities, where that is known.
         geometry: What the overlay says about its bodies.
         display: What the controller shows and takes as a pose beside the position.
+        vectors: How a program states orientations by vectors, where it can.
     """
 
     name: str
@@ -256,6 +258,7 @@ class Chain:
     singularity_watch: SingularityWatch | None = None
     geometry: Geometry = NO_GEOMETRY
     display: Display = POSE_ANGLES
+    vectors: VectorProgramming | None = None
 
     def __repr__(self) -> str:
         names = [axis.name for axis in self.axes]

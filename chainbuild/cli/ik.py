@@ -53,6 +53,8 @@ def solutions(
         TableError: a row holds no pose, or the number of starts does not match.
     """
     given = _Starts(starts, table.file, only_one=follow) if starts else None
+    if table.orientation.source == "vector" and given:
+        table.begin(robot.fk(given.first).rotation)
     with _compilation_notice():
         begin = given.next() if follow and given else None
         rows = _followed(robot, table, begin, solver) if follow else _one_by_one(robot, table, given, solver)
@@ -157,7 +159,7 @@ def _agreeing(robot: Robot, T: Matrix, result: IkResult) -> IkResult:
 
 
 class _Starts:
-    """Start values: the single row of a table for every pose, or one row per pose.
+    """Start values: the single row of a table for every pose, or one row per pose; `first` is the first of them.
 
     Args:
         starts: The table.
@@ -178,6 +180,7 @@ class _Starts:
             raise TableError(
                 "--follow: expected one row of start values, got more", span=Span(self._file), permitted="one row"
             )
+        self.first = ahead[0]
         self._only = ahead[0] if len(ahead) == 1 else None
         self._rows = chain(ahead, rows)
 

@@ -21,6 +21,7 @@ from chainbuild.errors import ChainbuildError
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Axis, Chain
+    from chainbuild.chain.vectors import VectorProgramming
     from chainbuild.convention import UsedConvention
     from chainbuild.formats.machine import Machine, ParameterRow
     from chainbuild.formats.selection import KinematicEntry
@@ -83,7 +84,10 @@ def _print(machine: Machine, chain: Chain | None, options: MachineOptions, defau
     out.print(f"{machine.path}: {machine.dialect}", soft_wrap=True)
     out.print(kinematics_table(machine.kinematics()))
     if chain:
-        out.print(f"Chosen: {chain.kinematic}; pose angles A, B, C: {_angle_meaning(chain)}\n")
+        out.print(f"Chosen: {chain.kinematic}; pose angles A, B, C: {_angle_meaning(chain)}")
+        if chain.vectors:
+            out.print(f"Vectors (#ORI MODE): {_vector_meaning(chain, chain.vectors)}")
+        out.print()
         out.print(axes_table(machine, chain))
     rows = _parameters(machine, options)
     chosen = [row for row in rows if row.given or defaults]
@@ -104,6 +108,19 @@ def _angle_meaning(chain: Chain) -> str:
     return f"{chain.angle_mode}, R = {ANGLE_MODES[chain.angle_mode].meaning}"
 
 
+def _vector_meaning(chain: Chain, how: VectorProgramming) -> str:
+    """Return what is programmed, what the vector is and what settles the turn about it."""
+    from chainbuild.chain.vectors import FIXED_AXIS_INDEX, TOOL_PLANES, free_angle
+
+    if how.plane:
+        normal, inside = TOOL_PLANES[how.plane]
+        condition = f"tool {inside.upper()} perpendicular to {normal.upper()} (TOOL_AX_IN_PLANE={how.plane})"
+    else:
+        letter = how.fixed or free_angle(chain.angle_mode, how.axis)
+        condition = f"angle {letter} kept (FIXED_AX_IDX={FIXED_AXIS_INDEX[letter]})"
+    return f"{how.mode.upper()}; a vector is the tool's {how.axis.upper()}, {condition}"
+
+
 def _data(machine: Machine, chain: Chain | None, options: MachineOptions) -> dict[str, Any]:
     return {
         "file": str(machine.path),
@@ -113,6 +130,7 @@ def _data(machine: Machine, chain: Chain | None, options: MachineOptions) -> dic
         "kinematics": [_with_line(entry) for entry in machine.kinematics()],
         "kinematic": chain.kinematic if chain else None,
         "angle_mode": chain.angle_mode if chain else None,
+        "vectors": asdict(chain.vectors) if chain and chain.vectors else None,
         "axes": [_axis_data(machine, axis) for axis in chain.axes] if chain else [],
         "parameters": [_with_line(row) for row in _parameters(machine, options)],
         "conventions": [_convention_data(used) for used in chain.conventions] if chain else [],

@@ -142,12 +142,12 @@ def _decode(raw: bytes) -> tuple[str, str]:
 TWINCAT_ROOTS: Final = frozenset(
     {
         "trafo", "kin_step", "kinematik", "trafo_pcs", "wz", "gruppe", "kenngr", "kopf", "kinematik_id",
-        "kinematik_name", "default_id_of_kin_step", "default_name_of_kin_step", "ori_rotation_angle",
+        "kinematik_name", "default_id_of_kin_step", "default_name_of_kin_step", "ori_rotation_angle", "ori",
     }
 )  # fmt: skip
 _XML: Final = re.compile(r"\s*<(\?xml|!--|!DOCTYPE|TcSm|[A-Za-z])")
 _TWINCAT: Final = re.compile(
-    rf"^[ \t]*(?:{'|'.join(sorted(TWINCAT_ROOTS))})(?=[ \t\[.]|$)", re.MULTILINE | re.IGNORECASE
+    rf"^[ \t]*(?:{'|'.join(sorted(TWINCAT_ROOTS - {'ori'}))})(?=[ \t\[.]|$)", re.MULTILINE | re.IGNORECASE
 )
 _SINUMERIK: Final = re.compile(
     r"\\?\$(?:M[NCA]|S[NCA]|TC|ON)_[A-Z]"

@@ -17,6 +17,7 @@ from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.display import POSITION_COLUMNS
 from chainbuild.chain.elements import Task
+from chainbuild.chain.vectors import rotation_from_vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.policies.four_axis import PoseAngles, with_reachable_orientation
@@ -44,7 +45,11 @@ def from_display(
     given = [values[name] for name in asked.orientation.columns]
     own = {name: values[name] for name in asked.form.held if name in values}
     inputs = {**(held if isinstance(held, Mapping) else {}), **own} if own else held
-    R = asked.form.rotation(asked.orientation, given)
+    if asked.orientation.source == "vector" and asked.form.vectors is not None:
+        before = np.eye(3) if start is None else mechanism.fk(start).rotation
+        R: Matrix | None = rotation_from_vector(asked.form.vectors, asked.form.angle_mode, given, before)
+    else:
+        R = asked.form.rotation(asked.orientation, given)
     if R is None:
         return solve_displayed(mechanism, place, given, start, inputs)
     running = values.get(C_COLUMN) if asked.form.running_c else None

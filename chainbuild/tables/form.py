@@ -13,12 +13,12 @@ from chainbuild import frames
 from chainbuild.arrays import Matrix
 from chainbuild.chain.display import ANGLE_COLUMNS, POSE_ANGLES, POSITION_COLUMNS, TOOL_COLUMNS, Display
 from chainbuild.chain.elements import Chain, Task
+from chainbuild.chain.vectors import VECTOR_COLUMNS, VectorProgramming
 from chainbuild.kinematics.displayed import vector_of_angles
 from chainbuild.shown import fields_shown
 from chainbuild.units import deg_from_rad
 
 QUATERNION_COLUMNS: Final = ("qx", "qy", "qz", "qw")
-VECTOR_COLUMNS: Final = ("ori_x", "ori_y", "ori_z")
 STATUS_COLUMNS: Final = ("is", "it")
 C_COLUMN: Final = "c_deg"
 
@@ -50,7 +50,7 @@ class PoseForm:
         tool_axis: Axis of the tool frame that is the tool vector.
         running_c: True where C continues over whole turns.
         held: Names of the input axes, which inverse kinematics does not move.
-        vectors: True where vector programming is possible.
+        vectors: How vectors are programmed (#ORI MODE), where they can be.
         status: True where the controller defines status and turn.
     """
 
@@ -63,7 +63,7 @@ class PoseForm:
     tool_axis: Literal["x", "z"] = "z"
     running_c: bool = False
     held: tuple[str, ...] = ()
-    vectors: bool = False
+    vectors: VectorProgramming | None = None
     status: bool = False
 
     @classmethod
@@ -73,7 +73,15 @@ class PoseForm:
         held = tuple(axis.name for axis in chain.axes if axis.held and axis.name not in columns)
         running = chain.absolute_c is not None
         return cls(
-            chain.angle_mode, task, chain.display, columns, chain.tool_axis, running, held, status=chain.has_status
+            chain.angle_mode,
+            task,
+            chain.display,
+            columns,
+            chain.tool_axis,
+            running,
+            held,
+            chain.vectors,
+            chain.has_status,
         )
 
     @property

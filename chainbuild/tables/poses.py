@@ -13,8 +13,10 @@ import numpy as np
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix
 from chainbuild.chain.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
+from chainbuild.chain.vectors import VECTOR_COLUMNS, kept_angle, rotation_from_vector
+from chainbuild.errors import ChainbuildError, Span
 from chainbuild.tables.axes import DECIMALS, UNIT_DECIMALS, VIOLATIONS_COLUMN, names_field, number_field
-from chainbuild.tables.form import C_COLUMN, QUATERNION_COLUMNS, STATUS_COLUMNS, VECTOR_COLUMNS, PoseForm
+from chainbuild.tables.form import C_COLUMN, QUATERNION_COLUMNS, STATUS_COLUMNS, PoseForm
 from chainbuild.tables.reader import Choice, Table
 from chainbuild.units import m_from_mm, mm_from_m, rad_from_deg
 
@@ -27,9 +29,8 @@ class PoseRow:
 
     Attributes:
         line: Line number, from 1.
-        T: (4, 4) tool in the workpiece frame [m]; its rotation counts only where `shown` and `vector` are None.
+        T: (4, 4) tool in the workpiece frame [m]; its rotation counts only where `shown` is None.
         shown: Values of the displayed columns where they describe no rotation without the kinematic.
-        vector: Vector of vector programming, of any length.
         c_deg: The angle C where it runs on over whole turns and the table gives it, else None.
         held: Input axis → value, for the columns that the table has.
         status: Pose status, where the table gives it.
@@ -41,7 +42,6 @@ class PoseRow:
     line: int
     T: Matrix
     shown: tuple[float, ...] | None = None
-    vector: tuple[float, ...] | None = None
     c_deg: float | None = None
     held: Mapping[str, float] | None = None
     status: int | None = None
@@ -86,6 +86,12 @@ class PoseTable(Table):
         self._place = {name: n for n, name in enumerate(self.wanted)}
         self._orientation = slice(first, first + len(columns))
         self.held = tuple(name for name in form.held if name in self.names)
+        self._before, self._kept = np.eye(3), 0.0
+
+    def begin(self, rotation: Matrix) -> None:
+        """Take the orientation (3, 3) that vector programming starts from; without it all angles are 0."""
+        if self.form.vectors is not None:
+            self._before, self._kept = rotation, kept_angle(self.form.vectors, self.form.angle_mode, rotation)
 
     def _choose(self, names: Sequence[str]) -> Choice:
         form = self.form
@@ -139,15 +145,13 @@ class PoseTable(Table):
     def _row_of(self, line: int, place: Sequence[float], values: list[float]) -> PoseRow:
         given, beside = tuple(values[self._orientation]), values[len(self.wanted) :]
         self._check_vector(line, given, self.orientation.columns)
-        rotation = self.form.rotation(self.orientation, given)
+        rotation = self._rotation(line, given)
         T = frames.transform(rotation, place)
-        is_vector = self.orientation.source == "vector"
         status, turn = (self._whole(line, name, values) for name in STATUS_COLUMNS)
         return PoseRow(
             line,
             T,
-            shown=given if rotation is None and not is_vector else None,
-            vector=given if is_vector else None,
+            shown=given if rotation is None else None,
             c_deg=values[self._place[C_COLUMN]] if self.form.running_c and C_COLUMN in self._place else None,
             held={name: values[self._place[name]] for name in self.held} if self.held else None,
             status=status,
@@ -155,6 +159,19 @@ class PoseTable(Table):
             contradictory=rotation is not None and self._contradicts(rotation, beside),
             beside=self._orientation_beside(beside) if rotation is None else None,
         )
+
+    def _rotation(self, line: int, given: Sequence[float]) -> Matrix | None:
+        """Return the rotation of a row; that of a vector follows on the row before."""
+        if self.orientation.source != "vector":
+            return self.form.rotation(self.orientation, given)
+        assert self.form.vectors is not None  # else there are no such columns
+        try:
+            R = rotation_from_vector(self.form.vectors, self.form.angle_mode, given, self._before, kept_deg=self._kept)
+        except ChainbuildError as error:
+            error.span = error.span or Span(self.file, line)
+            raise
+        self._before = R
+        return R
 
     def _whole(self, line: int, name: str, values: Sequence[float]) -> int | None:
         if name not in self._place:

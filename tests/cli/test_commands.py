@@ -37,6 +37,24 @@ def test_info_is_readable_in_80_columns(run: Run, monkeypatch: pytest.MonkeyPatc
     assert "joint 2: swings" in run("info", "kr6r900_2").out
 
 
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ("", "ANGLE; a vector is the tool's X, angle A kept (FIXED_AX_IDX=3)"),
+        (
+            "ori_rotation_angle 2\nori.mode VECTOR_IJK",
+            "VECTOR_IJK; a vector is the tool's X, angle C kept (FIXED_AX_IDX=5)",
+        ),
+        ("ori.tool_ax_in_plane 1", "ANGLE; a vector is the tool's X, tool Z perpendicular to Y (TOOL_AX_IN_PLANE=1)"),
+    ],
+)
+def test_info_says_what_a_programmed_vector_means(run: Run, tmp_path: Path, lines: str, said: str) -> None:
+    path = tmp_path / "arm.lis"
+    path.write_text(f"trafo[0].id 45\n{lines}\n")
+    assert f"Vectors (#ORI MODE): {said}" in " ".join(run("info", str(path)).out.split())
+    assert "Vectors" not in run("info", "kr6r900").out
+
+
 def test_info_says_how_to_choose_and_where_limits_come_from(run: Run) -> None:
     out = run("info", "kr6r900").out
     assert re.search(r"^ 1 +ROBX .* default *$", out, re.MULTILINE)
@@ -57,6 +75,7 @@ def test_info_of_arrays_is_one_row_each(run: Run) -> None:
 
 def test_info_for_programs(run: Run) -> None:
     data = json.loads(run("info", "kr6r900_2", "--json").out)
+    assert data["vectors"] == {"mode": "angle", "fixed": None, "plane": 0, "axis": "x"}
     chain = chainbuild.load("kr6r900_2").chain()
     assert [axis["name"] for axis in data["axes"]] == [axis.name for axis in chain.axes]
     assert data["axes"][1]["lower"] == -190.0

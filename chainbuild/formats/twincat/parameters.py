@@ -5,18 +5,22 @@ from __future__ import annotations
 from dataclasses import replace
 
 from chainbuild import frames
+from chainbuild.chain.vectors import FIXED_AXIS_INDEX
 from chainbuild.errors import ChainbuildError
 from chainbuild.findings import Collector
 from chainbuild.formats.machine import ParameterRow
+from chainbuild.formats.twincat.lists.config import Orientation
 from chainbuild.formats.twincat.lists.hdtable import type_data
 from chainbuild.formats.twincat.lists.named_parameters import named_parameter, slot_name
 from chainbuild.formats.twincat.lists.reader import Assignment
 from chainbuild.formats.twincat.lists.source import Source
 from chainbuild.formats.twincat.lists.toollist import acting_params
 from chainbuild.formats.twincat.types.catalogue import why_unsupported
+from chainbuild.formats.twincat.types.draft import SIX_AXIS_ARM
 from chainbuild.formats.twincat.universal.universal import UNIVERSAL
 
 _ANGLE_MEANING = "Order of the pose angles A, B, C"
+_PLANES = {0: "none", 1: "Z of the tool, ZX plane", 2: "Y of the tool, YZ plane"}
 
 
 def parameter_rows(source: Source, collector: Collector) -> tuple[ParameterRow, ...]:
@@ -51,7 +55,13 @@ def parameter_rows(source: Source, collector: Collector) -> tuple[ParameterRow, 
     if trafo.type == UNIVERSAL:
         rows = [_slot_row(row) for row in rows]
     rows.extend(_named_row(name, entry) for name, entry in trafo.extras.items())
-    return tuple(rows) if why_unsupported(trafo.type) else (*rows, _angle_row(source))
+    if why_unsupported(trafo.type):
+        return tuple(rows)
+    return (
+        *rows,
+        _angle_row(source),
+        *(_vector_rows(source.channel.orientation) if trafo.type == SIX_AXIS_ARM else ()),
+    )
 
 
 def _named_row(name: str, entry: Assignment) -> ParameterRow:
@@ -96,4 +106,19 @@ def _angle_row(source: Source) -> ParameterRow:
         given=given is not None,
         source="P-CHAN-00112",
         span=given.span if given else None,
+    )
+
+
+def _vector_rows(given: Orientation) -> tuple[ParameterRow, ...]:
+    """Return what says how a program states orientations, as it acts."""
+    fixed = FIXED_AXIS_INDEX[given.fixed] if given.fixed else 0
+    kept = f"angle {given.fixed}" if given.fixed else "the one that leaves the vector free, unless a plane is given"
+    rows: tuple[tuple[str, str, int | str, str], ...] = (
+        ("mode", "P-CHAN-00177", given.mode.upper(), "How a program states orientations: angles or vectors"),
+        ("fixed_axis_index", "P-CHAN-00178", fixed, f"Rotary axis that vector programming keeps: {kept}"),
+        ("tool_ax_in_plane", "P-CHAN-00436", given.plane, f"Tool axis in a plane: {_PLANES[given.plane]}"),
+    )
+    return tuple(
+        ParameterRow(f"ori.{name}", number, value, "", meaning, name in given.spans, number, given.spans.get(name))
+        for name, number, value, meaning in rows
     )

@@ -71,4 +71,4 @@ def test_angle_modes(number: int | None, mode: str, code: str | None) -> None:
 def test_euler_letters() -> None:
     chain = machine(kin_45({}, "ori_rotation_angle 1")).chain(conventions={"euler_letters": "c_first"})
     assert chain.angle_mode == "euler_c_first"
-    assert [used.convention.name for used in chain.conventions] == ["euler_letters"]
+    assert [used.convention.name for used in chain.conventions] == ["euler_letters", "ori_vector_axis"]

@@ -1,11 +1,14 @@
-"""Reading a channel list: kinematics, defaults, angle mode and axes, from assignments to typed configuration."""
+"""Reading a channel list: kinematics, defaults, angles, vectors and axes, from assignments to typed configuration."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, TypeVar, get_args
 
-from chainbuild.errors import Span
+from chainbuild.chain.vectors import BOTH_SET_ALARM, FIXED_AXIS_INDEX, AngleLetter, OriMode, ToolPlane
+from chainbuild.closest import closest
+from chainbuild.errors import MachineDataError, Span
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.config import (
     MAX_KINEMATIC_STEPS,
@@ -16,6 +19,7 @@ from chainbuild.formats.twincat.lists.config import (
     Channel,
     ChannelAxis,
     Default,
+    Orientation,
     RawValue,
     Trafo,
     bad_name,
@@ -27,8 +31,14 @@ from chainbuild.formats.twincat.lists.counts import check_counts
 from chainbuild.formats.twincat.lists.named_parameters import is_general, named_parameter, nearest_name
 from chainbuild.formats.twincat.lists.reader import Assignment, Key, ParameterList, canonical
 
+_Meaning = TypeVar("_Meaning")
+
 # P-CHAN-00112; 11 is described as not supported by the controller.
 _ANGLE_MODES: Final = frozenset({*range(-1, 6), *range(10, 22)})
+_ORI_MODES: Final[Mapping[str, OriMode]] = {mode.upper(): mode for mode in get_args(OriMode)}
+_FIXED_AXES: Final[Mapping[float, AngleLetter | None]] = {0: None, **{n: a for a, n in FIXED_AXIS_INDEX.items()}}
+_TOOL_PLANES: Final[Mapping[float, ToolPlane]] = {plane: plane for plane in get_args(ToolPlane)}
+_ORI_NAMES: Final = ("mode", "fixed_axis_index", "tool_ax_in_plane")
 _CHECK_OWN_NAMES: Final = (91, 210)  # universal and coupling kinematic, configured by names
 
 
@@ -56,7 +66,7 @@ def read_channel(parameters: ParameterList, collector: Collector, index: int = 0
     defaults = _defaults(parameters, collector)
     channel = Channel(
         index, name, tuple(trafos), pcs, defaults, _angle_mode(parameters, collector), _axes(parameters, collector),
-        parameters.span,
+        parameters.span, _orientation(parameters, collector),
     )  # fmt: skip
     for step, default in defaults.items():
         if channel.default_trafo(step) is None and any(t.step == step for t in trafos):
@@ -194,6 +204,61 @@ def _angle_mode(parameters: ParameterList, collector: Collector) -> RawValue | N
             permitted="-1 to 5, 10 to 21 (P-CHAN-00112)",
         )  # fmt: skip
     return None
+
+
+def _orientation(parameters: ParameterList, collector: Collector) -> Orientation:
+    """Return how orientations are programmed; of an index and a plane that are both given, neither counts."""
+    _warn_unknown_ori(parameters, collector)
+    found = {name: entry for name in _ORI_NAMES if (entry := parameters.get(f"ori.{name}"))}
+    spans = {name: entry.span for name, entry in found.items()}
+    mode: OriMode = "angle"
+    fixed: AngleLetter | None = None
+    plane: ToolPlane = 0
+    with errors_collected_by(collector):
+        mode = _ori_mode(found["mode"]) if "mode" in found else mode
+    with errors_collected_by(collector):
+        fixed = _one_of(found.get("fixed_axis_index"), _FIXED_AXES, "0 (none), 3, 4 or 5: A, B or C")
+    with errors_collected_by(collector):
+        plane = _one_of(found.get("tool_ax_in_plane"), _TOOL_PLANES, "0 (none), 1 (ZX) or 2 (YZ)")
+    if fixed and plane:
+        here, there = found["tool_ax_in_plane"], found["fixed_axis_index"]
+        text = f"{there.name} and {here.name} exclude each other; the controller takes both as 0"
+        hint = f"keep this line or line {there.span.line}, not both"
+        collector.add("CB415", text, span=here.span, parameter=here.name, alarm=BOTH_SET_ALARM, hint=hint)
+        return Orientation(mode, spans=spans)
+    return Orientation(mode, fixed, plane, spans)
+
+
+def _ori_mode(entry: Assignment) -> OriMode:
+    given = entry.text()
+    mode = _ORI_MODES.get(given.upper())
+    if mode:
+        return mode
+    raise MachineDataError(
+        f"{entry.name} is {given[:40]!r}", span=entry.span, parameter=entry.name,
+        permitted=f"{', '.join(_ORI_MODES)} (P-CHAN-00177)", code="CB204",
+    )  # fmt: skip
+
+
+def _one_of(entry: Assignment | None, meanings: Mapping[float, _Meaning], permitted: str) -> _Meaning:
+    """Return what a number that is one of a few means; that of 0 where it is not given."""
+    value = entry.number() if entry else 0.0
+    if entry and value not in meanings:
+        raise MachineDataError(
+            f"{entry.name} is {value:g}", span=entry.span, parameter=entry.name, permitted=permitted, code="CB204"
+        )
+    return meanings[value]
+
+
+def _warn_unknown_ori(parameters: ParameterList, collector: Collector) -> None:
+    """Warn of names under `ori` that nothing reads and that resemble one that is read."""
+    for entry in parameters.under("ori"):
+        rest = canonical(entry.keys[1:])
+        near = closest(rest, _ORI_NAMES) if rest else None
+        if rest not in _ORI_NAMES and near:
+            text = f"{entry.name[:80]} is not a parameter of orientations; it is ignored"
+            hint = f"did you mean ori.{near}?"
+            collector.add("CB227", text, span=entry.span, parameter=entry.name[:80], hint=hint)
 
 
 def _axes(parameters: ParameterList, collector: Collector) -> dict[int, ChannelAxis]:

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Final
 
+from chainbuild.chain.vectors import AngleLetter, OriMode, ToolPlane
 from chainbuild.errors import ChainbuildError, MachineDataError, ParseError, Span
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.reader import Assignment
@@ -105,6 +106,23 @@ class Default:
 
 
 @dataclass(frozen=True, slots=True)
+class Orientation:
+    """How the channel's programs state orientations: ori.mode and its neighbours.
+
+    Attributes:
+        mode: P-CHAN-00177.
+        fixed: P-CHAN-00178, the angle of the rotary axis that is kept; None where the index is 0.
+        plane: P-CHAN-00436, 1 (ZX) or 2 (YZ) that a tool axis is parallel to, or 0.
+        spans: Name → where the list gives it.
+    """
+
+    mode: OriMode = "angle"
+    fixed: AngleLetter | None = None
+    plane: ToolPlane = 0
+    spans: Mapping[str, Span] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
 class Channel:
     """Contents of one channel list.
 
@@ -117,6 +135,7 @@ class Channel:
         angle_mode: P-CHAN-00112, ori_rotation_angle.
         axes: Axes by channel index.
         span: Where the list begins.
+        orientation: Angles or vectors (ori.mode).
     """
 
     index: int
@@ -127,6 +146,7 @@ class Channel:
     angle_mode: RawValue | None = None
     axes: Mapping[int, ChannelAxis] = field(default_factory=dict)
     span: Span | None = None
+    orientation: Orientation = field(default_factory=Orientation)
 
     def default_trafo(self, step: int = 0) -> Trafo | None:
         """Return the default kinematic of a step: as the list names it, else None."""

@@ -7,9 +7,11 @@ from typing import Final
 from chainbuild import frames
 from chainbuild.chain.assemble import assemble
 from chainbuild.chain.elements import Chain
+from chainbuild.chain.vectors import VectorProgramming, check_condition
 from chainbuild.convention import Choices
+from chainbuild.errors import ChainbuildError
 from chainbuild.findings import Collector
-from chainbuild.formats.twincat.lists.config import RawValue
+from chainbuild.formats.twincat.lists.config import Orientation, RawValue
 from chainbuild.formats.twincat.lists.counts import check_param_counts
 from chainbuild.formats.twincat.lists.source import DIALECT, Source
 from chainbuild.formats.twincat.lists.toollist import acting_params
@@ -18,6 +20,7 @@ from chainbuild.formats.twincat.recipes.recipe import Params
 from chainbuild.formats.twincat.types.catalogue import KinType, kin_type
 from chainbuild.formats.twincat.types.displays import display_of
 
+SIX_AXIS_ARM: Final = 45  # the KIN_TYP of the manual on #ORI MODE
 _EULER: Final = {"a_first": "euler_a_first", "c_first": "euler_c_first"}
 
 
@@ -62,8 +65,11 @@ def serial_draft(source: Source, choose: Choices, collector: Collector) -> Chain
     recipe = kind.recipe(params, choose)
     check_arm_magnitudes(params)
     axes = recipe.axes or params.axes
-    body = assemble(axes, recipe.tool, recipe.workpiece, recipe.axis_map)
     mode = recipe.angle_mode or angle_mode(source.channel.angle_mode, choose, collector)
+    vectors = None
+    if kind.number == SIX_AXIS_ARM:
+        vectors = _vectors(source.channel.orientation, mode, choose, collector)
+    body = assemble(axes, recipe.tool, recipe.workpiece, recipe.axis_map)
     return Chain(
         name=draft_name(source),
         title=source.trafo.name or kind.title,
@@ -77,7 +83,24 @@ def serial_draft(source: Source, choose: Choices, collector: Collector) -> Chain
         angle_mode=mode,
         task=recipe.task,
         display=display_of(params, axes, mode, choose),
+        vectors=vectors,
     )
+
+
+def _vectors(given: Orientation, mode: str, choose: Choices, collector: Collector) -> VectorProgramming:
+    """Return how vectors are programmed; a condition that does not go with every vector leaves a finding.
+
+    The chain is built all the same: nothing depends on it before a program turns vectors on.
+    """
+    how = VectorProgramming(given.mode, given.fixed, given.plane, "z" if choose["ori_vector_axis"] == "z" else "x")
+    try:
+        check_condition(how, mode)
+    except ChainbuildError as error:
+        span = given.spans.get("fixed_axis_index" if how.fixed else "tool_ax_in_plane")
+        collector.add(
+            "CB414", error.message, span=span, parameter=error.parameter, permitted=error.permitted, hint=error.hint
+        )
+    return how
 
 
 def draft_name(source: Source) -> str:
