@@ -102,6 +102,8 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.ik.branches.core.branches import Branch as Branch
     from chainbuild.ik.branches.core.branches import Branches as Branches
     from chainbuild.ik.branches.opw.batch import ik_all_batch as ik_all_batch
+    from chainbuild.ik.branches.status_turn import status_turn as status_turn
+    from chainbuild.ik.branches.status_turn import status_turn_rows as status_turn_rows
     from chainbuild.ik.options import IkOptions as IkOptions
     from chainbuild.ik.plan import SolverPlan as SolverPlan
     from chainbuild.ik.policies.redundancy import Preference as Preference
@@ -168,6 +170,7 @@ _HOMES = {
     "chainbuild.formats.urdf": "from_urdf",
     "chainbuild.ik.branches.core.branches": "Branch Branches",
     "chainbuild.ik.branches.opw.batch": "ik_all_batch",
+    "chainbuild.ik.branches.status_turn": "status_turn status_turn_rows",
     "chainbuild.ik.options": "IkOptions",
     "chainbuild.ik.plan": "SolverPlan",
     "chainbuild.ik.policies.redundancy": "Preference",

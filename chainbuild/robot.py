@@ -79,7 +79,7 @@ class Robot(Mechanism):
 
         return cls(from_urdf(path, tool=tool))
 
-    def ik(
+    def ik(  # noqa: PLR0913 (every option by name)
         self,
         T: Pose | ArrayLike,
         start: ArrayLike | None = None,
@@ -89,6 +89,8 @@ class Robot(Mechanism):
         absolute_c_deg: float | None = None,
         prefer: Preference | None = None,
         options: IkOptions | None = None,
+        status: int | None = None,
+        turn: int | None = None,
         units: Units = "controller",
     ) -> IkResult:
         """Find axis values that bring the tool to a pose, inside the limits and verified by forward kinematics.
@@ -108,6 +110,8 @@ class Robot(Mechanism):
             prefer: Redundancy resolution on robots with more axes than the pose needs: "near" the start, in the
                 "middle" of the limits, or "dexterous", away from singularities. None: what the solver finds.
             options: Tolerances, weights, restarts and seed of the damped solver.
+            status: KIN_TYP 45: only solutions of this pose status (IS, 0 … 7) count.
+            turn: Only solutions of this turn (IT, 0 … 63) count, whole turns included; it needs the status.
             units: Those of start, held and the result: "controller", mm and degrees, or "si", metres and radians.
 
         Returns:
@@ -115,14 +119,14 @@ class Robot(Mechanism):
 
         Raises:
             AxisValueError: start or held has a wrong number of values, an unknown name or a non-finite value.
-            ChainbuildError: T is not a rigid transform, or the robot has no such solver.
+            ChainbuildError: T is not a rigid transform, or the robot has no such solver, status or turn.
         """
         from chainbuild.ik.solve import solve
 
         if units == "controller":
-            return solve(self, T, start, held, solver, absolute_c_deg, prefer, options)
+            return solve(self, T, start, held, solver, absolute_c_deg, prefer, options, (status, turn))
         start, held = self._in_controller_units(start, held, units)
-        return solve(self, T, start, held, solver, absolute_c_deg, prefer, options).to(units)
+        return solve(self, T, start, held, solver, absolute_c_deg, prefer, options, (status, turn)).to(units)
 
     def ik_path(
         self,
@@ -191,6 +195,8 @@ class Robot(Mechanism):
         held: Mapping[str, float] | Sequence[float] | None = None,
         *,
         windings: bool = False,
+        status: int | None = None,
+        turn: int | None = None,
         units: Units = "controller",
     ) -> Branches:
         """Find every branch of a pose inside the limits, nearest to the start first, verified by forward kinematics.
@@ -202,17 +208,19 @@ class Robot(Mechanism):
             start: Axis values (n_axes,) that order the branches; axes that a singular pose leaves free keep theirs.
             held: As for `ik`.
             windings: True: every whole turn within the limits is a branch of its own, not only the nearest.
+            status: Only branches of this status and this turn, as for `ik`; None: all.
+            turn: See status.
             units: As for `ik`.
 
         Raises:
             AxisValueError: start or held of wrong count, unknown name or not finite.
             ChainbuildError: T is no rigid transform, more axes are free than the pose determines, or there are no such
-                units.
+                units, status or turn.
         """
         from chainbuild.ik.branches.every import ik_all
 
         start, held = self._in_controller_units(start, held, units)
-        return ik_all(self, T, start, held, windings=windings).to(units)
+        return ik_all(self, T, start, held, windings=windings, status=status, turn=turn).to(units)
 
     def ik_all_batch(
         self,
