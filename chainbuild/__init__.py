@@ -107,9 +107,11 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.ik.options import IkOptions as IkOptions
     from chainbuild.ik.plan import SolverPlan as SolverPlan
     from chainbuild.ik.policies.redundancy import Preference as Preference
+    from chainbuild.ik.policies.status_path import status_changes as status_changes
     from chainbuild.ik.result import IkResult as IkResult
     from chainbuild.ik.result import Status as Status
     from chainbuild.ik.search.table import IkTable as IkTable
+    from chainbuild.ik.search.table import StatusChange as StatusChange
     from chainbuild.inspect.export import export_page as export_page
     from chainbuild.kinematics.limits import Limits as Limits
     from chainbuild.kinematics.mechanism import Mechanism as Mechanism
@@ -174,8 +176,9 @@ _HOMES = {
     "chainbuild.ik.options": "IkOptions",
     "chainbuild.ik.plan": "SolverPlan",
     "chainbuild.ik.policies.redundancy": "Preference",
+    "chainbuild.ik.policies.status_path": "status_changes",
     "chainbuild.ik.result": "IkResult Status",
-    "chainbuild.ik.search.table": "IkTable",
+    "chainbuild.ik.search.table": "IkTable StatusChange",
     "chainbuild.inspect.export": "export_page",
     "chainbuild.kinematics.limits": "Limits",
     "chainbuild.kinematics.mechanism": "Mechanism",

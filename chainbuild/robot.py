@@ -140,7 +140,8 @@ class Robot(Mechanism):
     ) -> IkTable:
         """Find axis values along a path, each pose starting at the previous one and on the nearest branch.
 
-        A pose that is not reached keeps its status, and the next one starts at the last that was reached.
+        A pose that is not reached keeps its status, and the next one starts at the last that was reached. On KIN_TYP 45
+        the pose status of the start, else of the first row, is kept where it can be; the table tells where not.
 
         Args:
             poses: (N, 4, 4) poses or a sequence of `pin.SE3`, tool in the workpiece frame [m].
@@ -154,10 +155,10 @@ class Robot(Mechanism):
             AxisValueError: start or held has a wrong number of values, an unknown name or a non-finite value.
             ChainbuildError: a pose is not a rigid transform.
         """
-        from chainbuild.ik.search.path import solve_path
+        from chainbuild.ik.policies.status_path import follow_path
 
         start, held = self._in_controller_units(start, held, units)
-        return solve_path(self, poses, start, held, progress, options).to(units)
+        return follow_path(self, poses, start, held, progress, options).to(units)
 
     def ik_batch(
         self,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -23,8 +24,11 @@ from chainbuild.kinematics.screws import joints_between_tips
 
 _KINEMATIC: Final = "KIN_TYP 45"
 _BITS: Final = np.array([WRIST_BEHIND, WRIST_IN_FRONT, HAND_NEGATIVE])
-# Beyond this a bit is set.
+# A pose met to 1e-9 m leaves the elbow of a stretched arm of 5 m undecided by so much [m]: the square root of 2·L·1e-9.
+_STRETCHED_M: Final = 1e-4
+# Beyond this a bit is set, and on either side of zero less than that is within what a verified pose leaves open.
 _SET_ABOVE: Final = np.array([tolerances.ZERO_VECTOR, tolerances.ZERO_VECTOR, tolerances.BELOW_ZERO_DEG])
+_OPEN_BELOW: Final = np.array([tolerances.IK_POSITION_M, _STRETCHED_M, math.degrees(tolerances.IK_ROTATION_RAD)])
 
 
 def has_status(mechanism: Mechanism) -> bool:
@@ -76,6 +80,15 @@ def status_turn_rows(robot: Mechanism, axes: ArrayLike) -> Integers:
     turn = (values < -tolerances.BELOW_ZERO_DEG) @ (1 << np.arange(values.shape[1]))
     found: Integers = np.stack((status, turn), axis=1)
     return found
+
+
+def status_and_decided(mechanism: Mechanism, values: Matrix) -> tuple[Integers, Integers]:
+    """Return the status (N,) of rows of axis values (N, 6), and which of its bits (N,) are decided.
+
+    A bit is not where the arm is as near to the boundary as a verified pose leaves open: at a singular position.
+    """
+    margins = _margins(mechanism, values)
+    return (margins > 0.0) @ _BITS, (np.abs(margins) > _OPEN_BELOW) @ _BITS
 
 
 @dataclass(frozen=True, slots=True, eq=False)
