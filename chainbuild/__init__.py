@@ -106,12 +106,16 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.ik.branches.core.branches import Branch as Branch
     from chainbuild.ik.branches.core.branches import Branches as Branches
     from chainbuild.ik.branches.opw.batch import ik_all_batch as ik_all_batch
+    from chainbuild.ik.branches.status_turn import status_turn as status_turn
+    from chainbuild.ik.branches.status_turn import status_turn_rows as status_turn_rows
     from chainbuild.ik.plan import SolverPlan as SolverPlan
     from chainbuild.ik.policies.redundancy import Preference as Preference
+    from chainbuild.ik.policies.status_path import status_changes as status_changes
     from chainbuild.ik.request import IkOptions as IkOptions
     from chainbuild.ik.result import IkResult as IkResult
     from chainbuild.ik.result import Status as Status
     from chainbuild.ik.search.table import IkTable as IkTable
+    from chainbuild.ik.search.table import StatusChange as StatusChange
     from chainbuild.inspect.export import export_page as export_page
     from chainbuild.kinematics.limits import Limits as Limits
     from chainbuild.kinematics.mechanism import Mechanism as Mechanism
@@ -174,10 +178,12 @@ _HOMES = {
     "chainbuild.ik.branches.core.branches": "Branch Branches",
     "chainbuild.ik.branches.opw.batch": "ik_all_batch",
     "chainbuild.ik.request": "IkOptions",
+    "chainbuild.ik.branches.status_turn": "status_turn status_turn_rows",
     "chainbuild.ik.plan": "SolverPlan",
     "chainbuild.ik.policies.redundancy": "Preference",
+    "chainbuild.ik.policies.status_path": "status_changes",
     "chainbuild.ik.result": "IkResult Status",
-    "chainbuild.ik.search.table": "IkTable",
+    "chainbuild.ik.search.table": "IkTable StatusChange",
     "chainbuild.inspect.export": "export_page",
     "chainbuild.kinematics.limits": "Limits",
     "chainbuild.kinematics.mechanism": "Mechanism",

@@ -78,7 +78,7 @@ class Robot(Mechanism):
 
         return cls(from_urdf(path, tool=tool))
 
-    def ik(
+    def ik(  # noqa: PLR0913 (every option by name)
         self,
         T: Pose | ArrayLike,
         start: ArrayLike | None = None,
@@ -88,6 +88,8 @@ class Robot(Mechanism):
         absolute_c_deg: float | None = None,
         prefer: Preference | None = None,
         options: IkOptions | None = None,
+        status: int | None = None,
+        turn: int | None = None,
         units: Units = "controller",
     ) -> IkResult:
         """Find axis values that bring the tool to a pose, inside the limits and verified by forward kinematics.
@@ -107,6 +109,8 @@ class Robot(Mechanism):
             prefer: Redundancy resolution on robots with more axes than the pose needs: "near" the start, in the
                 "middle" of the limits, or "dexterous", away from singularities. None: what the solver finds.
             options: Tolerances, weights, restarts and seed of the damped solver.
+            status: KIN_TYP 45: only solutions of this pose status (IS, 0 … 7) count.
+            turn: Only solutions of this turn (IT, 0 … 63) count, whole turns included; it needs the status.
             units: Those of start, held and the result: "controller", mm and degrees, or "si", metres and radians.
 
         Returns:
@@ -114,14 +118,14 @@ class Robot(Mechanism):
 
         Raises:
             AxisValueError: start or held has a wrong number of values, an unknown name or a non-finite value.
-            ChainbuildError: T is not a rigid transform, or the robot has no such solver.
+            ChainbuildError: T is not a rigid transform, or the robot has no such solver, status or turn.
         """
         from chainbuild.ik.solve import solve
 
         if units == "controller":
-            return solve(self, T, start, held, solver, absolute_c_deg, prefer, options)
+            return solve(self, T, start, held, solver, absolute_c_deg, prefer, options, (status, turn))
         start, held = self._in_controller_units(start, held, units)
-        return solve(self, T, start, held, solver, absolute_c_deg, prefer, options).to(units)
+        return solve(self, T, start, held, solver, absolute_c_deg, prefer, options, (status, turn)).to(units)
 
     def ik_path(
         self,
@@ -135,7 +139,8 @@ class Robot(Mechanism):
     ) -> IkTable:
         """Find axis values along a path, each pose starting at the previous one and on the nearest branch.
 
-        A pose that is not reached keeps its status, and the next one starts at the last that was reached.
+        A pose that is not reached keeps its status, and the next one starts at the last that was reached. On KIN_TYP 45
+        the pose status of the start, else of the first row, is kept where it can be; the table tells where not.
 
         Args:
             poses: (N, 4, 4) poses or a sequence of `pin.SE3`, tool in the workpiece frame [m].
@@ -149,10 +154,10 @@ class Robot(Mechanism):
             AxisValueError: start or held has a wrong number of values, an unknown name or a non-finite value.
             ChainbuildError: a pose is not a rigid transform.
         """
-        from chainbuild.ik.search.path import solve_path
+        from chainbuild.ik.policies.status_path import follow_path
 
         start, held = self._in_controller_units(start, held, units)
-        return solve_path(self, poses, start, held, progress, options).to(units)
+        return follow_path(self, poses, start, held, progress, options).to(units)
 
     def ik_batch(
         self,
@@ -190,6 +195,8 @@ class Robot(Mechanism):
         held: Mapping[str, float] | Sequence[float] | None = None,
         *,
         windings: bool = False,
+        status: int | None = None,
+        turn: int | None = None,
         units: Units = "controller",
     ) -> Branches:
         """Find every branch of a pose inside the limits, nearest to the start first, verified by forward kinematics.
@@ -201,17 +208,19 @@ class Robot(Mechanism):
             start: Axis values (n_axes,) that order the branches; axes that a singular pose leaves free keep theirs.
             held: As for `ik`.
             windings: True: every whole turn within the limits is a branch of its own, not only the nearest.
+            status: Only branches of this status and this turn, as for `ik`; None: all.
+            turn: See status.
             units: As for `ik`.
 
         Raises:
             AxisValueError: start or held of wrong count, unknown name or not finite.
             ChainbuildError: T is no rigid transform, more axes are free than the pose determines, or there are no such
-                units.
+                units, status or turn.
         """
         from chainbuild.ik.branches.every import ik_all
 
         start, held = self._in_controller_units(start, held, units)
-        return ik_all(self, T, start, held, windings=windings).to(units)
+        return ik_all(self, T, start, held, windings=windings, status=status, turn=turn).to(units)
 
     def ik_all_batch(
         self,

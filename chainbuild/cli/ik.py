@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
-from itertools import chain, groupby, islice
+from itertools import groupby
 from pathlib import Path
 from threading import Timer
 from typing import TYPE_CHECKING, Annotated, Final
@@ -16,7 +16,7 @@ from cyclopts import Parameter
 from chainbuild import tolerances
 from chainbuild.cli.show import note, output, with_progress
 from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, MachineOptions, Output
-from chainbuild.errors import ChainbuildError, Span, TableError
+from chainbuild.errors import ChainbuildError, Span
 from chainbuild.ik.rules import Solver
 from chainbuild.units import deg_from_rad, mm_from_m, rad_from_deg
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from chainbuild.chain.elements import Task
+    from chainbuild.cli.axisvalues import Starts
     from chainbuild.ik.result import IkResult
     from chainbuild.robot import Robot
     from chainbuild.tables import AxisTable, PoseRow, PoseTable
@@ -52,7 +53,9 @@ def solutions(
     Raises:
         TableError: a row holds no pose, or the number of starts does not match.
     """
-    given = _Starts(starts, table.file, only_one=follow) if starts else None
+    from chainbuild.cli.axisvalues import Starts
+
+    given = Starts(starts, table.file, only_one=follow) if starts else None
     if table.orientation.source == "vector" and given:
         table.begin(robot.fk(given.first).rotation)
     with _compilation_notice():
@@ -64,7 +67,7 @@ def solutions(
     yield from rows
 
 
-def _one_by_one(robot: Robot, table: PoseTable, given: _Starts | None, solver: Solver) -> Iterator[PoseAndResult]:
+def _one_by_one(robot: Robot, table: PoseTable, given: Starts | None, solver: Solver) -> Iterator[PoseAndResult]:
     last: Vector | None = None
     for row in table.rows():
         result = _solved(robot, table, row, given.next() if given else last, solver)
@@ -77,24 +80,39 @@ def _one_by_one(robot: Robot, table: PoseTable, given: _Starts | None, solver: S
 
 def _followed(robot: Robot, table: PoseTable, last: Vector | None, solver: Solver) -> Iterator[PoseAndResult]:
     """Solve a path: as a whole where nothing but the pose changes, else row by row from the solution before."""
+    watch = None
+    if robot.chain.has_status:
+        from chainbuild.ik.policies.status_path import StatusWatch
+
+        watch = StatusWatch(robot)
+        if last is not None:
+            watch.change(last)
     for _, group in groupby(table.rows(), key=_beside):
         part = list(group)
         results: Iterator[IkResult]
         first = part[0]
-        alone = first.c_deg is not None or first.shown is not None
-        if len(part) == 1 or alone or solver not in ("auto", "damped"):
+        alone = first.c_deg is not None or first.shown is not None or first.status is not None
+        alone = alone or len(part) == 1 or solver not in ("auto", "damped")
+        told: Mapping[int, str] = {}
+        if alone:
             results = (_solved(robot, table, row, last, solver) for row in part)
         else:
-            results = iter(robot.ik_path([row.T for row in part], last, first.held))
-        for row, result in zip(part, results, strict=True):
+            path = robot.ik_path([row.T for row in part], last, first.held)
+            told, results = {change.row: change.words for change in path.status_changes}, iter(path)
+        for n, (row, result) in enumerate(zip(part, results, strict=True)):
             if result.success:
                 last = result.axes
+                change = None if watch is None else watch.change(last)
+                words = told.get(n) or (change.words if alone and change else None)
+                if words:
+                    note(f"{table.file}:{row.line}: {words}")
             yield row, result
 
 
-def _beside(row: PoseRow) -> tuple[bool, bool, tuple[tuple[str, float], ...]]:
+def _beside(row: PoseRow) -> tuple[bool, bool, bool, tuple[tuple[str, float], ...]]:
     """Return what a row specifies besides its pose."""
-    return row.c_deg is None, row.shown is None, tuple((row.held or {}).items())
+    chosen = row.status is None and row.turn is None
+    return row.c_deg is None, row.shown is None, chosen, tuple((row.held or {}).items())
 
 
 def _solved(robot: Robot, table: PoseTable, row: PoseRow, begin: Vector | None, solver: Solver) -> IkResult:
@@ -103,7 +121,9 @@ def _solved(robot: Robot, table: PoseTable, row: PoseRow, begin: Vector | None, 
             from chainbuild.ik.displayed import solve_displayed
 
             return solve_displayed(robot, row.T[:3, 3], row.shown, begin, row.held, solver)
-        result = robot.ik(row.T, start=begin, held=row.held, solver=solver, absolute_c_deg=row.c_deg)
+        result = robot.ik(
+            row.T, begin, row.held, solver=solver, absolute_c_deg=row.c_deg, status=row.status, turn=row.turn
+        )
     except ChainbuildError as error:
         error.span = error.span or Span(table.file, row.line)
         raise
@@ -156,54 +176,6 @@ def _agreeing(robot: Robot, T: Matrix, result: IkResult) -> IkResult:
         return result
     reason = "c_deg contradicts the quaternion of the row"
     return replace(result, success=False, status="unreachable", rotation_error=angle, reason=reason)
-
-
-class _Starts:
-    """Start values: the single row of a table for every pose, or one row per pose; `first` is the first of them.
-
-    Args:
-        starts: The table.
-        poses: Name of the table of poses, for messages.
-        only_one: Whether a second row is an error.
-
-    Raises:
-        TableError: the table has no row, or too many.
-    """
-
-    def __init__(self, starts: AxisTable, poses: str, *, only_one: bool = False) -> None:
-        self._file, self._poses = starts.file, poses
-        rows = (values for _, values in starts.rows())
-        ahead = list(islice(rows, 2))
-        if not ahead:
-            raise TableError("the table of start values has no rows", span=Span(self._file))
-        if only_one and len(ahead) > 1:
-            raise TableError(
-                "--follow: expected one row of start values, got more", span=Span(self._file), permitted="one row"
-            )
-        self.first = ahead[0]
-        self._only = ahead[0] if len(ahead) == 1 else None
-        self._rows = chain(ahead, rows)
-
-    def next(self) -> NDArray[np.float64]:
-        """Return the start of the next pose."""
-        if self._only is not None:
-            return self._only
-        values = next(self._rows, None)
-        if values is None:
-            raise self._wrong_count("fewer")
-        return values
-
-    def finish(self) -> None:
-        """Refuse rows that are left when all poses are done."""
-        if self._only is None and next(self._rows, None) is not None:
-            raise self._wrong_count("more")
-
-    def _wrong_count(self, comparison: str) -> TableError:
-        return TableError(
-            f"the table of start values has {comparison} rows than {self._poses}",
-            span=Span(self._file),
-            permitted="one row, or one row per pose",
-        )
 
 
 _REASONS_SHOWN: Final = 10  # fit on a screen; the others are counted

@@ -53,7 +53,13 @@ def from_display(
     if R is None:
         return solve_displayed(mechanism, place, given, start, inputs)
     running = values.get(C_COLUMN) if asked.form.running_c else None
-    return solve(mechanism, frames.transform(R, place), start, inputs, absolute_c_deg=running)
+    bits = (_bits(values.get("is")), _bits(values.get("it")))
+    return solve(mechanism, frames.transform(R, place), start, inputs, absolute_c_deg=running, status_turn=bits)
+
+
+def _bits(value: float | None) -> int | None:
+    """Return status or turn as an integer; what is no whole number is refused as such where it is used."""
+    return int(value) if value is not None and value == int(value) else value  # type: ignore[return-value]
 
 
 def from_display_batch(

@@ -5,6 +5,7 @@ request → search → (its first success is the answer if no more is requested)
 → sums          a branch that keeps the limits on sums of axes
 → four axes     a ROBX robot of four axes: A and B of the pose follow, C counts turns
 → redundancy    the preferred one of infinitely many solutions
+→ status        instead of all these where one is programmed: the branch of that pose status and turn
 → last check    every axis on the inner side of its limits, the pose still met
 """
 
@@ -38,9 +39,12 @@ def solve(
     absolute_c_deg: float | None = None,
     prefer: Preference | None = None,
     options: IkOptions | None = None,
+    status_turn: tuple[int | None, int | None] = (None, None),
 ) -> IkResult:
     """Return axis values for a pose; see `Robot.ik`."""
     request, searched = IkRequest.of(mechanism, T, start, held, options), None
+    if status_turn != (None, None):
+        return checked(request, of_status(request, status_turn, solver, absolute_c_deg, prefer))
     if absolute_c_deg is None and solver in {"auto", "damped"}:
         searched = search(request)
         if searched.success and prefer is None:
@@ -55,6 +59,27 @@ def solve(
     request, found = as_programmed(request, whole, absolute_c_deg, from_start=solver == "controller")
     found = preferred(request, found, prefer)
     return checked(request, found)
+
+
+def of_status(
+    request: IkRequest,
+    status_turn: tuple[int | None, int | None],
+    solver: str,
+    absolute_c_deg: float | None,
+    prefer: Preference | None,
+) -> IkResult:
+    """Return the answer for a programmed status and turn.
+
+    Raises:
+        ChainbuildError: the kinematic has no such status and turn, or something else chooses the solution, too.
+    """
+    from chainbuild.ik.policies.status import with_status
+
+    for name, value in (("absolute_c_deg", absolute_c_deg), ("prefer", prefer)):
+        if value is not None:
+            text = f"{name} and the status both choose the solution"
+            raise ChainbuildError(text, parameter=name, permitted=f"status and turn, or {name}")
+    return with_status(request, *status_turn, solver, lambda: answer(request, "auto"))
 
 
 def answer(request: IkRequest, solver: str, searched: IkResult | None = None) -> IkResult:

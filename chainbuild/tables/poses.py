@@ -13,6 +13,7 @@ import numpy as np
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix
 from chainbuild.chain.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
+from chainbuild.chain.status import parse_status, parse_turn
 from chainbuild.chain.vectors import VECTOR_COLUMNS, kept_angle, rotation_from_vector
 from chainbuild.errors import ChainbuildError, Span
 from chainbuild.tables.axes import DECIMALS, UNIT_DECIMALS, VIOLATIONS_COLUMN, names_field, number_field
@@ -20,6 +21,7 @@ from chainbuild.tables.form import C_COLUMN, QUATERNION_COLUMNS, STATUS_COLUMNS,
 from chainbuild.tables.reader import Choice, Table
 from chainbuild.units import m_from_mm, mm_from_m, rad_from_deg
 
+_NOT_GIVEN: Final = "-1"  # a status or turn that a row leaves out: its bits are no negative number
 UNIT_COLUMNS: Final = frozenset((*QUATERNION_COLUMNS, *TOOL_COLUMNS, *VECTOR_COLUMNS))
 
 
@@ -87,6 +89,8 @@ class PoseTable(Table):
         self._orientation = slice(first, first + len(columns))
         self.held = tuple(name for name in form.held if name in self.names)
         self._before, self._kept = np.eye(3), 0.0
+        parsers = zip(STATUS_COLUMNS, (parse_status, parse_turn), strict=True) if form.status else ()
+        self._bits = [(self.names.index(name), parse) for name, parse in parsers if name in self.names]
 
     def begin(self, rotation: Matrix) -> None:
         """Take the orientation (3, 3) that vector programming starts from; without it all angles are 0."""
@@ -147,7 +151,7 @@ class PoseTable(Table):
         self._check_vector(line, given, self.orientation.columns)
         rotation = self._rotation(line, given)
         T = frames.transform(rotation, place)
-        status, turn = (self._whole(line, name, values) for name in STATUS_COLUMNS)
+        status, turn = (self._whole(name, values) for name in STATUS_COLUMNS)
         return PoseRow(
             line,
             T,
@@ -173,13 +177,23 @@ class PoseTable(Table):
         self._before = R
         return R
 
-    def _whole(self, line: int, name: str, values: Sequence[float]) -> int | None:
-        if name not in self._place:
-            return None
-        value = values[self._place[name]]
-        if value != int(value):
-            raise self.error_at(line, f"{name} is {value:g}", "a whole number")
-        return int(value)
+    def _translated(self, number: int, fields: list[str]) -> list[str]:
+        """Write status and turn, which may be binary or missing, as numbers."""
+        if not self._bits:
+            return fields
+        translated = list(fields)
+        for place, parse in self._bits:
+            try:
+                bits = parse(fields[place])
+            except ChainbuildError as error:
+                error.span = Span(self.file, number, 1, ",".join(fields))
+                raise
+            translated[place] = _NOT_GIVEN if bits is None else str(bits)
+        return translated
+
+    def _whole(self, name: str, values: Sequence[float]) -> int | None:
+        value = values[self._place[name]] if name in self._place else float(_NOT_GIVEN)
+        return None if value == float(_NOT_GIVEN) else int(value)
 
     def _contradicts(self, rotation: Matrix, beside: Sequence[float]) -> bool:
         """Return whether the displayed angles are given and are those of another rotation than the quaternion."""

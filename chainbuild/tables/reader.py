@@ -190,6 +190,7 @@ class Table:
         fields = line.split(",") if '"' not in line else _quoted_fields(line, Span(self.file, number, 1, line))
         if len(fields) != len(self.names):
             raise self._wrong_count(Span(self.file, number, 1, line), len(fields))
+        fields = self._translated(number, fields)
         try:
             values = [float(fields[place]) for place in self._places]
         except ValueError:
@@ -198,6 +199,10 @@ class Table:
         if not line.isascii() or "_" in line or not all(abs(v) < tolerances.HUGE_AXIS_VALUE for v in values):
             self._refuse_faults(Span(self.file, number, 1, line), fields)
         return [*values, *(_number_or_nan(fields[place]) for place in self._beside_places)]
+
+    def _translated(self, number: int, fields: list[str]) -> list[str]:
+        """Return the fields of a row with those that are no plain numbers written as such."""
+        return fields
 
     def _refuse_faults(self, span: Span, fields: Sequence[str]) -> None:
         for place in sorted(self._places):

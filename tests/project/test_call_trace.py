@@ -35,7 +35,15 @@ def test_the_command_goes_through_few_files(machine: str) -> None:
 
 def test_the_stages_are_called_by_one_file_alone() -> None:
     """No file but ik/solve.py names the functions that are the stages of one inverse kinematics."""
-    stages = ("as_programmed(", "preferred(", "keeping_sums(", "checked(", "solve_controller(", "nearest_branch(")
+    stages = (
+        "as_programmed(",
+        "preferred(",
+        "keeping_sums(",
+        "checked(",
+        "solve_controller(",
+        "nearest_branch(",
+        "with_status(",
+    )
     package = ROOT / "chainbuild"
     for path in package.rglob("*.py"):
         lines = [line for line in path.read_text("utf-8").splitlines() if "def " not in line]

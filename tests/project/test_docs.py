@@ -31,7 +31,7 @@ def test_tables_are_up_to_date(page: str) -> None:
     assert GENERATE.filled(text) == text, f"{page} has drifted: run `make docs`"
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md", "docs/branches.md"])
 def test_the_python_of_the_pages_runs(page: str, tmp_path: Path) -> None:
     code = "\n".join(re.findall(r"```python\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL))
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)

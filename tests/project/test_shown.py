@@ -145,6 +145,7 @@ OBJECTS: dict[str, Callable[[], Any]] = {
     "Span": lambda: Span("robot.lis", 12, 1, LONG),
     "SpeedReport": lambda: report().speed,
     "VectorProgramming": lambda: chainbuild.VectorProgramming("vector_ijk", fixed="C"),
+    "StatusChange": lambda: chainbuild.StatusChange(16, 2, 6, True),
     "Trial": lambda: chainbuild.Trial({"kin45_length_frame": "tool"}, 1.0, 2.0, False),
     "TypeData": lambda: kin45().data,
     "UsedConvention": lambda: robot("ac_table_kin58").chain.conventions[0],

@@ -15,7 +15,8 @@ from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import ArmSolver
 from chainbuild.ik.branches.direct import find_direct
 from chainbuild.ik.branches.multistart import multistart_branches
-from chainbuild.ik.branches.status_turn import has_status, status_turn
+from chainbuild.ik.branches.status_filter import StatusFilter
+from chainbuild.ik.branches.status_turn import has_status, status_turn_rows
 from chainbuild.ik.plan import TASK_ROWS, plan_for
 from chainbuild.ik.request import Held, IkRequest
 from chainbuild.ik.result import IkResult
@@ -30,9 +31,14 @@ def ik_all(
     held: Held | None = None,
     *,
     windings: bool = False,
+    status: int | None = None,
+    turn: int | None = None,
 ) -> Branches:
     """Return every branch of a pose inside all limits, nearest to the start first; see `Robot.ik_all`."""
-    return every_branch(BranchQuery.of(IkRequest.of(mechanism, T, start, held), windings)).branches
+    query = BranchQuery.of(IkRequest.of(mechanism, T, start, held), windings)
+    if status is not None or turn is not None:
+        query = StatusFilter.of(mechanism, status, turn).applied(query)
+    return every_branch(query).branches
 
 
 def every_branch(query: BranchQuery) -> Solutions:
@@ -49,9 +55,7 @@ def every_branch(query: BranchQuery) -> Solutions:
     else:
         _refuse_redundant(query)
         found = collect(query, ((x, ()) for x in multistart_branches(query)))
-    bits = None
-    if has_status(query.mechanism):
-        bits = [status_turn(query.mechanism, axes) for axes in found.branches.axes]
+    bits = status_turn_rows(query.mechanism, found.branches.axes) if has_status(query.mechanism) else None
     return replace(found, branches=named(found.branches, plan.name, bits))
 
 

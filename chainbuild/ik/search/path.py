@@ -46,7 +46,7 @@ def solve_path(
     progress: Progress = False,
     options: IkOptions | None = None,
 ) -> IkTable:
-    """Find axis values along a path; see `Robot.ik_path`."""
+    """Find axis values along a path, whatever the pose status; see `Robot.ik_path`."""
     options = options or DEFAULT
     targets, begin = pose_array(poses), start_array(mechanism, start)
     problem = problem_of(mechanism, None if begin is None else begin[0], held, options)

@@ -14,6 +14,7 @@ from chainbuild.chain.elements import Task
 from chainbuild.errors import ChainbuildError
 from chainbuild.html import SHOWN_ROWS, html_table
 from chainbuild.ik.result import STATUSES, AxisValues, IkResult, Status, axes_rows, html_caption
+from chainbuild.shown import fields_shown
 from chainbuild.units import M_PER_MM, RAD_PER_DEG, AxisLabels
 
 if TYPE_CHECKING:
@@ -29,6 +30,33 @@ class FailureWords(NamedTuple):
 
     reason: str = ""
     violated: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class StatusChange:
+    """A row of a path whose nearest way leads to another pose status, which the control does not change on its way.
+
+    Attributes:
+        row: Index of the row, from 0.
+        old: Pose status before it.
+        new: Pose status that the nearest way leads to.
+        kept: True: the row stays in the old status, and the axes jump; False: it has the new one.
+    """
+
+    __repr__ = fields_shown
+
+    row: int
+    old: int
+    new: int
+    kept: bool
+
+    @property
+    def words(self) -> str:
+        """What happens, as a sentence."""
+        way = f"between this pose and the one before lies a singular position, beyond which the status is {self.new}"
+        if self.kept:
+            return f"{way}: status {self.old} is kept, and the axes jump"
+        return f"{way} instead of {self.old}, which the controller does not change along a path"
 
 
 Explain = Callable[[int, IkResult], FailureWords]
@@ -48,6 +76,7 @@ class IkTable(AxisValues):
         task: "pose", "direction" or "position": what was solved for.
         labels: Names and units of the axis values.
         explain: Gives words for a row that failed; None: none are known.
+        status_changes: Of a path of KIN_TYP 45: where its pose status cannot be kept, or only by a jump of the axes.
     """
 
     axes: Matrix
@@ -56,6 +85,7 @@ class IkTable(AxisValues):
     task: Task
     labels: AxisLabels
     explain: Explain | None = None
+    status_changes: tuple[StatusChange, ...] = ()
 
     @property
     def success(self) -> NDArray[np.bool_]:

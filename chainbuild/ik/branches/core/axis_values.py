@@ -15,6 +15,7 @@ from chainbuild.chain.axismap import AffineMap
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.region import periodic_axes
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.tolerances import BELOW_ZERO_DEG
 
 _MAP_STEPS: Final = 20  # Newton steps that bring a nonlinear axis map to given joint values
 _MAP_STARTS: Final = 12  # the start, its own joint values, and some anywhere within a turn
@@ -22,6 +23,7 @@ _MAP_STRIDE: Final = 1.0  # longest step [rad]
 _MAP_EXACT: Final = 1e-14  # m and rad: nothing is gained by another step
 _MAP_CLOSE: Final = 1e-9  # residual of rounding; the pose is verified and polished afterwards
 _ROUNDED_TURN: Final = 1e-9  # turns of a joint are counted with so much to spare
+_ZERO: Final = -math.radians(BELOW_ZERO_DEG)  # what is less is below zero
 _MAX_TURNS: Final = 4096  # bound on the combinations of whole turns tried for one branch
 
 
@@ -143,7 +145,7 @@ def turned_axes(query: BranchQuery, x: Vector, columns: Indices) -> Iterator[Vec
 
 
 def _whole_turns(query: BranchQuery, value: float, n: int) -> list[float]:
-    """Return value + whole turns within the limits of axis n, nearest to the start first; [value] if there is none."""
+    """Return value + whole turns within the limits of axis n, nearest to the start first; else one outside them."""
     lower, upper, wanted = float(query.lower[n]), float(query.upper[n]), float(query.x0[n])
     slack = float(query.slack[n])
     nearest = round((wanted - value) / math.tau)
@@ -151,7 +153,12 @@ def _whole_turns(query: BranchQuery, value: float, n: int) -> list[float]:
     last = nearest + 1 if math.isinf(upper) else math.floor((upper + slack - value) / math.tau)
     places = [value + k * math.tau for k in range(first, last + 1)]
     places.sort(key=lambda place: abs(place - wanted))
-    return places or [value]
+    below = query.below_zero.get(n)
+    if below is None:
+        return places or [value]
+    turns = (_ZERO - value) / math.tau
+    outside = value + (math.floor(turns) if below else math.ceil(turns)) * math.tau
+    return [place for place in places if (place < _ZERO) is below] or [outside]
 
 
 def _turned_joints(query: BranchQuery, x: Vector, block: _Block, joints: Indices, columns: Indices) -> list[Vector]:

@@ -180,7 +180,7 @@ def collect(query: BranchQuery, candidates: Iterable[Candidate]) -> Solutions:
     known = np.empty((0, len(factors)))
     for x, free_axes in candidates:
         row = verified(query, x)
-        if row is None:
+        if row is None or not (query.keeps is None or query.keeps(row.axes)):
             continue
         reached = row.axes * factors
         if len(known) and (np.abs(known - reached).max(axis=1) < _SAME).any():
@@ -212,15 +212,14 @@ def _as_arrays(rows: Sequence[VerifiedRow], mechanism: Mechanism) -> Branches:
     return Branches(axes, left[:, 0], left[:, 1], steps, free_axes, mechanism.task, mechanism.labels)
 
 
-def named(branches: Branches, method: str, bits: Sequence[tuple[int, int]] | None) -> Branches:
+def named(branches: Branches, method: str, bits: Integers | None) -> Branches:
     """Return branches with what found them, and with status and turn where the controller numbers them.
 
     Args:
         branches: The branches.
         method: Name of a `SolverPlan`.
-        bits: Status and turn of each, or None.
+        bits: (k, 2) status and turn of each, or None.
     """
     if bits is None:
         return replace(branches, method=method)
-    columns = np.array(bits, dtype=np.int64).reshape(-1, 2)
-    return replace(branches, method=method, status_bits=columns[:, 0], turn_bits=columns[:, 1])
+    return replace(branches, method=method, status_bits=bits[:, 0], turn_bits=bits[:, 1])

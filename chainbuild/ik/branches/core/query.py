@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,8 @@ class BranchQuery:
         slack: (n_axes,) how far beyond a limit [m, rad] still counts as inside.
         periodic: (n_axes,) True where a whole turn of the axis leads to the same pose.
         windings: True: every whole turn within the limits is a branch of its own; False: only the nearest one.
+        below_zero: Axis → True: of its whole turns only those below zero count; False: only the others.
+        keeps: Tells by its axis values (n_axes,), mm and degrees, whether a solution counts; None: all do.
     """
 
     mechanism: Mechanism
@@ -42,6 +44,8 @@ class BranchQuery:
     slack: Vector
     periodic: NDArray[np.bool_]
     windings: bool = False
+    below_zero: Mapping[int, bool] = field(default_factory=dict)
+    keeps: Callable[[Vector], bool] | None = None
 
     @classmethod
     def of(cls, request: IkRequest, windings: bool = False) -> BranchQuery:
