@@ -40,8 +40,8 @@ def translate(source: Source, name: str, title: str, choose: Choices, collector:
     """
     chain = draft(source, choose, collector)
     if source.second is not None:
-        second = replace(source, trafo=source.second, second=None, tool=None, tool_length_mm=0.0)
-        chain = two_steps(chain, source.trafo, draft(second, choose, collector), source.second, collector)
+        above = draft(source.upper(), choose, collector)
+        chain = two_steps(chain, source.trafo, above, source.second, collector)
     ahead = int(coupling_data()["tcp_axes"]) if source.trafo.type == COUPLING else 0
     axes = _limited(chain.axes, ahead, source, collector)
     return replace(chain.with_axes(axes), name=name, title=title)
