@@ -65,8 +65,7 @@ def _coordinates(chain: Chain, trafo: Trafo) -> Coordinates:
     known = catalogue().get(trafo.type)
     if known is not None and known.orientation == "complete":
         return Coordinates(chain, "angles")
-    rtcp = known is not None or _is_rtcp(trafo)
-    if not rtcp:
+    if not (known is not None and known.orientation == "rtcp") and not _is_rtcp(trafo):
         raise UnsupportedKinematicError(
             f"KIN_TYP {trafo.type} as a complete transformation cannot precede a second step", span=trafo.span,
             parameter=f"{trafo.prefix}.rtcp", permitted="1", code="CB460",
