@@ -39,7 +39,7 @@ class Robot(Mechanism):
     def load(
         cls,
         path: str | os.PathLike[str],
-        kinematic: int | str | None = None,
+        kinematic: int | str | tuple[int | str, int | str] | None = None,
         channel: int | None = None,
         tool_length_mm: float = 0.0,
         conventions: Mapping[str, str] | None = None,
@@ -50,7 +50,8 @@ class Robot(Mechanism):
 
         Args:
             path: A file, or the name of a shipped machine; an existing path wins.
-            kinematic: Configured id or name; None: the file's default. See `Machine.chain`.
+            kinematic: Configured id or name, or a pair of these for two transformation steps; None: the file's
+                default. See `Machine.chain`.
             channel: Channel; None: the first with a transformation.
             tool_length_mm: Length added to the active tool's length [mm].
             conventions: Convention name → choice.

@@ -15,7 +15,6 @@ from pathlib import Path
 import chainbuild
 from chainbuild.convention import conventions
 from chainbuild.findings import finding_kinds
-from chainbuild.formats.twincat.types.catalogue import title_of
 from chainbuild.ik.plan import plan_of
 
 ROOT = Path(__file__).parent.parent
@@ -45,14 +44,13 @@ def machines() -> str:
 
 def types() -> str:
     """Return the table of KIN_TYPs."""
-    rows = [
-        (number, entry.title, entry.family, " ".join(a.name for a in entry.axes), entry.orientation, entry.manual)
-        for number, entry in chainbuild.catalogue().items()
-    ]
-    for number in (91, 210):
-        title = f"[{title_of(number)}](coupling.md)"
-        rows.append((number, title, "list of axes" if number == 91 else "list of kinematics", "as listed", "", ""))
-    return table(("KIN_TYP", "title", "family", "axes in channel order", "orientation", "source"), sorted(rows))
+    rows = []
+    for number, entry in chainbuild.catalogue().items():
+        title = f"[{entry.title}](coupling.md)" if entry.listed else entry.title
+        axes = " ".join(axis.name for axis in entry.axes) or ("as listed" if entry.listed else "")
+        orientation = "as listed" if entry.orientation == "listed" else entry.orientation
+        rows.append((number, title, entry.family, axes, orientation, entry.manual))
+    return table(("KIN_TYP", "title", "family", "axes in channel order", "orientation", "source"), rows)
 
 
 def type_parameters() -> str:

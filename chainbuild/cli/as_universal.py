@@ -24,7 +24,9 @@ def as_universal(file: str, /, *, output_file: Output = None, options: MachineOp
 
     if options.tool_length:
         raise UsageError("--tool-length: the tool is no part of the list; it acts on both kinematics alike")
-    text = universal_list(options.machine(file), options.kinematic, options.channel, conventions=options.choices())
+    machine = options.machine(file)
+    chosen = options.chosen_kinematic(machine)
+    text = universal_list(machine, chosen, options.channel, conventions=options.choices())
     with output(output_file) as stream:
         stream.write(text)
     if output_file:

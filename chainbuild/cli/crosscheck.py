@@ -111,7 +111,7 @@ def _compare(file: str, other: Path | str, check_options: CheckOptions, options:
         read_recording(other, robot.chain) if isinstance(other, Path) else other,
         options=check_options,
         machine=machine,
-        selection=Selection(options.kinematic, options.channel, options.tool_length),
+        selection=Selection(options.chosen_kinematic(machine), options.channel, options.tool_length),
         conventions=options.choices(),
     )
 

@@ -73,7 +73,7 @@ def _chain(machine: Machine, options: MachineOptions) -> tuple[Chain | None, Cha
 
 def _parameters(machine: Machine, options: MachineOptions) -> tuple[ParameterRow, ...]:
     try:
-        return machine.parameters(options.kinematic, options.channel)
+        return machine.parameters(options.chosen_kinematic(machine), options.channel)
     except ChainbuildError:
         return ()  # a kinematic without a table of parameters; the chain's refusal says why
 

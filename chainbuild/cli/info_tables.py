@@ -35,7 +35,8 @@ def kinematics_table(entries: Sequence[KinematicEntry]) -> Table:
         chosen = f"--kinematic {id_shown or entry.name}"
         if default is not None and entry.channel != default.channel:
             chosen += f" --channel {entry.channel}"
-        shown.add_row(id_shown, entry.name, entry.type, entry.title, "default" if entry is default else chosen)
+        kind = f"{entry.type}, step {entry.step}" if entry.step else entry.type
+        shown.add_row(id_shown, entry.name, kind, entry.title, "default" if entry is default else chosen)
     return shown
 
 

@@ -14,11 +14,8 @@ from chainbuild.cli.usage import Json
 if TYPE_CHECKING:
     from chainbuild.formats.twincat.types.catalogue import KinType
 
-# Types that are a list of axes or of kinematics, without a table of head offsets: family, orientation, source.
-_LISTED: Final = {
-    91: ("universal", "rtcp", "P-CHAN-00292", "The list gives the direction and a point of every axis."),
-    210: ("coupling", "complete", "Couple kinematics 3.1", "The list names the kinematics that carry each other."),
-}
+# What is programmed, by the orientation of a type.
+_PROGRAMMED: Final = {"complete": "pose", "rtcp": "position and axes", "listed": "as listed"}
 
 
 def types(kin_typ: int | None = None, /, *, json: Json = False) -> int:
@@ -34,15 +31,14 @@ def types(kin_typ: int | None = None, /, *, json: Json = False) -> int:
 
     if kin_typ is not None:
         return _one(kin_typ, json)
-    rows = {**{number: _data(entry) for number, entry in catalogue().items()}, **{n: _listed(n) for n in _LISTED}}
-    entries = [rows[number] for number in sorted(rows)]
+    entries = [_data(entry) for entry in catalogue().values()]
     if json:
         print_json(entries)
         return 0
     shown = empty_table("KIN_TYP", "Type", "Title", "Family", "Axes", "Programmed", "Manual")
     for entry in entries:
         axes = " ".join(axis["name"] for axis in entry["axes"]) or "as listed"
-        programmed = "pose" if entry["orientation"] == "complete" else "position and axes"
+        programmed = _PROGRAMMED[entry["orientation"]]
         shown.add_row(str(entry["kin_typ"]), entry["title"], entry["family"], axes, programmed, entry["manual"])
     console().print(shown)
     console().print("chainbuild types N shows the parameters of one type.")
@@ -58,7 +54,7 @@ def _one(kin_typ: int, json: bool) -> int:
     from chainbuild.convention import applying_to
     from chainbuild.formats.twincat.types.catalogue import kin_type
 
-    entry = _listed(kin_typ) if kin_typ in _LISTED else _data(kin_type(kin_typ))
+    entry = _data(kin_type(kin_typ))
     if json:
         print_json(entry)
         return 0
@@ -99,23 +95,4 @@ def _data(entry: KinType) -> dict[str, Any]:
             {**asdict(row), "unit": row.unit, "default_scaled": float(row.scaled(row.default))} for row in entry.hd
         ],
         "conventions": [convention.name for convention in entry.conventions],
-    }
-
-
-def _listed(kin_typ: int) -> dict[str, Any]:
-    """Return the row of a type that has no table of head offsets."""
-    from chainbuild.convention import applying_to
-    from chainbuild.formats.twincat.types.catalogue import title_of
-
-    family, orientation, manual, summary = _LISTED[kin_typ]
-    return {
-        "kin_typ": kin_typ,
-        "title": title_of(kin_typ),
-        "family": family,
-        "orientation": orientation,
-        "manual": manual,
-        "summary": f"{summary} See docs/coupling.md.",
-        "axes": [],
-        "parameters": [],
-        "conventions": [convention.name for convention in applying_to(["KIN", f"KIN {kin_typ}"])],
     }

@@ -38,8 +38,8 @@ class MachineOptions:
     """Which kinematic of a machine file to build, with which tool and conventions.
 
     Attributes:
-        kinematic: Configured id or name of the kinematic; for ROBX the number of the transformation. Default: the
-            file's default.
+        kinematic: Configured id or name of the kinematic; for ROBX the number of the transformation; 9,58 chooses two
+            transformation steps, the first next to the machine. Default: the file's default.
         channel: Channel of the kinematic. Default: the first that has one.
         tool_length: Length in mm that is added to the active tool's length.
         convention: NAME=CHOICE: decides a point that the manuals leave open; may be repeated. `chainbuild info` lists
@@ -72,6 +72,20 @@ class MachineOptions:
             chosen[name.strip()] = choice.strip()
         return chosen
 
+    def chosen_kinematic(self, machine: Machine) -> str | tuple[str, str] | None:
+        """Return the kinematic chosen; two names with a comma between them are a pair, unless one name is spelt so.
+
+        Raises:
+            UsageError: more than two, or an empty one.
+        """
+        text = self.kinematic
+        if text is None or "," not in text or text in {entry.name for entry in machine.kinematics()}:
+            return text
+        parts = [part.strip() for part in text.split(",")]
+        if len(parts) != 2 or not all(parts):
+            raise UsageError(f"--kinematic {text}: expected an id, a name, or a pair of them like 9,58")
+        return parts[0], parts[1]
+
     def machine(self, file: str) -> Machine:
         """Read a machine file or a shipped machine."""
         from chainbuild.formats.load import load
@@ -81,7 +95,7 @@ class MachineOptions:
 
     def chain(self, machine: Machine) -> Chain:
         """Translate the kinematic that the options select."""
-        return machine.chain(self.kinematic, self.channel, self.tool_length, self.choices())
+        return machine.chain(self.chosen_kinematic(machine), self.channel, self.tool_length, self.choices())
 
     def robot(self, file: str) -> Robot:
         """Read a machine file and build the robot; warnings are announced on stderr."""

@@ -31,7 +31,7 @@ class Selection:
 
     __repr__ = fields_shown
 
-    kinematic: int | str | None = None
+    kinematic: int | str | tuple[int | str, int | str] | None = None
     channel: int | None = None
     tool_length_mm: float = 0.0
 

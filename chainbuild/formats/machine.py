@@ -16,9 +16,11 @@ from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.selection import (
     KinematicEntry,
     Selected,
+    Wanted,
     checked_channel,
     checked_kinematic,
     choose_kinematic,
+    choose_pair,
     finite_length_mm,
     name_right_channel,
 )
@@ -122,12 +124,14 @@ class Machine(ABC):
         """Return the kinematics that the file configures, in file order."""
 
     @abstractmethod
-    def parameters(self, kinematic: int | str | None = None, channel: int | None = None) -> tuple[ParameterRow, ...]:
-        """Return every parameter of a kinematic with value, meaning and source."""
+    def parameters(
+        self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
+    ) -> tuple[ParameterRow, ...]:
+        """Return every parameter of a kinematic with value, meaning and source; of a pair, both steps in turn."""
 
     def chain(
         self,
-        kinematic: int | str | None = None,
+        kinematic: int | str | tuple[int | str, int | str] | None = None,
         channel: int | None = None,
         tool_length_mm: float = 0.0,
         conventions: Mapping[str, str] | None = None,
@@ -139,7 +143,8 @@ class Machine(ABC):
 
         Args:
             kinematic: Configured id or name; for ROBX the transformation number, or "gripper" for gripper-referred
-                motion. None: the file's default.
+                motion. A pair of ids or names: the transformation steps 0 (next to the machine) and 1, as #KIN ID[9,58]
+                chooses them. None: the file's default.
             channel: Channel; None with several: the first that has a transformation, and a finding.
             tool_length_mm: Added to the active tool's length, along minus the tool vector.
             conventions: Convention name → choice; wins over the overlay.
@@ -204,6 +209,12 @@ class Machine(ABC):
         """Return the requested one of a channel's kinematics; None: the default."""
         return choose_kinematic(entries, wanted, self.file)
 
+    def _pair(
+        self, wanted: tuple[int | str, int | str], entries: Sequence[KinematicEntry], collector: Collector
+    ) -> Selected:
+        """Return the requested pair of a channel's kinematics: steps 0 and 1."""
+        return Selected(*choose_pair(entries, wanted, self.file))
+
     def _second(self, entry: KinematicEntry, wanted: int | str | None, collector: Collector) -> KinematicEntry | None:
         """Return the kinematic of a second transformation step on another, which not every dialect has."""
         return None
@@ -212,14 +223,17 @@ class Machine(ABC):
         """Tell whether the overlay's bodies apply to a kinematic."""
         return True
 
-    def _select(self, kinematic: int | str | None, channel: int | None, collector: Collector) -> Selected:
+    def _select(self, kinematic: Wanted | None, channel: int | None, collector: Collector) -> Selected:
         """Return the kinematic that an id or name means in a channel; None: the overlay's, else the file's default."""
         if not self.kinematics():
             refuse_errors(self._reading)  # a refused line may have configured the only kinematic
         number = self._channel(channel, collector)
         wanted = self.overlay.kinematic if kinematic is None else kinematic
+        entries = [entry for entry in self.kinematics() if entry.channel == number]
         try:
-            entry = self._named(wanted, [entry for entry in self.kinematics() if entry.channel == number])
+            if isinstance(wanted, tuple):
+                return self._pair(wanted, entries, collector)
+            entry = self._named(wanted, entries)
         except MachineDataError as error:
             name_right_channel(error, self.kinematics(), wanted, number)
             raise error if kinematic is not None else self.overlay.at_key(error, "kinematic") from None

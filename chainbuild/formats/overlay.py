@@ -37,7 +37,7 @@ class Overlay:
         tool_length_mm: Length of the tool in the spindle, added to `tool_length_mm` of `Machine.chain`.
         tool: ROBX tool data such as `TC_DP3`, names as in the machine data without `$`.
         axis_lists: Files with TwinCAT axis lists, relative to the overlay.
-        kinematic: Default kinematic id, name or transformation number.
+        kinematic: Default kinematic id, name or transformation number, or a pair of these for two steps.
         geometry: Bodies for drawings and collision.
     """
 
@@ -51,7 +51,7 @@ class Overlay:
     tool_length_mm: float = 0.0
     tool: Mapping[str, float | tuple[float, ...]] = field(default_factory=dict)
     axis_lists: tuple[Path, ...] = ()
-    kinematic: int | str | None = None
+    kinematic: int | str | tuple[int | str, int | str] | None = None
     geometry: Geometry = NO_GEOMETRY
 
     def apply_limits(self, axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
@@ -256,10 +256,15 @@ def _files(path: Path, key: str, value: object) -> tuple[Path, ...]:
     return tuple(path.parent / name for name in _names(path, key, value))
 
 
-def _kinematic(path: Path, key: str, value: object) -> int | str:
-    if isinstance(value, bool) or not isinstance(value, int | str) or value == "":
-        raise _refuse(path, key, "an id or a name")
-    return value
+def _kinematic(path: Path, key: str, value: object) -> int | str | tuple[int | str, int | str]:
+    def one(part: object) -> int | str:
+        if isinstance(part, bool) or not isinstance(part, int | str) or part == "":
+            raise _refuse(path, key, "an id or a name, or a list of two for the two transformation steps")
+        return part
+
+    if isinstance(value, list) and len(value) == 2:
+        return one(value[0]), one(value[1])
+    return one(value)
 
 
 def _geometry(path: Path, key: str, value: object) -> Geometry:

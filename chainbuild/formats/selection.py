@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from numbers import Real
 from typing import Final
@@ -14,6 +14,10 @@ from chainbuild.closest import listed
 from chainbuild.errors import MachineDataError, Span
 from chainbuild.shown import fields_shown
 
+# What names a kinematic: its id or name, or a pair of these for the transformation steps 0 and 1 (#KIN ID[9,58]).
+Wanted = int | str | tuple[int | str, int | str]
+
+_PERMITTED: Final = "an id, a name, a pair of these for the two steps, or None"
 _ID_DIGITS: Final = 9  # more than any id has
 _HUGE_NUMBER: Final = 10**_ID_DIGITS  # beyond any id or channel
 
@@ -30,6 +34,7 @@ class KinematicEntry:
         channel: Channel number (SINUMERIK) or index (TwinCAT).
         default: True where `chain()` without arguments takes it.
         span: Where the file configures it.
+        step: Transformation step, 0 or 1; 0 is next to the machine.
     """
 
     __repr__ = fields_shown
@@ -41,6 +46,12 @@ class KinematicEntry:
     channel: int
     default: bool
     span: Span | None = None
+    step: int = 0
+
+    @property
+    def label(self) -> str:
+        """Id, and the name where there is one: "45 (ROBOT)"."""
+        return f"{self.id} ({self.name})" if self.name else str(self.id)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,18 +93,29 @@ def finite_length_mm(value: object) -> float:
     return length
 
 
-def checked_kinematic(value: object) -> int | str | None:
-    """Return what names a kinematic: an id, a name, or None.
+def checked_kinematic(value: object) -> Wanted | None:
+    """Return what names a kinematic: an id, a name, a pair of these as a tuple, or None.
 
     Raises:
         MachineDataError: anything else, including True and "".
     """
-    if value is None or (isinstance(value, str) and value):
+    if value is None:
+        return None
+    if not isinstance(value, tuple | list):
+        return _checked_one(value)
+    if len(value) != 2:
+        text = f"{value!r:.40} is not a kinematic: a pair names those of steps 0 and 1"
+        raise MachineDataError(text, parameter="kinematic", permitted=_PERMITTED)
+    return _checked_one(value[0]), _checked_one(value[1])
+
+
+def _checked_one(value: object) -> int | str:
+    if isinstance(value, str) and value:
         return value
     number = _as_int(value)
     if number is None or abs(number) >= _HUGE_NUMBER:
         shown = "a huge number" if number else f"{value!r:.40}"
-        raise MachineDataError(f"{shown} is not a kinematic", parameter="kinematic", permitted="an id, a name or None")
+        raise MachineDataError(f"{shown} is not a kinematic", parameter="kinematic", permitted=_PERMITTED)
     return number
 
 
@@ -121,14 +143,53 @@ def _as_int(value: object) -> int | None:
 
 
 def name_right_channel(
-    error: MachineDataError, entries: Sequence[KinematicEntry], wanted: int | str | None, channel: int
+    error: MachineDataError, entries: Sequence[KinematicEntry], wanted: Wanted | None, channel: int
 ) -> None:
-    """Add to an error on a kinematic that a channel lacks which other channel has it."""
-    matches = [e for e in entries if e.channel != channel and (wanted == e.name or matching_id([e], wanted))]
-    if wanted is not None and matches:
-        channels = " and ".join(dict.fromkeys(str(entry.channel) for entry in matches))
+    """Add to an error on a kinematic that a channel lacks which other channel has it; of a pair, both."""
+    if wanted is None:
+        return
+    parts = list(enumerate(wanted)) if isinstance(wanted, tuple) else [(None, wanted)]
+    others = dict.fromkeys(entry.channel for entry in entries if entry.channel != channel)
+    having = [
+        other
+        for other in others
+        if all(_matching([e for e in entries if e.channel == other and step in (None, e.step)], w) for step, w in parts)
+    ]
+    if having:
+        channels = " and ".join(map(str, having))
         error.message = f"channel {channel} configures no kinematic {wanted!r}"
         error.hint = f"it is in channel {channels}: choose that channel"
+
+
+def choose_pair(
+    entries: Sequence[KinematicEntry], wanted: tuple[int | str, int | str], file: str
+) -> tuple[KinematicEntry, KinematicEntry]:
+    """Return the entries of step 0 and step 1 that a pair names.
+
+    Raises:
+        MachineDataError: there is no second step, or a step has no such kinematic; the ones it has are listed.
+    """
+    steps = [[entry for entry in entries if entry.step == step] for step in (0, 1)]
+    permitted = "; ".join(f"step {n}: {_labels(steps[n]) or 'none'}" for n in (0, 1))
+    if not steps[1]:
+        text = f"the pair {_pair(wanted)} needs two transformation steps; the file configures one"
+        raise MachineDataError(text, span=Span(file), parameter="kinematic", permitted=f"one of {_labels(steps[0])}")
+    wrong = [n for n in (0, 1) if not _matching(steps[n], wanted[n])]
+    if wrong:
+        lacks = " and ".join(f"step {n} has no kinematic {wanted[n]!r:.60}" for n in wrong)
+        reversed_fits = all(_matching(steps[n], wanted[1 - n]) for n in (0, 1))
+        hint = "the pair is (step 0, step 1); step 0 is next to the machine" if reversed_fits else None
+        text = f"the file configures no pair {_pair(wanted)}: {lacks}"
+        raise MachineDataError(text, span=Span(file), parameter="kinematic", permitted=permitted, hint=hint)
+    return choose_kinematic(steps[0], wanted[0], file), choose_kinematic(steps[1], wanted[1], file)
+
+
+def _pair(wanted: tuple[int | str, int | str]) -> str:
+    return f"({wanted[0]!r:.60}, {wanted[1]!r:.60})"
+
+
+def _labels(entries: Iterable[KinematicEntry]) -> str:
+    return ", ".join(entry.label for entry in entries)
 
 
 def choose_kinematic(entries: Sequence[KinematicEntry], wanted: int | str | None, file: str) -> KinematicEntry:
@@ -143,14 +204,19 @@ def choose_kinematic(entries: Sequence[KinematicEntry], wanted: int | str | None
         raise MachineDataError("the file configures no kinematic", span=Span(file))
     if wanted is None:
         return next((entry for entry in entries if entry.default), entries[0])
-    matches = [e for e in entries if wanted == e.name] or matching_id(entries, wanted)
+    matches = _matching(entries, wanted)
     if not matches:
-        shown = [f"{e.id} ({e.name})" if e.name else str(e.id) for e in entries]
+        shown = [e.label for e in entries]
         known = listed(str(wanted), shown, called=[e.name or str(e.id) for e in entries])
         raise MachineDataError(
             f"the file configures no kinematic {wanted!r:.60}", span=Span(file), parameter="kinematic", permitted=known
         )
     return next((e for e in matches if not e.name), matches[0])
+
+
+def _matching(entries: Sequence[KinematicEntry], wanted: int | str) -> list[KinematicEntry]:
+    """Return the entries with a name, else those with an id."""
+    return [e for e in entries if wanted == e.name] or matching_id(entries, wanted)
 
 
 def matching_id(entries: Sequence[KinematicEntry], wanted: int | str | None) -> list[KinematicEntry]:

@@ -142,7 +142,8 @@ def _decode(raw: bytes) -> tuple[str, str]:
 TWINCAT_ROOTS: Final = frozenset(
     {
         "trafo", "kin_step", "kinematik", "trafo_pcs", "wz", "gruppe", "kenngr", "kopf", "kinematik_id",
-        "kinematik_name", "default_id_of_kin_step", "default_name_of_kin_step", "ori_rotation_angle", "ori",
+        "kinematik_name", "kinematic_id", "default_id_of_kin_step", "default_name_of_kin_step", "ori_rotation_angle",
+        "ori",
     }
 )  # fmt: skip
 _XML: Final = re.compile(r"\s*<(\?xml|!--|!DOCTYPE|TcSm|[A-Za-z])")

@@ -147,7 +147,7 @@ def test_check_prints_warnings_and_ends_with_0(run: Run) -> None:
 def test_types_lists_the_catalogue(run: Run) -> None:
     out = run("types").out
     data = json.loads(run("types", "--json").out)
-    assert [entry["kin_typ"] for entry in data] == sorted([*chainbuild.catalogue(), 91, 210])
+    assert [entry["kin_typ"] for entry in data] == list(chainbuild.catalogue())
     for number, title in ((91, "Universal kinematic"), (210, "Coupling kinematic")):
         assert re.search(rf"^ {number} +{title} ", out, re.MULTILINE)
         assert next(entry for entry in data if entry["kin_typ"] == number)["parameters"] == []

@@ -100,11 +100,15 @@ class RobxMachine(Machine):
         """Return the transformations; each six-axis one without rotary additional axes also as "gripper"."""
         return tuple(one.entry for one in self._configured if one.listed)
 
-    def parameters(self, kinematic: int | str | None = None, channel: int | None = None) -> tuple[ParameterRow, ...]:
+    def parameters(
+        self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
+    ) -> tuple[ParameterRow, ...]:
         """Return every datum of a transformation with value, meaning and source."""
         return parameter_rows(self.transformation(kinematic, channel), self.tool, Choices(self.overlay.conventions))
 
-    def transformation(self, kinematic: int | str | None = None, channel: int | None = None) -> Robx:
+    def transformation(
+        self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
+    ) -> Robx:
         """Return the typed data of a transformation; `control` holds motion limits and the iteration's budget."""
         selected = self._select(checked_kinematic(kinematic), checked_channel(channel), Collector())
         return self._found(selected.entry).robx

@@ -65,11 +65,18 @@ class TwinCatMachine(Machine):
         """Return the kinematics that the file configures, channel by channel."""
         return tuple(one.entry for one in self._configured)
 
-    def parameters(self, kinematic: int | str | None = None, channel: int | None = None) -> tuple[ParameterRow, ...]:
-        """Return every parameter of a kinematic with value, meaning and source; the active tool's share is added."""
+    def parameters(
+        self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
+    ) -> tuple[ParameterRow, ...]:
+        """Return every parameter of a kinematic with value, meaning and source; the active tool's share is added.
+
+        Of two transformation steps the parameters of step 0 come first; the tool acts there only.
+        """
         collector = Collector(strict=False)
         selected = self._select(checked_kinematic(kinematic), checked_channel(channel), collector)
-        return parameter_rows(self._source(selected, self.overlay.tool_length_mm), collector)
+        source = self._source(selected, self.overlay.tool_length_mm)
+        rows = parameter_rows(source, collector)
+        return rows if source.second is None else (*rows[:-1], *parameter_rows(source.upper(), collector))
 
     def _translate(self, selected: Selected, tool_length_mm: float, choose: Choices, collector: Collector) -> Chain:
         source, default = self._source(selected, tool_length_mm), self._default_source
@@ -103,9 +110,18 @@ class TwinCatMachine(Machine):
 
     def _is_main(self, selected: Selected) -> bool:
         """Tell whether the overlay is written for a kinematic: the one it names, else the default of the channel."""
+        named = self.overlay.kinematic
+        entries = [entry for entry in self.kinematics() if entry.channel == selected.entry.channel]
+        if isinstance(named, tuple):
+            try:
+                return selected == self._pair(named, entries, Collector(strict=False))
+            except MachineDataError:
+                return False
         found = self._found(selected.entry)
-        named = [trafo for trafo in found.channel.trafos if self.overlay.kinematic in (trafo.id, trafo.name)]
-        return found.trafo is (named[0] if named else _default(found.channel))
+        matching = [trafo for trafo in found.channel.trafos if named in (trafo.id, trafo.name)]
+        if found.trafo is not (matching[0] if matching else _default(found.channel)):
+            return False
+        return selected.second is None or self._found(selected.second).trafo is found.channel.default_trafo(1)
 
     def _found(self, entry: KinematicEntry) -> _Configured:
         return next(one for one in self._configured if one.entry is entry)
@@ -135,6 +151,20 @@ class TwinCatMachine(Machine):
             error.code, error.alarm = "CB404", UNKNOWN_ID_ALARM if entries else None
             raise
 
+    def _pair(
+        self, wanted: tuple[int | str, int | str], entries: Sequence[KinematicEntry], collector: Collector
+    ) -> Selected:
+        """Return the requested pair; where there is none, raise with the controller's error for an unknown id."""
+        try:
+            selected = super()._pair(wanted, entries, collector)
+        except MachineDataError as error:
+            error.code, error.alarm = "CB404", UNKNOWN_ID_ALARM
+            raise
+        for part, entry in zip(wanted, (selected.entry, selected.second), strict=True):
+            if entry is not None and str(part) != entry.name:
+                _tell_apart(matching_id([e for e in entries if e.step == entry.step], part), entry, collector)
+        return selected
+
     def _second(self, entry: KinematicEntry, wanted: int | str | None, collector: Collector) -> KinematicEntry | None:
         """Return the kinematic of the second step on the default one; refuse a default that does not exist."""
         found = self._found(entry)
@@ -155,10 +185,9 @@ class TwinCatMachine(Machine):
                 hint="choose one of the configured kinematics",
             )  # fmt: skip
         second = channel.default_trafo(1)
+        _tell_missing_defaults(channel, trafo, second, collector)
         if second is not None and trafo.step == 0:
             return next(one.entry for one in here if one.trafo is second)
-        if any(t.step == 1 for t in channel.trafos):
-            collector.add("CB412", "the second transformation step has no default; only the first is built")
         return None
 
     def _tell_unused(self, names: Sequence[str], asked: Mapping[str, str], collector: Collector) -> None:
@@ -194,6 +223,7 @@ def _entries(channel: Channel) -> list[_Configured]:
                 channel=channel.index,
                 default=trafo is default,
                 span=trafo.span,
+                step=trafo.step,
             ),
             channel,
             trafo,
@@ -209,6 +239,25 @@ def _default(channel: Channel) -> Trafo | None:
         return named
     couplings = [trafo for trafo in channel.trafos if trafo.type == _COUPLING]
     return couplings[0] if len(couplings) == 1 else next(iter(channel.trafos), None)
+
+
+def _tell_missing_defaults(channel: Channel, first: Trafo, second: Trafo | None, collector: Collector) -> None:
+    """Note a step without default where two are configured: the controller then refuses #TRAFO (P-CHAN-00452)."""
+    steps = [[trafo for trafo in channel.trafos if trafo.step == step] for step in (0, 1)]
+    if not (steps[0] and steps[1]):
+        return
+    missing = [n for n, default in enumerate((channel.default_trafo(), second)) if default is None]
+    if missing:
+        which = "neither transformation step has" if len(missing) == 2 else f"transformation step {missing[0]} has no"
+        which += " a default kinematic" if len(missing) == 2 else " default kinematic"
+        built = f"only {first.id} of step {first.step} is built" if second is None else f"{first.id} is taken"
+        pair = f"{(first if first.step == 0 else steps[0][0]).id},{(second or steps[1][0]).id}"
+        keys = " and ".join(f"default_id_of_kin_step[{n}]" for n in missing)
+        collector.add(
+            "CB412", f"{which}: the controller refuses #TRAFO until #KIN ID chooses both; {built}",
+            span=steps[missing[0]][0].span, parameter=keys,
+            hint=f"choose a pair: --kinematic {pair}, kinematic=({pair.replace(',', ', ')})",
+        )  # fmt: skip
 
 
 def _tell_apart(same: Sequence[KinematicEntry], taken: KinematicEntry, collector: Collector) -> None:

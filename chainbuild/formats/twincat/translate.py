@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
+from typing import Final
 
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.convention import Choices
 from chainbuild.errors import UnsupportedKinematicError
 from chainbuild.findings import Collector
 from chainbuild.formats.overlay import Overlay
+from chainbuild.formats.twincat.axis_offsets import with_axis_offsets
 from chainbuild.formats.twincat.coupling.coupling import coupling_draft
 from chainbuild.formats.twincat.coupling.coupling_groups import (
     COUPLING,
@@ -22,6 +25,8 @@ from chainbuild.formats.twincat.lists.axislist import with_limits
 from chainbuild.formats.twincat.lists.source import Source
 from chainbuild.formats.twincat.types.draft import serial_draft
 from chainbuild.formats.twincat.universal.universal import UNIVERSAL, universal_draft
+
+_TABLE_SENSE: Final = "table_rotary_sense"
 
 
 def translate(source: Source, name: str, title: str, choose: Choices, collector: Collector) -> Chain:
@@ -39,12 +44,28 @@ def translate(source: Source, name: str, title: str, choose: Choices, collector:
         MachineDataError: a parameter is not permitted.
     """
     chain = draft(source, choose, collector)
+    chain = with_axis_offsets(chain, source, choose, collector)
+    axes = chain.axes
     if source.second is not None:
-        second = replace(source, trafo=source.second, second=None, tool=None, tool_length_mm=0.0)
-        chain = two_steps(chain, source.trafo, draft(second, choose, collector), source.second, collector)
+        above = draft(source.upper(), choose, collector)
+        chain = two_steps(chain, source.trafo, above, source.second, collector)
+        axes = (*axes, *above.axes)
+    _tell_table_sense(axes, source, choose, collector)
     ahead = int(coupling_data()["tcp_axes"]) if source.trafo.type == COUPLING else 0
     axes = _limited(chain.axes, ahead, source, collector)
     return replace(chain.with_axes(axes), name=name, title=title)
+
+
+def _tell_table_sense(axes: Iterable[Axis], source: Source, choose: Choices, collector: Collector) -> None:
+    """Note that the sense of rotary axes that carry the workpiece is open, unless it was chosen."""
+    open_points = {one.convention.name: one for one in choose.used() if not one.by_user}
+    if _TABLE_SENSE not in open_points:
+        return
+    used = open_points[_TABLE_SENSE]
+    names = dict.fromkeys(axis.name for axis in axes if axis.kind == "rotary" and axis.carries == "workpiece")
+    text = f"the sense of the rotary workpiece axes ({', '.join(names)}) is open: {used.choice} is assumed"
+    hint = f"{used.convention.verify} Then set convention {_TABLE_SENSE}"
+    collector.add("CB465", text, span=source.trafo.span, hint=hint)
 
 
 def draft(source: Source, choose: Choices, collector: Collector) -> Chain:

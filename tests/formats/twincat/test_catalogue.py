@@ -33,6 +33,24 @@ def test_kin_45_is_built() -> None:
     }
 
 
+@pytest.mark.parametrize(
+    ("number", "family", "orientation"), [(91, "universal", "listed"), (210, "coupling", "complete")]
+)
+def test_types_that_are_lists(number: int, family: str, orientation: str) -> None:
+    kind = chainbuild.catalogue()[number]
+    assert (kind.number, kind.family, kind.orientation, kind.listed) == (number, family, orientation, True)
+    assert (kind.axes, kind.hd) == ((), ())
+    assert "no table of head offsets" in kind.summary
+    assert kind.title == title_of(number)
+    assert f"kin{number}_" in " ".join(one.name for one in kind.conventions)
+    assert repr(kind) == f"<KinType {number}: {kind.title}; axes as listed; 0 HD parameters>"
+    assert kin_type(number) is kind
+    with pytest.raises(UnsupportedKinematicError, match="not built from head offsets"):
+        kind.recipe(Params(kind.data), Choices())
+    assert sorted(n for n, one in catalogue().items() if one.listed) == [91, 210]
+    assert all(one.axes for one in catalogue().values() if not one.listed)
+
+
 def test_every_type_of_the_catalogue_has_data() -> None:
     assert set(catalogue()) <= set(type_data())
     assert list(catalogue()) == sorted(catalogue())

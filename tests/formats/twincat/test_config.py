@@ -148,6 +148,23 @@ def test_the_only_coupling_is_the_default() -> None:
         found.chain()
 
 
+def test_the_default_id_in_english() -> None:
+    lists = "trafo[0].id 9\ntrafo[1].id 58\n"
+    found = machine(f"{lists}kinematic_id 58 (default")
+    assert found.chain().kinematic == "KIN_TYP 58"
+    told = [f for f in found.findings if f.code == "CB417"]
+    assert [(f.severity, f.text, f.span.line if f.span else 0, f.hint) for f in told] == [
+        ("warning", "kinematic_id is not spelt as the controller documents it; it is taken as kinematik_id", 3,
+         "write kinematik_id")
+    ]  # fmt: skip
+    both = machine(f"{lists}kinematic_id 58\nkinematik_id 9")
+    assert both.chain().kinematic == "KIN_TYP 9"
+    assert "kinematik_id of line 4 is used" in next(f.text for f in both.findings if f.code == "CB417")
+    assert codes(machine(f"{lists}kinematik_id 58")) == []
+    wrong = machine(f"{lists}kinematic_id 7", strict=False)
+    assert codes(wrong) == ["CB417", "CB222"]
+
+
 def test_an_id_that_is_not_configured() -> None:
     with pytest.raises(MachineDataError, match="configures no kinematic 9") as caught:
         machine("trafo[0].id 45\ntrafo[0].name ROBOT").chain(9)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from chainbuild.convention import applying_to
+from chainbuild.convention import applying_to, conventions
 from chainbuild.formats.twincat.lists.hdtable import type_data
 from chainbuild.frames import rot_x, rot_y, rot_z
 from tests.kit.kin_types import axes_anywhere, build, distance, generic_hd
+from tests.kit.twincat_files import codes, machine
 
 TYPES = (1, 13, 14, 23, 34, 52, 57, 58, 61, 63, 64, 80, 81, 82, 202, 203, 205, 36, 85, 96, 206, 208, 213)
 TURN = {"A": rot_x, "B": rot_y, "C": rot_z}
@@ -288,3 +289,22 @@ def test_every_convention_of_a_type_is_asked_somewhere(kin: int) -> None:
 def test_a_type_asks_only_conventions_that_name_it(kin: int) -> None:
     named = {convention.name for convention in applying_to([f"KIN {kin}"])}
     assert build(kin, generic_hd(type_data()[kin]), 80.0).asked() <= named
+
+
+@pytest.mark.parametrize(
+    ("kin", "names"), [(58, "A, C"), (64, "C1, A, C2"), (82, "C"), (11, "A"), (13, "C"), (202, "CS"), (9, ""), (45, "")]
+)
+def test_the_open_sense_of_a_table_is_told_once(kin: int, names: str) -> None:
+    chain = machine(f"trafo[0].id {kin}").chain()
+    told = [finding for finding in chain.findings if finding.code == "CB465"]
+    if not names:
+        assert told == []
+        return
+    (found,) = told
+    assert (found.severity, found.text) == (
+        "info", f"the sense of the rotary workpiece axes ({names}) is open: right_handed is assumed"
+    )  # fmt: skip
+    assert "counter-clockwise for right_handed" in (found.hint or "")
+    assert conventions()["table_rotary_sense"].mark == "?"
+    decided = machine(f"trafo[0].id {kin}").chain(conventions={"table_rotary_sense": "right_handed"})
+    assert "CB465" not in codes(decided)

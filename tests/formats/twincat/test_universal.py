@@ -153,9 +153,9 @@ def edited(*changes: str, universal: Universal = CA_HEAD) -> list[str]:
 
 
 REFUSED = [
-    ("number_of_axes 7", "number_of_axes is 7", "trafo[0].number_of_axes", "3, 4, 5, 6"),
-    ("number_of_axes 2", "number_of_axes is 2", "trafo[0].number_of_axes", "3, 4, 5, 6"),
-    ("number_of_axes 4.5", "number_of_axes is 4.5", "trafo[0].number_of_axes", "3, 4, 5, 6"),
+    ("number_of_axes 7", "number_of_axes is 7", "trafo[0].number_of_axes", "1, 2, 3, 4, 5, 6"),
+    ("number_of_axes 0", "number_of_axes is 0", "trafo[0].number_of_axes", "1, 2, 3, 4, 5, 6"),
+    ("number_of_axes 4.5", "number_of_axes is 4.5", "trafo[0].number_of_axes", "1, 2, 3, 4, 5, 6"),
     ("axis[3].type 3", "axis[3].type is 3", "trafo[0].axis[3].type", "1, 2"),
     ("axis[1].type 2", "axis 1 is rotary", "trafo[0].axis[1].type", "three linear axes at 0 to 2"),
     ("axis[3].type 1", "axis 3 is linear", "trafo[0].axis[3].type", "three linear axes at 0 to 2"),

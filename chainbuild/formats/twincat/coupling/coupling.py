@@ -15,6 +15,7 @@ from chainbuild.chain.elements import Chain, Partial
 from chainbuild.convention import Choices
 from chainbuild.errors import MachineDataError
 from chainbuild.findings import Collector
+from chainbuild.formats.twincat.coupling.coupling_axes import Place, check_angle_mode, check_axes
 from chainbuild.formats.twincat.coupling.coupling_groups import (
     COUPLING,
     NO_TOOL_MEMBER,
@@ -25,10 +26,11 @@ from chainbuild.formats.twincat.coupling.coupling_groups import (
 )
 from chainbuild.formats.twincat.lists.config import Trafo
 from chainbuild.formats.twincat.lists.source import Source
+from chainbuild.formats.twincat.types.catalogue import catalogue, kin_type
 from chainbuild.formats.twincat.types.displays import by_angles
 from chainbuild.formats.twincat.types.draft import draft_name, serial_draft
 from chainbuild.formats.twincat.universal.universal import UNIVERSAL, universal_draft
-from chainbuild.units import deg_from_raw, m_from_mm, mm_from_tenth_um
+from chainbuild.units import deg_from_raw, m_from_mm, mm_from_m, mm_from_tenth_um
 
 _REST: Final = "CBA"  # letters that a universal kinematic does not have come last
 _OPEN: Final = "kin210_base_offset"
@@ -69,6 +71,7 @@ class _Building:
                 text = f"group {group.label} follows group {self.groups[0].label}; the TCP is that of the first group"
                 hint = f"its own tool frame is {self.name(group.members[-1])}_tool"
                 self.collector.add("CB458", text, span=self.source.trafo.span, hint=hint)
+        self.check_channel(chain)
         types = " + ".join(str(member.type) for group in self.groups for member in group.members)
         return replace(
             chain,
@@ -112,13 +115,22 @@ class _Building:
         position = [m_from_mm(mm_from_tenth_um(value)) for value in raw[:3]]
         rotation = self.base_rotation(group, member, [deg_from_raw(value) for value in raw[3:]])
         T = frames.transform(rotation, position)
-        seen_from_mcs = self.choose[_OPEN] == "carrier_seen_from_mcs"
+        if self.choose[_OPEN] == "carrier_seen_from_mcs":
+            T = frames.inverse(T)
         if _OPEN not in self.choose.chosen:
-            text = f"the direction in which the basic offset of {self.name(member)} counts is open"
+            below = group.members[group.members.index(member) - 1] if member is not group.members[0] else None
+            seen = "the MCS of the coupling" if below is None else f"the TCP frame of {self.name(below)}"
+            x, y, z = (round(mm_from_m(float(value)), 4) + 0.0 for value in T[:3, 3])
+            text = (
+                f"the direction in which the basic offset of {self.name(member)} counts is open; as read, its MCS is at"
+            )
             hint = f"check convention {_OPEN}: {self.choose[_OPEN]} is used"
             entry = next(e for key, e in member.extras.items() if key.startswith("base["))
-            self.collector.add("CB454", text, span=entry.span, parameter=f"{member.prefix}.base", hint=hint)
-        return frames.inverse(T) if seen_from_mcs else T
+            self.collector.add(
+                "CB454", f"{text} X {x:g}, Y {y:g}, Z {z:g} mm in {seen}", span=entry.span,
+                parameter=f"{member.prefix}.base", hint=hint,
+            )  # fmt: skip
+        return T
 
     def base_rotation(self, group: Group, member: Trafo, angles: Sequence[float]) -> Matrix:
         if not any(angles):
@@ -139,10 +151,12 @@ class _Building:
 
     def axis_sequence(self, member: Trafo) -> str:
         """Return the letters of the rotary axes of a universal kinematic in the order of its chain."""
+        return "".join(dict.fromkeys([*self.universal_letters(member), *_REST]))
+
+    def universal_letters(self, member: Trafo) -> str:
         source = replace(self.source, trafo=member, tool=None, tool_length_mm=0.0)
         chain = universal_draft(source, self.choose, Collector(), member=True)
-        letters = [joint.name[0] for joint in chain.joints if joint.kind == "revolute"]
-        return "".join(dict.fromkeys([*letters, *_REST]))
+        return "".join(joint.name[0] for joint in chain.joints if joint.kind == "revolute")
 
     def tool_member(self) -> Trafo:
         """Return the member that the tool is clamped to: the one it names, else the last of the first group."""
@@ -161,6 +175,23 @@ class _Building:
                 f"tool {tool.number} names the unknown partial kinematic {tool.kin_name}",
                 span=tool.span, parameter=f"wz[{tool.number}].kin_name", permitted=", ".join(filter(None, names)),
             )  # fmt: skip
+
+    def check_channel(self, chain: Chain) -> None:
+        """Check order and kind of the channel's axes, and its angle mode against RTCP partials that carry the TCP."""
+        members = [member for group in self.groups for member in group.members]
+        letters = [coordinate_letters(m.type, p.chain) for m, p in zip(members, chain.partials, strict=True)]
+        places = [Place(self.name(member), of) for member, of in zip(members, letters, strict=True)]
+        check_axes(self.source, places, self.collector)
+        for member in self.groups[0].members:
+            if is_rtcp(member):
+                rotary = self.rotary_letters(member)
+                check_angle_mode(self.name(member), rotary, self.source.channel, member.span, self.collector)
+
+    def rotary_letters(self, member: Trafo) -> str:
+        """Return the letters of a member's rotary axes, in the order of its chain."""
+        if member.type == UNIVERSAL:
+            return self.universal_letters(member)
+        return "".join(axis.name[0] for axis in kin_type(member.type).axes if axis.kind == "rotary")
 
     def ranked(self, chain: Chain) -> tuple[Partial, ...]:
         """Return the partials with their ranks and locked coordinates."""
@@ -199,6 +230,15 @@ class _Building:
 
     def name(self, member: Trafo) -> str:
         return member.name or f"kin_{member.id}"
+
+
+def is_rtcp(trafo: Trafo) -> bool:
+    """Return whether a kinematic is programmed by its machine angles; of one given as a list its list says so."""
+    known = catalogue().get(trafo.type)
+    if known is None or known.orientation != "listed":
+        return known is not None and known.orientation == "rtcp"
+    entry = trafo.extras.get("rtcp")
+    return entry is not None and bool(entry.number())
 
 
 def coordinate_letters(kin_typ: int, chain: Chain) -> str:

@@ -21,6 +21,7 @@ from chainbuild.chain.fold import reach
 from chainbuild.chain.poses import angle_rates, pose, pose_jacobian
 from chainbuild.errors import ChainbuildError, UnsupportedKinematicError
 from chainbuild.findings import Collector
+from chainbuild.formats.twincat.coupling.coupling import is_rtcp
 from chainbuild.formats.twincat.lists.config import Trafo
 from chainbuild.formats.twincat.types.catalogue import catalogue
 from chainbuild.formats.twincat.types.displays import by_rotary_axes
@@ -78,18 +79,12 @@ def _coordinates(chain: Chain, trafo: Trafo) -> Coordinates:
     known = catalogue().get(trafo.type)
     if known is not None and known.orientation == "complete":
         return Coordinates(chain, "angles")
-    rtcp = known is not None or _is_rtcp(trafo)
-    if not rtcp:
+    if not is_rtcp(trafo):
         raise UnsupportedKinematicError(
             f"KIN_TYP {trafo.type} as a complete transformation cannot precede a second step", span=trafo.span,
             parameter=f"{trafo.prefix}.rtcp", permitted="1", code="CB460",
         )  # fmt: skip
     return Coordinates(chain, "axes")
-
-
-def _is_rtcp(trafo: Trafo) -> bool:
-    entry = trafo.extras.get("rtcp")
-    return entry is not None and bool(entry.number())
 
 
 def _units(kinds: tuple[AxisKind, ...]) -> str:

@@ -35,6 +35,8 @@ class AxisList:
         lower: Lower software limit in the list's counts, or None.
         upper: Upper software limit, or None.
         modulo: True for an axis that turns without end.
+        drive_type: kenngr.antr_typ (P-AXIS-00020), or None.
+        measures: True where kenngr.messachse (P-AXIS-00118) says that it takes part in measuring.
     """
 
     span: Span | None
@@ -44,6 +46,8 @@ class AxisList:
     lower: float | None
     upper: float | None
     modulo: bool
+    drive_type: int | None = None
+    measures: bool = False
 
 
 def read_axis_list(parameters: ParameterList, facts: Mapping[str, str], collector: Collector) -> AxisList:
@@ -77,7 +81,7 @@ def read_axis_list(parameters: ParameterList, facts: Mapping[str, str], collecto
     modulo = False
     with errors_collected_by(collector):
         modulo = mode is not None and bool(mode.integer(0, _UNS32) & _MODULO)
-    axis_number = number("kopf.achs_nr")
+    axis_number, drive_type = number("kopf.achs_nr"), number("kenngr.antr_typ")
     index = facts.get("DefaultIndex", "")
     return AxisList(
         span=parameters.span,
@@ -87,6 +91,8 @@ def read_axis_list(parameters: ParameterList, facts: Mapping[str, str], collecto
         lower=number(_LIMITS[0]),
         upper=number(_LIMITS[1]),
         modulo=modulo,
+        drive_type=None if drive_type is None else int(drive_type),
+        measures=bool(number("kenngr.messachse")),
     )
 
 
@@ -107,7 +113,7 @@ def with_limits(
     """
     if not lists:
         return tuple(axes)
-    matched = {i: found for i in range(len(axes)) if (found := _by_channel(i, channel.get(i), lists))}
+    matched = {i: found for i in range(len(axes)) if (found := list_by_channel(i, channel.get(i), lists))}
     if not matched:
         matched = _by_type(axes, lists)
     if not matched:
@@ -117,7 +123,8 @@ def with_limits(
     return tuple(_limited(axis, matched.get(i), collector) for i, axis in enumerate(axes))
 
 
-def _by_channel(index: int, channel: ChannelAxis | None, lists: Iterable[AxisList]) -> AxisList | None:
+def list_by_channel(index: int, channel: ChannelAxis | None, lists: Iterable[AxisList]) -> AxisList | None:
+    """Return the list of an axis of the channel: by name, else by logical number, else by channel index."""
     name = channel.name.lower() if channel else ""
     number = channel.number if channel else None
     tests: tuple[Callable[[AxisList], bool], ...] = (

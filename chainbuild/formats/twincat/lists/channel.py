@@ -39,6 +39,8 @@ _ORI_MODES: Final[Mapping[str, OriMode]] = {mode.upper(): mode for mode in get_a
 _FIXED_AXES: Final[Mapping[float, AngleLetter | None]] = {0: None, **{n: a for a, n in FIXED_AXIS_INDEX.items()}}
 _TOOL_PLANES: Final[Mapping[float, ToolPlane]] = {plane: plane for plane in get_args(ToolPlane)}
 _ORI_NAMES: Final = ("mode", "fixed_axis_index", "tool_ax_in_plane")
+_DEFAULT_ID: Final = "kinematik_id"
+_ENGLISH_DEFAULT_ID: Final = "kinematic_id"  # a page of the vendor spells it so
 _CHECK_OWN_NAMES: Final = (91, 210)  # universal and coupling kinematic, configured by names
 
 
@@ -178,17 +180,29 @@ def _refuse_repeated(trafos: list[Trafo], collector: Collector) -> None:
 def _defaults(parameters: ParameterList, collector: Collector) -> dict[int, Default]:
     defaults: dict[int, Default] = {}
     for id_name, name_name, step in (
-        ("kinematik_id", "kinematik_name", 0),
+        (_DEFAULT_ID, "kinematik_name", 0),
         *((f"default_id_of_kin_step[{i}]", f"default_name_of_kin_step[{i}]", i) for i in range(MAX_KINEMATIC_STEPS)),
     ):
         with errors_collected_by(collector):
             id_entry, name_entry = parameters.get(id_name), parameters.get(name_name)
+            if id_name == _DEFAULT_ID:
+                id_entry = _default_id(id_entry, parameters.get(_ENGLISH_DEFAULT_ID), collector)
             number = id_entry.integer(0, UNS16) if id_entry else 0
             name = name_entry.text() if name_entry else ""
             if number or name:
                 spans = (entry.span if entry else None for entry in (id_entry, name_entry))
                 defaults[step] = Default(number or None, name or None, *spans)
     return defaults
+
+
+def _default_id(entry: Assignment | None, english: Assignment | None, collector: Collector) -> Assignment | None:
+    """Return the default id of the list; one spelt in English is taken where there is no other."""
+    if english is None:
+        return entry
+    effect = f"{_DEFAULT_ID} of line {entry.span.line} is used" if entry else f"it is taken as {_DEFAULT_ID}"
+    text = f"{english.name} is not spelt as the controller documents it; {effect}"
+    collector.add("CB417", text, span=english.span, parameter=english.name, hint=f"write {_DEFAULT_ID}")
+    return entry or english
 
 
 def _angle_mode(parameters: ParameterList, collector: Collector) -> RawValue | None:

@@ -84,10 +84,10 @@ class TypeData:
         title: English title.
         family: "head", "table", "arm" … .
         manual: Section of the manual.
-        orientation: "rtcp" (machine angles are programmed) or "complete" (a pose is).
+        orientation: "rtcp" (machine angles are programmed), "complete" (a pose is) or "listed" (the list decides).
         summary: Structure and zero position in words.
-        axes: Axes in channel order.
-        hd: HD rows in the order of their numbers.
+        axes: Axes in channel order; empty where the list gives them (91, 210).
+        hd: HD rows in the order of their numbers; empty where there is no table (91, 210).
         display: What is displayed beside the position, as fields of `Display`; empty: by `orientation`.
     """
 
@@ -97,7 +97,7 @@ class TypeData:
     title: str
     family: str
     manual: str
-    orientation: Literal["rtcp", "complete"]
+    orientation: Literal["rtcp", "complete", "listed"]
     summary: str
     axes: tuple[AxisRow, ...]
     hd: tuple[HdRow, ...]

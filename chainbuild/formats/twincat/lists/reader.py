@@ -24,7 +24,7 @@ _INDEX_DIGITS: Final = 9
 # Names with blanks where none belong: before or within brackets, or before a dot.
 _SPACED: Final = re.compile(r"\s*[A-Za-z_]\w*(?:[ \t]*\[[ \t]*\d+[ \t]*\]|[ \t]*\.[ \t]*[A-Za-z_]\w*)+", re.ASCII)
 _BROKEN: Final = re.compile(r"(?<=\S)[ \t]+[\[.\]]|\[[ \t]")
-_MISSPELT_ROOTS: Final = TWINCAT_ROOTS - {"gruppe", "kenngr", "kopf", "ori"}
+_MISSPELT_ROOTS: Final = TWINCAT_ROOTS - {"gruppe", "kenngr", "kopf", "kinematic_id", "ori"}
 _ALIKE: Final = 0.75  # likeness by difflib: of four letters one may be wrong
 _NAMED: Final = 3  # of the entries that are not read; the others are counted
 _NAME_SHOWN: Final = 60  # characters of a name in a message

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from chainbuild.chain.names import as_name, free_name
@@ -40,6 +40,11 @@ class Source:
     second: Trafo | None = None
     main: bool = True
 
+    def upper(self) -> Source:
+        """Return what the second transformation step is built from: the tool acts in the first (P-CHAN-00263)."""
+        assert self.second is not None  # asked only of two steps
+        return replace(self, trafo=self.second, second=None, tool=None, tool_length_mm=0.0)
+
 
 def chain_name(machine: str, source: Source, default: Source | None) -> str:
     """Return a file-system-safe name of a chain, different for every kinematic of a machine file.
@@ -52,12 +57,14 @@ def chain_name(machine: str, source: Source, default: Source | None) -> str:
     if default is not None and source.trafo is default.trafo and source.second is default.second:
         return machine
     taken: list[str] = []
-    label = ""
+    label = upper = ""
     for trafo in source.channel.trafos:
         own = as_name(trafo.name)[:_LABEL_CHARACTERS] if trafo.name else f"kin{trafo.id}"
         # Compared without case: file systems do not all tell cases apart.
         taken.append(free_name(own.lower(), taken))
         if trafo is source.trafo:
             label = own + taken[-1][len(own) :]
+        if trafo is source.second:
+            upper = f"_{own}{taken[-1][len(own) :]}_two_steps"
     channel = "" if default is not None and source.channel is default.channel else f"_channel{source.channel.index}"
-    return f"{machine}{channel}_{label}{'_two_steps' if source.second is not None else ''}"
+    return f"{machine}{channel}_{label}{upper}"

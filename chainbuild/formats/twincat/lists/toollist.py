@@ -21,10 +21,12 @@ from chainbuild.formats.twincat.lists.counts import Unit, check_number
 from chainbuild.formats.twincat.lists.reader import Assignment, ParameterList
 from chainbuild.units import mm_from_tenth_um
 
+_MAX_AXIS: Final = 31  # a channel has 32 axes at most (P-TOOL-00006)
 _MAX_TOOL: Final = 65535  # largest tool number: 16 bits
 _MILLIMETRES: Final = 0  # value of mass_einheit; any other is inches
 # Tool parameters that act on a kinematic, and the similarity from which another name is taken as misspelt.
-_NAMES: Final = ("laenge", "radius", "kin_id", "kin_name", "mass_einheit", "kinematic", "kinematik", "wz_kopf_versatz")
+_NAMES: Final = ("laenge", "radius", "kin_id", "kin_name", "mass_einheit", "kinematic", "kinematik", "wz_kopf_versatz",
+                 "ax_versatz")  # fmt: skip
 _MISSPELT: Final = 0.8  # likeness by difflib
 
 
@@ -40,6 +42,7 @@ class Tool:
         params: j → kinematic.param[j], the list's counts (P-TOOL-00009).
         kin_name: Partial kinematic that carries it (P-TOOL-00148), or an empty string.
         kin_id: Kinematic to be used with it (P-TOOL-00011); 0: the channel's default.
+        axis_offsets: j → ax_versatz[j], the list's counts (P-TOOL-00006).
         inches: True where the list counts it in inches (P-TOOL-00008), which is not read.
     """
 
@@ -50,6 +53,7 @@ class Tool:
     params: Mapping[int, RawValue] = field(default_factory=dict)
     kin_name: str = ""
     kin_id: int = 0
+    axis_offsets: Mapping[int, RawValue] = field(default_factory=dict)
     inches: bool = False
 
 
@@ -70,6 +74,7 @@ def read_tools(parameters: ParameterList, collector: Collector) -> dict[int, Too
 def _tool(number: int, entries: Iterable[Assignment], collector: Collector) -> Tool:
     values: dict[str, float] = {}
     params: dict[int, RawValue] = {}
+    offsets: dict[int, RawValue] = {}
     kin_name, span = "", None
     for entry in entries:
         span = span or entry.span
@@ -80,6 +85,10 @@ def _tool(number: int, entries: Iterable[Assignment], collector: Collector) -> T
                     params[checked_index(entry, j, MAX_PARAM)] = RawValue(
                         entry.number(), entry.name, entry.span, entry.raw
                     )
+                case (("ax_versatz", j),):
+                    value = RawValue(entry.number(), entry.name, entry.span, entry.raw)
+                    offsets[checked_index(entry, j, _MAX_AXIS)] = value
+                    check_number(value.value, entry.raw, entry.name, entry.span, "mm or deg", collector)
                 case (("kin_name", None),):
                     kin_name = short_name(entry, collector)
                 case ((("laenge" | "radius" | "kin_id" | "mass_einheit") as key, None),):
@@ -96,6 +105,7 @@ def _tool(number: int, entries: Iterable[Assignment], collector: Collector) -> T
         radius_mm=mm_from_tenth_um(values.get("radius", 0.0)),
         params=params,
         kin_name=kin_name,
+        axis_offsets=offsets,
         kin_id=int(values.get("kin_id", 0)),
         inches=values.get("mass_einheit", _MILLIMETRES) != _MILLIMETRES,
     )

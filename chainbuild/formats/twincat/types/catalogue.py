@@ -10,24 +10,22 @@ from functools import cache
 from types import MappingProxyType
 from typing import Final
 
-from chainbuild.convention import Convention, applying_to
+from chainbuild.convention import Choices, Convention, applying_to
 from chainbuild.errors import Span, UnsupportedKinematicError
 from chainbuild.formats.twincat import families
 from chainbuild.formats.twincat.lists.hdtable import AxisRow, HdRow, TypeData, type_data
-from chainbuild.formats.twincat.recipes.recipe import RecipeFunction
+from chainbuild.formats.twincat.recipes.recipe import Params, Recipe, RecipeFunction
 from chainbuild.shown import two_lines
 
-# Types that are not a serial chain, or are given as a list of axes; titles for messages and `kinematics()`.
+# Types that are not a serial chain; titles for messages and `kinematics()`.
 _OTHER_TITLES: Final[Mapping[int, str]] = {
     12: "Tripod",
     19: "Three columns carry the workpiece platform",
     21: "Lambda kinematic",
     37: "Delta robot",
-    91: "Universal kinematic",
     209: "Tripod with a two-axis workpiece table",
-    210: "Coupling kinematic",
 }
-# Given as lists of axes or of kinematics, not by a table of head offsets: built without a recipe.
+# Given as lists of axes or of kinematics, not by a table of head offsets: built by `translate`, without a recipe.
 _LISTS: Final = frozenset({91, 210})
 _PARALLEL: Final = frozenset({12, 19, 21, 37, 209})
 # Named in the KIN_TYP manual, described in a document of their own.
@@ -40,20 +38,25 @@ class KinType:
 
     Attributes:
         data: Tables of the type.
-        recipe: Builds the branches of the chain.
+        recipe: Builds the branches of the chain; refuses where the list gives axes or kinematics.
     """
 
     data: TypeData
     recipe: RecipeFunction
 
     def __repr__(self) -> str:
-        axes = ", ".join(axis.name for axis in self.axes)
+        axes = "as listed" if self.listed else ", ".join(axis.name for axis in self.axes)
         return two_lines(f"<KinType {self.number}: {self.title}; axes {axes}; {len(self.hd)} HD parameters>")
 
     @property
     def number(self) -> int:
         """KIN_TYP."""
         return self.data.number
+
+    @property
+    def listed(self) -> bool:
+        """True where the list gives the axes (91) or the kinematics (210): no axes, no HD table, no recipe."""
+        return self.number in _LISTS
 
     @property
     def title(self) -> str:
@@ -72,7 +75,7 @@ class KinType:
 
     @property
     def orientation(self) -> str:
-        """Orientation: "rtcp", machine angles are programmed, or "complete", a pose is."""
+        """Orientation: "rtcp", machine angles are programmed; "complete", a pose is; "listed", the list decides."""
         return self.data.orientation
 
     @property
@@ -96,10 +99,17 @@ class KinType:
         return applying_to(["KIN", f"KIN {self.number}"])
 
 
+def _no_recipe(p: Params, choose: Choices) -> Recipe:
+    """Refuse to build a type of head offsets that it does not have."""
+    number = p.data.number
+    text = f"KIN_TYP {number} ({p.data.title}) is not built from head offsets but from what its list names"
+    raise UnsupportedKinematicError(text, span=p.span, parameter="type", permitted="its own parameters", code="CB410")
+
+
 @cache
 def catalogue() -> Mapping[int, KinType]:
     """Return the KIN_TYPs that are built, by number."""
-    recipes: dict[int, RecipeFunction] = {}
+    recipes: dict[int, RecipeFunction] = dict.fromkeys(_LISTS, _no_recipe)
     for module in pkgutil.iter_modules(families.__path__, families.__name__ + "."):
         recipes.update(importlib.import_module(module.name).RECIPES)
     data = type_data()
@@ -119,7 +129,7 @@ def title_of(kin_typ: int) -> str:
 
 def why_unsupported(kin_typ: int) -> str | None:
     """Return why a type is refused, or None where it is built."""
-    if kin_typ in catalogue() or kin_typ in _LISTS:
+    if kin_typ in catalogue():
         return None
     if kin_typ in _TUBE_PROCESSING:
         return f"KIN_TYP {kin_typ} (tube processing) is not supported: the KIN_TYP manual describes it elsewhere"
@@ -139,5 +149,5 @@ def kin_type(kin_typ: int, span: Span | None = None) -> KinType:
     reason = why_unsupported(kin_typ)
     if reason is None:
         return catalogue()[kin_typ]
-    known = ", ".join(str(number) for number in sorted({*catalogue(), *_LISTS}))
+    known = ", ".join(str(number) for number in catalogue())
     raise UnsupportedKinematicError(reason, span=span, parameter="type", permitted=f"KIN_TYP {known}", code="CB410")

@@ -63,7 +63,7 @@ class Universal:
 
 def as_universal(
     machine: Machine,
-    kinematic: int | str | None = None,
+    kinematic: int | str | tuple[int | str, int | str] | None = None,
     channel: int | None = None,
     *,
     conventions: Mapping[str, str] | None = None,
@@ -72,7 +72,7 @@ def as_universal(
 
     Args:
         machine: The machine.
-        kinematic: Id or name; None: the default.
+        kinematic: Id or name; None: the default. See `Machine.chain`.
         channel: Channel; None: the first that has a kinematic.
         conventions: Convention name → choice.
 

@@ -78,7 +78,7 @@ def read_universal(trafo: Trafo, tool: Mapping[int, RawValue], collector: Collec
         trafo: The kinematic.
         tool: Slot → what the active tool adds.
         collector: Takes findings.
-        member: True for a partial of a coupling, which may have fewer axes.
+        member: True for a partial of a coupling, which may have fewer linear axes.
 
     Raises:
         MachineDataError: a value is not permitted, or the axes make no kinematic.
@@ -122,8 +122,7 @@ class _Reading:
                 self.collector.add("CB450", text, span=entry.span, parameter=entry.name)
 
     def axis_count(self) -> int:
-        lowest = 1 if self.member else _MAX_LINEAR
-        count = self.whole("number_of_axes", 6, range(lowest, MAX_AXES + 1))
+        count = self.whole("number_of_axes", 6, range(1, MAX_AXES + 1))
         beyond = [k for k in range(count, MAX_AXES) if self.given(f"axis[{k}].type", _first_slot(k))]
         if beyond:
             text = f"axis[{beyond[0]}] is beyond number_of_axes {count}; it is ignored"
@@ -148,6 +147,12 @@ class _Reading:
             what = f"{rotary} rotary axes in {'an RTCP' if rtcp else 'a complete'} transformation"
             raise self.refusal("rtcp", what, f"at most {most}")
         if self.member and kinds.count("linear") <= _MAX_LINEAR:
+            return
+        if len(kinds) < _MAX_LINEAR:
+            axes = "one axis" if len(kinds) == 1 else "two axes"
+            text = f"a universal kinematic of {axes} is described as a partial of a coupling only"
+            hint = "the controller may want three linear axes at 0 to 2"
+            self.collector.add("CB466", text, span=self.span("number_of_axes", 6), hint=hint)
             return
         wrong = [k for k, kind in enumerate(kinds) if (kind == "linear") != (k < _MAX_LINEAR)]
         if wrong:
