@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from chainbuild.chain.elements import Chain
 from chainbuild.files import write_text
 from chainbuild.frames import ANGLE_MODES
 from chainbuild.inspect.panel import panel_html
@@ -87,14 +88,29 @@ def _data(robot: Mechanism, scene: Scene, motion: AxisSweep, recorder: _Recorder
 
 
 def _pose(robot: Mechanism, scene: Scene) -> dict[str, Any]:
-    """Return the data for the displayed tool pose: two frames of the scene and the angle convention."""
+    """Return the data for the displayed tool pose: two frames of the scene, the angles, what is shown of them."""
     chain = robot.chain
     places = {name: scene.frame_place(name) for name in ("tool", "workpiece")}
     total = chain.absolute_c
     return {
         **{name: {"path": path.split("/"), "T": T.ravel().tolist()} for name, (path, T) in places.items()},
         "factors": ANGLE_MODES[chain.angle_mode].factors,
+        "display": _display(chain),
         "absoluteC": None if total is None else {"coefficients": total.coefficients, "offset": total.offset},
+    }
+
+
+def _display(chain: Chain) -> dict[str, Any]:
+    """Return what is displayed beside the position, as the page computes it."""
+    display = chain.display
+    return {
+        "kind": display.kind,
+        "axes": display.axes,
+        "letters": [column[0].upper() for column in chain.display_columns],
+        "turns": list(display.letters),
+        "along": chain.tool_column if display.kind == "vector" else "xyz".index(display.along),
+        "tool": chain.tool_column,
+        "zero": display.zero_deg,
     }
 
 

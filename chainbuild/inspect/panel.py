@@ -41,13 +41,36 @@ def panel_html(chain: Chain, grid_cell: float, stopped: Sequence[str]) -> str:
 
 def _tool(chain: Chain) -> str:
     """Return the table for the pose of the tool, which the page fills."""
-    head = "".join(f'<th class="number">{text}</th>' for text in ("X mm", "Y mm", "Z mm", "A°", "B°", "C°"))
-    cells = '<td class="number"></td>' * 6
-    meaning = escape(ANGLE_MODES[chain.angle_mode].meaning)
+    shown = [_column_title(chain, column) for column in chain.display_columns]
+    titles = ("X mm", "Y mm", "Z mm", *shown)
+    head = "".join(f'<th class="number">{escape(text)}</th>' for text in titles)
+    cells = '<td class="number"></td>' * len(titles)
     return (
         f'<h2>Tool in the workpiece frame</h2><table id="tcp"><thead><tr>{head}</tr></thead><tbody><tr>{cells}</tr>'
-        f'</tbody></table><p class="soft">Angles of the controller: R = {meaning}</p>'
+        f'</tbody></table><p class="soft">{escape(_displayed_meaning(chain))}</p>'
     )
+
+
+def _column_title(chain: Chain, column: str) -> str:
+    """Return the heading of a displayed column."""
+    if chain.display.kind == "vector":
+        return column.replace("_", " ")
+    return f"{column.removesuffix('_deg').upper() if column.endswith('_deg') else column}°"
+
+
+def _displayed_meaning(chain: Chain) -> str:
+    """Return what the controller displays, as a sentence."""
+    display = chain.display
+    if display.kind == "angles":
+        return f"Angles of the controller: R = {ANGLE_MODES[chain.angle_mode].meaning}"
+    if display.kind == "axes":
+        return "As the controller displays it: the tool tip and the rotary axes that are programmed."
+    if display.kind == "direction":
+        turns = "·".join(f"R({letter})" for letter in display.letters)
+        return f"Angles of the controller: tool vector = {turns}·e_{display.along}"
+    if display.kind == "plane":
+        return "As the controller displays it: the tool tip and the tool's angle in the XY plane."
+    return "As the controller displays it: the tool tip" + (" and the tool vector." if display.columns else ".")
 
 
 def _axes(chain: Chain, stopped: Sequence[str]) -> str:

@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 
 import chainbuild
 from chainbuild import frames
+from chainbuild.chain.display import Display
 from chainbuild.errors import FileAccessError, Span
 from chainbuild.findings import Finding
 from chainbuild.inspect.export import export_page, page_html
 from chainbuild.inspect.inline import inline_page
 from chainbuild.inspect.sweep import axis_sweep
+from chainbuild.kinematics.displayed import vector_of_angles
 from chainbuild.robot import Robot
 from tests.kit.browser import chromium, document, screenshot
 from tests.kit.drawn_robots import ROBOTS, arm
@@ -70,10 +72,16 @@ def test_the_sweep_moves_the_robot_and_names_the_axis(tmp_path: Path) -> None:
     assert re.search(r'<tr class="moving"><td>A2</td>', text)
 
 
-@pytest.mark.parametrize("name", [*ROBOTS, "kr6r900", "scara_cc", "tx2_60", "irb2600_table"])
+MACHINES = ("kr6r900", "scara_cc", "tx2_60", "irb2600_table", "ac_table_kin58", "palletiser_kin96", "cyl_2rot_kin202")
+TWO_ANGLES = Display("direction", ("c_deg", "a_deg"), letters="CA", along="z")
+
+
+@pytest.mark.parametrize("name", [*ROBOTS, *MACHINES, "two angles"])
 def test_the_panel_tells_the_pose_of_the_tool(name: str, tmp_path: Path) -> None:
     """Between two keyframes, too: the pose is read from the scene, not from keyframes far apart."""
-    robot = ROBOTS[name]() if name in ROBOTS else chainbuild.Robot.load(name)
+    robot = ROBOTS[name]() if name in ROBOTS else chainbuild.Robot.load("tx2_60" if name == "two angles" else name)
+    if name == "two angles":
+        robot = chainbuild.Robot(replace(robot.chain, display=TWO_ANGLES))
     motion = axis_sweep(robot)
     for axis in (0, len(robot.axes) - 1):
         frame = 50 * axis + 16
@@ -81,12 +89,18 @@ def test_the_panel_tells_the_pose_of_the_tool(name: str, tmp_path: Path) -> None
         cells = re.findall(r"<td[^>]*>([^<]*)</td>", re.search(r'id="tcp">.*?</table>', text, re.DOTALL)[0])
         shown = np.array([float(cell.replace("\u2212", "-")) for cell in cells])
         axes = motion.axes[frame : frame + 2].mean(axis=0)
-        mode = robot.chain.angle_mode
-        T = robot.fk(axes)
+        T, display = robot.fk(axes), robot.chain.display
         assert np.abs(shown[:3] - 1000 * T.translation).max() < 0.06 + 1e-6 * np.abs(axes).max()
-        assert np.abs(frames.matrix_from_angles(mode, shown[3:].tolist()) - T.rotation).max() < 0.003
+        if display.columns == ("a_deg", "b_deg", "c_deg"):
+            mode = robot.chain.angle_mode
+            assert np.abs(frames.matrix_from_angles(mode, shown[3:].tolist()) - T.rotation).max() < 0.003
+        elif display.kind == "direction":
+            assert np.abs(vector_of_angles(display, shown[3:].tolist()) - T.rotation[:, 2]).max() < 0.003
+        else:
+            wanted = [robot.display(axes)[column] for column in robot.chain.display_columns]
+            assert np.abs((shown[3:] - wanted + 180.0) % 360.0 - 180.0).max() < 0.06
         if robot.chain.absolute_c:
-            assert shown[5] == pytest.approx(robot.pose_angles(axes)[2], abs=0.06)
+            assert shown[-1] == pytest.approx(robot.pose_angles(axes)[2], abs=0.06)
 
 
 def test_the_viewers_own_menu_is_hidden(tmp_path: Path) -> None:

@@ -86,12 +86,44 @@
   function showPose(axes) {
     const pose = workpiece().invert().multiply(tool());
     const position = new three.Vector3().setFromMatrixPosition(pose);
-    const angles = poseAngles((i, j) => pose.elements[i + 4 * j]);
+    const shown = displayed(axes, (i, j) => pose.elements[i + 4 * j]);
+    const isVector = page.pose.display.kind === "vector";
+    [...position.toArray().map((v) => 1000 * v), ...shown].forEach((value, n) => {
+      const isUnit = isVector && n > 2;
+      cells[n].textContent = isUnit ? value.toFixed(3) : written(Math.abs(value) < 0.05 ? 0 : value);
+    });
+  }
+
+  // What the controller displays beside the position, for axis values and a rotation R(row, column); see chain/display.py.
+  function displayed(axes, R) {
+    const { kind, along, letters } = page.pose.display;
+    const column = (n) => [0, 1, 2].map((row) => R(row, n));
+    const degrees = (angle) => (angle * 180) / Math.PI;
+    if (kind === "axes") return page.pose.display.axes.map((n) => axes[n]);
+    if (kind === "vector") return column(along);
+    if (kind === "plane") {
+      const [x, y] = column(along);
+      return [((degrees(Math.atan2(y, x)) - page.pose.display.zero + 540) % 360) - 180];
+    }
+    if (kind === "direction") return twoAngles(column(page.pose.display.tool)).map(degrees);
+    if (kind === "position") return [];
+    const angles = poseAngles(R);
     const sum = page.pose.absoluteC;
     if (sum) angles[2] = axes.reduce((total, v, n) => total + sum.coefficients[n] * v, sum.offset);
-    [...position.toArray().map((v) => 1000 * v), ...angles].forEach((value, n) => {
-      cells[n].textContent = written(Math.abs(value) < 0.05 ? 0 : value);
-    });
+    return letters.map((letter) => angles["ABC".indexOf(letter)]);
+  }
+
+  // Two angles of a tool vector v = R1·R2·e in radians, the first within a quarter turn.
+  function twoAngles(v) {
+    const [i, j] = page.pose.display.turns.map((letter) => "ABC".indexOf(letter));
+    const k = 3 - i - j;
+    const sense = (j - i + 3) % 3 === 1 ? 1 : -1;
+    const across = Math.hypot(v[j], v[k]);
+    const pairs = [1, -1].map((side) => (page.pose.display.along === i
+      ? [Math.atan2(side * v[j], -sense * side * v[k]), Math.atan2(side * across, v[i])]
+      : [Math.atan2(-sense * side * v[j], side * v[k]), Math.atan2(sense * v[i], side * across)]));
+    if (across < 1e-5) pairs.forEach((pair) => { pair[0] = 0; });
+    return pairs.find(([first]) => first > -Math.PI / 2 && first <= Math.PI / 2) || pairs[0];
   }
 
   // A, B, C in degrees of a rotation R(row, column); at gimbal lock the first angle is 0.
