@@ -8,6 +8,7 @@ from pathlib import Path
 
 from chainbuild.chain.assemble import assemble
 from chainbuild.chain.elements import Chain
+from chainbuild.chain.names import generic_name, renamed
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, MachineDataError, Span
 from chainbuild.findings import Collector, refuse_errors
@@ -24,6 +25,7 @@ from chainbuild.formats.sinumerik.reading.robx import WRISTS, Robx
 from chainbuild.formats.sinumerik.reading.transformations import find_transformations
 from chainbuild.formats.sinumerik.rules.arms import check_geometry
 from chainbuild.formats.sinumerik.rules.axes import check_axes, check_gripper
+from chainbuild.formats.sinumerik.rules.axis_names import check_axis_names
 from chainbuild.formats.sinumerik.rules.chain_data import (
     absolute_c,
     check_pose_data,
@@ -178,6 +180,7 @@ def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Co
     """
     reading = read_assignments(source, collector)
     table = tabulate(reading, collector)
+    check_axis_names(table, collector)
     # Refused data would appear as missing: the rest is not checked.
     transformations = find_transformations(table, Collector(strict=False) if reading.refused else collector)
     warn_of_orphans(table, transformations, collector)
@@ -208,10 +211,12 @@ def _build(
     check_geometry(robx, translation, machine.tool, choose, collector)
     basic = basic_moves(translation.basic)
     axes = machine_axes(robx, machine.table, translation.internal, basic, gripper, collector)
-    axes = machine.overlay.apply_limits(axes)
+    named = machine.overlay.apply_limits(axes)
+    # Recipes and sums of axes go by the generic names; the chain gets the channel's at the end.
+    axes = tuple(replace(axis, name=generic_name(axis), generic="") for axis in named)
     check_pose_data(robx, translation, axes, collector)
     body = assemble(axes, translation.tool, translation.workpiece)
-    return Chain(
+    chain = Chain(
         name=_chain_name(machine, robx, gripper),
         title=f"{machine.title}, gripper-referred" if gripper else machine.title,
         dialect=machine.dialect,
@@ -230,6 +235,7 @@ def _build(
         controller_solver=controller_solver(robx, translation, axes),
         singularity_watch=singularity_watch(machine.table),
     )
+    return renamed(chain, [axis.name for axis in named])
 
 
 def _chain_name(machine: RobxMachine, robx: Robx, gripper: bool) -> str:

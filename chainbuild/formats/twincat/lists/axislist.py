@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from chainbuild.chain.elements import Axis
+from chainbuild.chain.names import generic_name
 from chainbuild.errors import Span
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.config import ChannelAxis, errors_collected_by
@@ -129,7 +130,7 @@ def _by_channel(index: int, channel: ChannelAxis | None, lists: Iterable[AxisLis
 
 
 def _by_type(axes: Sequence[Axis], lists: Sequence[AxisList]) -> dict[int, AxisList]:
-    found = {i: entry for i, axis in enumerate(axes) for entry in lists if axis.name in entry.names}
+    found = {i: entry for i, axis in enumerate(axes) for entry in lists if generic_name(axis) in entry.names}
     return found if len(found) in (len(axes), len(lists)) else {}
 
 
