@@ -273,8 +273,8 @@ class Robot(Mechanism):
 
         Args:
             tcp: X, Y, Z [mm], A, B, C [degrees] of the tool in the workpiece frame, all six or some by letter.
-            axes: Directly programmed coordinates: "PARTIAL.X" → value, or PARTIAL → letter → value.
-            locked: Coordinates of partials that keep their values, such as "PARTIAL.X".
+            axes: Directly programmed coordinates: "PARTIAL.X" or an axis by name → value, or PARTIAL → letter → value.
+            locked: Coordinates of partials that keep their values, such as "PARTIAL.X", or axes by name.
             current: PARTIAL → its current values [mm, degrees]; default: all 0.
 
         Returns:

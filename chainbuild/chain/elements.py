@@ -193,7 +193,7 @@ class Partial:
         group: 0: carries the tool; 1, 2, …: other branches, the workpiece's among them.
         rank: Rank in the distribution of a tool motion; None: by its place in the stack.
         locked: Coordinates ("X" … "C") that a motion of the tool does not move.
-        letters: The coordinate that each of its axes stands for; empty: the first letter of its generic name.
+        letters: The coordinate that each of its axes stands for; empty: that of its generic name, if it is one.
     """
 
     __repr__ = fields_shown

@@ -81,11 +81,12 @@ def channel_names(axes: Sequence[Axis], given: Sequence[str]) -> tuple[tuple[str
         axes: The axes by their generic names.
         given: The channel's name of each, or an empty string.
     """
-    taken = {name.casefold() for name in given if name}
+    called = {name.casefold() for name in given if name}
+    taken = set(called)
     names: list[str] = []
     lost: list[int] = []
     for n, (axis, name) in enumerate(zip(axes, given, strict=True)):
-        if not name and axis.name.casefold() in taken:
+        if not name and axis.name.casefold() in called:
             lost.append(n)
         names.append(name or free_name(axis.name, taken, fold=True))
         taken.add(names[-1].casefold())
@@ -124,7 +125,8 @@ def renamed(chain: Chain, names: Sequence[str]) -> Chain:
 
 
 def _with_name(axis: Axis, name: str) -> Axis:
-    return axis if name == axis.name else replace(axis, name=name, generic=generic_name(axis))
+    generic = generic_name(axis)
+    return replace(axis, name=name, generic="" if name == generic else generic)
 
 
 def _following(known: Sequence[str], new: Mapping[str, str]) -> dict[str, str]:

@@ -123,14 +123,17 @@ class Overlay:
             except ChainError as error:
                 permitted = "rods of arms whose axes 2 and 3 are parallel"
                 raise self.error(error.message, ("geometry", "rods"), permitted) from None
-        names, seen = link_names(chain), dict[str, str]()
-        for name in dict.fromkeys(self.geometry.links):
+        names = link_names(chain)
+        for name in self.geometry.links:
             if name not in names:
                 known = ", ".join(link.name for link in chain.links)
                 raise self.error(f"the kinematic has no link '{name}'", ("geometry", name), known)
-            if (other := seen.setdefault(names[name], name)) != name:
-                text = f"'{other}' and '{name}' are the same link {names[name]}"
-                raise self.error(text, ("geometry", name), "one of the two")
+        for table in (self.geometry.radii, self.geometry.shapes):
+            seen: dict[str, str] = {}
+            for name in table:
+                if (other := seen.setdefault(names[name], name)) != name:
+                    text = f"'{other}' and '{name}' are the same link {names[name]}"
+                    raise self.error(text, ("geometry", name), "one of the two")
         geometry = self.geometry.renamed(names)
         links = tuple(Link(link.name, geometry.radii.get(link.name, link.radius)) for link in chain.links)
         return replace(chain, links=links, geometry=geometry)

@@ -5,7 +5,7 @@ decimals, unit vectors with 15, which is all that double precision keeps of a ma
 quaternion, else from the angles A, B, C of the controller, else, for machines that cannot turn about the tool vector,
 from the tool vector alone.
 
-In reading order: `reader`, `axes`, `poses`, `recording`.
+In reading order: `columns`, `reader`, `axes`, `poses`, `recording`.
 """
 
 from __future__ import annotations

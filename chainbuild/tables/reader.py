@@ -16,8 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild import tolerances
+from chainbuild.chain.elements import Axis
 from chainbuild.closest import closest
 from chainbuild.errors import FileAccessError, Span, TableError
+from chainbuild.tables.columns import canonical_columns
 
 _CHUNK_ROWS: Final = 1024  # arrays of so many rows cost less than the rows' text
 _SEPARATORS: Final = {";": "semicolons", "\t": "tabs"}
@@ -46,20 +48,23 @@ class Table:
     Args:
         path: The file.
         choose: Takes the column names of the header and returns the wanted and the permitted ones.
+        axes: Axes whose columns may go by another of their names, with a unit, or in another case.
 
     Attributes:
         file: File name for messages.
         size: Bytes of the file; 0 where it is a pipe.
-        names: Column names of the header.
+        written: Column names as the header has them.
+        names: Column names as `choose` knows them: those of `axes` by the axes' names.
         wanted: Column names in the order of `Chunk.values`.
         beside: Columns that are also read and may hold anything.
 
     Raises:
         FileAccessError: the file cannot be read.
-        TableError: the header is missing, or names a column that is unknown or duplicate, or is incomplete.
+        TableError: the header is missing, or names a column that is unknown or duplicate, or is incomplete, or gives
+            an axis another unit than its own.
     """
 
-    def __init__(self, path: Path | str, choose: Callable[[Sequence[str]], Choice]) -> None:
+    def __init__(self, path: Path | str, choose: Callable[[Sequence[str]], Choice], axes: Sequence[Axis] = ()) -> None:
         path = Path(path)
         self.file = str(path)
         try:
@@ -74,7 +79,8 @@ class Table:
         self._stream = io.TextIOWrapper(self._bytes, encoding="utf-8-sig")
         self._lines = self._numbered_lines()
         try:
-            self.names, self.header_span = self._header()
+            self.written, self.header_span = self._header()
+            self.names = canonical_columns(self.written, axes, self._header_fault)
             self.wanted, permitted = choose(self.names)
             self.beside = self._beside_columns()
             self._check_header(permitted)
@@ -164,19 +170,23 @@ class Table:
     def _check_header(self, permitted: Sequence[str]) -> None:
         shown = self._shown_columns(permitted)
         listed = ", ".join(shown)
-        for place, name in enumerate(self.names):
-            if name not in permitted:
+        for place, (name, known) in enumerate(zip(self.written, self.names, strict=True)):
+            if known not in permitted:
                 text = f"unknown column '{name}'" if name else f"column {place + 1} has no name"
                 near = closest(name, shown)
                 hint = f"did you mean {near}?" if near else None
                 hint = hint if _field_fault(name) else "the first line must name the columns"
                 raise TableError(text, span=self._header_spot(place), parameter=name, permitted=listed, hint=hint)
-            if name in self.names[:place]:
+            if known in self.names[:place]:
                 raise TableError(f"column '{name}' occurs twice", span=self._header_spot(place), parameter=name)
         missing = [name for name in self.wanted if name not in self.names]
         if missing:
             text = f"missing column{'s' * (len(missing) > 1)} {', '.join(missing)}{self._alternatives(missing)}"
             raise TableError(text, span=self.header_span, parameter=missing[0], permitted=listed)
+
+    def _header_fault(self, place: int, text: str, permitted: str) -> TableError:
+        name = self.written[place]
+        return TableError(text, span=self._header_spot(place), parameter=name, permitted=permitted)
 
     def _header_spot(self, place: int) -> Span:
         return _spot(self.header_span, self.header_span.text.split(","), place)
@@ -199,9 +209,9 @@ class Table:
             fault = _field_fault(fields[place])
             if fault:
                 raise TableError(
-                    f"column {self.names[place]}: {fault}",
+                    f"column {self.written[place]}: {fault}",
                     span=_spot(span, fields, place),
-                    parameter=self.names[place],
+                    parameter=self.written[place],
                     permitted=f"numbers with a decimal point, below {tolerances.HUGE_AXIS_VALUE:.0e}",
                 )
 
@@ -210,7 +220,7 @@ class Table:
         return TableError(
             f"the row has {count} value{'s' * (count != 1)}, the header {len(self.names)} columns",
             span=span,
-            permitted=f"one value each for {', '.join(self.names)}",
+            permitted=f"one value each for {', '.join(self.written)}",
             hint="decimals are written with a point, not with a comma" if many else None,
         )
 

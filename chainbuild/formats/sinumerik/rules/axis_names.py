@@ -12,29 +12,28 @@ from typing import Final
 from chainbuild.chain.elements import Axis
 from chainbuild.chain.names import channel_names, name_fault
 from chainbuild.findings import Collector
+from chainbuild.formats.sinumerik.reading.assignment import Assignment
 from chainbuild.formats.sinumerik.reading.data_table import DataTable, written_name
 from chainbuild.formats.sinumerik.reading.robx import Robx
 
 _TABLE: Final = "AXCONF_CHANAX_NAME_TAB"
+_OWN: Final = "a name of its own for each axis"
 _LONGEST: Final = 31  # characters of an identifier of NC programs
 _IDENTIFIER: Final = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 
 def check_axis_names(table: DataTable, collector: Collector) -> None:
     """Refuse names of channel axes that tables could not hold, and those of two axes of a channel."""
-    seen: dict[tuple[int, str], int] = {}
+    seen: dict[tuple[int, str], Assignment] = {}
     for (channel, _, datum, index), row in table.rows.items():
         name = str(row.value)
         if datum != _TABLE or not name:
             continue
         parameter = written_name(row.datum, False, index)
         fault = name_fault(name)
-        first = seen.setdefault((channel, name.casefold()), row.span.line)
-        if first != row.span.line:
-            fault = (
-                f"two axes of a channel are called {name!r}, also in line {first}",
-                "a name of its own for each axis",
-            )
+        first = seen.setdefault((channel, name.casefold()), row)
+        if first is not row:
+            fault = f"two axes of a channel are called {name!r}, also in line {first.span.line}", _OWN
         if fault is not None:
             collector.add("CB118", fault[0], span=row.span, parameter=parameter, permitted=fault[1])
         elif not _IDENTIFIER.fullmatch(name) or len(name) > _LONGEST:
