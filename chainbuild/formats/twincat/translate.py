@@ -128,8 +128,7 @@ def _limited(axes: tuple[Axis, ...], ahead: int, source: Source, collector: Coll
         source: Lists and overlay.
         collector: Takes findings.
     """
-    simulated = tuple(Axis.unlimited(f"TCP axis {n}", "linear") for n in range(ahead))
-    listed = with_limits((*simulated, *axes), source.channel.axes, source.axis_lists, collector)
+    listed = with_limits(axes, source.channel.axes, source.axis_lists, collector, ahead)
     # For a kinematic that the overlay is not written for, it may name axes that only others have.
     overlay = source.overlay if source.main else source.overlay.for_axes(axes)
-    return overlay.apply_limits(listed[ahead:])
+    return overlay.apply_limits(listed)

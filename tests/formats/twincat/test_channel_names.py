@@ -219,6 +219,20 @@ def test_the_axes_of_a_coupling_come_behind_the_simulated_ones() -> None:
     assert [axis.name for axis in found.chain("LINEAR").axes] == UNIT
 
 
+def test_limits_of_a_partial_alone_are_those_of_its_axes(tmp_path: Path) -> None:
+    names = [*SIMULATED, *UNIT, *ARM]
+    for n, name in enumerate(names):
+        text = f"kopf.log_achs_name {name}\nkenngr.swe_neg -{n + 1}0000\nkenngr.swe_pos {n + 1}5000\n"
+        (tmp_path / f"{name}.lis").write_text(text)
+    for order in (names, names[::-1]):
+        overlay = Overlay(path=tmp_path / "o.toml", axis_lists=tuple(tmp_path / f"{name}.lis" for name in order))
+        found = machine("\n".join(XY) + "\n" + bezeichnungen(XY_NAMES), overlay=overlay)
+        whole = {axis.name: axis.upper for axis in found.chain().axes}
+        assert whole == {name: n + 1.5 for n, name in enumerate(names) if n >= 6}
+        for partial in ("LINEAR", "ROBOT"):
+            assert {axis.name: axis.upper for axis in found.chain(partial).axes}.items() <= whole.items()
+
+
 def test_a_coupling_with_a_table() -> None:
     names = dict(enumerate([*SIMULATED, *UNIT, *ARM, "A_TISCH", "C_TISCH"]))
     chain = machine("\n".join(AT_TABLE) + "\n" + bezeichnungen(names)).chain()

@@ -92,7 +92,11 @@ def read_axis_list(parameters: ParameterList, facts: Mapping[str, str], collecto
 
 
 def with_limits(
-    axes: Sequence[Axis], channel: Mapping[int, ChannelAxis], lists: Sequence[AxisList], collector: Collector
+    axes: Sequence[Axis],
+    channel: Mapping[int, ChannelAxis],
+    lists: Sequence[AxisList],
+    collector: Collector,
+    ahead: int = 0,
 ) -> tuple[Axis, ...]:
     """Return the axes with the limits of their lists.
 
@@ -105,16 +109,17 @@ def with_limits(
         channel: Axes as the channel list names them, by channel index.
         lists: Axis lists in file order.
         collector: Takes findings.
+        ahead: How many axes of the channel come before them.
     """
     if not lists:
         return tuple(axes)
-    matched = {i: found for i in range(len(axes)) if (found := _by_channel(i, channel.get(i), lists))}
+    matched = {i: found for i in range(len(axes)) if (found := _by_channel(ahead + i, channel.get(ahead + i), lists))}
     if not matched:
         matched = _by_type(axes, lists)
     if not matched:
         text = "the axis lists name no axis of the kinematic; they are taken in channel order"
         collector.add("CB232", text, span=lists[0].span)
-        matched = dict(enumerate(lists[: len(axes)]))
+        matched = dict(enumerate(lists[ahead : ahead + len(axes)]))
     return tuple(_limited(axis, matched.get(i), collector) for i, axis in enumerate(axes))
 
 
