@@ -43,7 +43,9 @@ def axes_table(machine: Machine, chain: Chain) -> Table:
     """Return the axes with their limits; columns that are empty for every axis are left out."""
     meanings = axis_meanings(chain)
     remarks = [_remarks(axis) for axis in chain.axes]
+    generic = [axis.generic for axis in chain.axes]
     optional: dict[str, list[str]] = {
+        "Generic": generic if any(generic) else [],
         "Carries": [axis.carries for axis in chain.axes] if len({a.carries for a in chain.axes}) > 1 else [],
         "Remarks": remarks if any(remarks) else [],
         "Meaning": meanings,

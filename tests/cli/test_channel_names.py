@@ -91,6 +91,9 @@ def test_workspace_and_limits_by_either_name(run: Run, tmp_path: Path) -> None:
 def test_info_tells_both_names(run: Run, head: Path) -> None:
     axes = json.loads(run("info", head, "--json").out)["axes"]
     assert [(axis["name"], axis["generic"]) for axis in axes] == list(zip(HEAD.values(), "XYZCA", strict=True))
+    shown = run("info", head).out
+    assert "Generic" in shown
+    assert all(len(line) <= 80 for line in shown.splitlines())
     # The overlay names them by their letters.
     assert {axis["limits_from"] for axis in axes} == {"overlay"}
 
