@@ -250,8 +250,7 @@ class Robot(Mechanism):
     def display(self, axes: ArrayLike, *, near: Mapping[str, float] | None = None) -> dict[str, float]:
         """Return what the controller displays at axis values (n_axes,): column name → value, mm and degrees.
 
-        The columns are x_mm, y_mm, z_mm, those of `Chain.display` and the input axes, named as in pose tables: on RTCP
-        kinematics the rotary axes, on complete ones the programmed pose angles.
+        The columns are those of pose tables: x_mm, y_mm, z_mm, the rotary axes (RTCP) or pose angles, input axes.
 
         Args:
             axes: Axis values.
@@ -266,21 +265,16 @@ class Robot(Mechanism):
         return displayed(self, axes, near)
 
     def from_display(
-        self,
-        shown: Mapping[str, float],
-        start: ArrayLike | None = None,
-        held: Mapping[str, float] | Sequence[float] | None = None,
+        self, shown: Mapping[str, float], start: ArrayLike | None = None, held: Held | None = None
     ) -> IkResult:
         """Find axis values for what the controller displays, as `display` returns it.
 
-        RTCP kinematics: the rotary axes are given, the linear ones alone are solved for, exactly. Complete kinematics:
-        the pose is solved for, from the start and near to it.
+        On RTCP kinematics the rotary axes are given and the linear ones alone are solved for, exactly.
 
         Args:
-            shown: x_mm, y_mm, z_mm and the displayed columns, or a full orientation in the columns of pose tables;
-                input axes (`Axis.held`) by name.
+            shown: Values of the columns that `display` returns, or a full orientation in the columns of pose tables.
             start: As for `ik`; where the control keeps a side (a hand, the sign of X), it is that of the start.
-            held: As for `ik`; those in `shown` win.
+            held: As for `ik`; input axes in `shown` win.
 
         Raises:
             ChainbuildError: a column is missing or unknown, or a value is not finite.
@@ -341,8 +335,8 @@ class Robot(Mechanism):
 
         Args:
             tcp: X, Y, Z [mm], A, B, C [degrees] of the tool in the workpiece frame, all six or some by letter.
-            axes: Directly programmed coordinates: "PARTIAL.X" → value, or PARTIAL → letter → value.
-            locked: Coordinates of partials that keep their values, such as "PARTIAL.X".
+            axes: Directly programmed coordinates: "PARTIAL.X" or an axis by name → value, or PARTIAL → letter → value.
+            locked: Coordinates of partials that keep their values, such as "PARTIAL.X", or axes by name.
             current: PARTIAL → its current values [mm, degrees]; default: all 0.
 
         Returns:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -50,6 +50,20 @@ class PartialMap(Protocol):
 def refusal_of(axis_map: AxisMap, axes: Vector) -> ChainbuildError | None:
     """Return why a map has no joint values at axis values (n_axes,), or None where it gives no reason."""
     return axis_map.refusal(axes) if isinstance(axis_map, PartialMap) else None
+
+
+@runtime_checkable
+class NamingMap(Protocol):
+    """An axis map whose refusals name axes."""
+
+    def named(self, names: Sequence[str]) -> AxisMap:
+        """Return the map that names its axes, in channel order, by other names."""
+        ...
+
+
+def named_map(axis_map: AxisMap, names: Sequence[str]) -> AxisMap:
+    """Return a map whose refusals name the axes by other names."""
+    return axis_map.named(names) if isinstance(axis_map, NamingMap) else axis_map
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -178,6 +192,11 @@ class BlockMap:
         """Return why one of the maps has no joint values, or None."""
         found = (refusal_of(block.axis_map, axes[block.axes]) for block in self.blocks)
         return next((error for error in found if error is not None), None)
+
+    def named(self, names: Sequence[str]) -> BlockMap:
+        """Return the maps that name their axes by other names."""
+        blocks = (replace(block, axis_map=named_map(block.axis_map, names[block.axes])) for block in self.blocks)
+        return replace(self, blocks=tuple(blocks))
 
     def q_bounds(self, lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
         """Return the joint bounds over the box of axis values."""

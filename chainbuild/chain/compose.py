@@ -17,7 +17,7 @@ from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import Block, side_by_side
 from chainbuild.chain.bodies.geometry import Geometry
 from chainbuild.chain.display import POSE_ANGLES
-from chainbuild.chain.elements import Chain, Frame, Joint, Link, Loop, Partial
+from chainbuild.chain.elements import Axis, Chain, Frame, Joint, Link, Loop, Partial
 from chainbuild.chain.fold import drawn, joint_motion
 from chainbuild.chain.names import Names, as_name, free_name
 from chainbuild.chain.poses import path_to
@@ -232,7 +232,7 @@ def _graft(host: Chain, link: str, T: Matrix, guest: Chain, prefix: str, *, root
         links=(*host.links, *(_link(known, names) for known in guest.links if known.name != tree.root)),
         joints=(*host.joints, *(_joint(joint, tree.root, T, names) for joint in tree.joints)),
         frames=(*host.frames, *(_frames(guest, tree, T, names))),
-        axes=(*host.axes, *(replace(axis, name=names.axes[axis.name]) for axis in guest.axes)),
+        axes=(*host.axes, *(_axis(axis, names) for axis in guest.axes)),
         axis_map=side_by_side(_blocks(host, guest, tree.order), _shape(host, guest)),
         loops=(*host.loops, *(_loop(loop, names) for loop in guest.loops)),
         dialect=host.dialect if guest.dialect in host.dialect else f"{host.dialect} + {guest.dialect}",
@@ -245,6 +245,10 @@ def _graft(host: Chain, link: str, T: Matrix, guest: Chain, prefix: str, *, root
         conventions=tuple({used.convention.name: used for used in (*host.conventions, *guest.conventions)}.values()),
         findings=Findings(dict.fromkeys((*host.findings, *guest.findings))),
     )
+
+
+def _axis(axis: Axis, names: Names) -> Axis:
+    return replace(axis, name=names.axes[axis.name], generic=names.generics[axis.generic])
 
 
 def _link(link: Link, names: Names) -> Link:

@@ -103,7 +103,7 @@ class Axis:
     """An axis as the controller shows it.
 
     Attributes:
-        name: The controller's name.
+        name: The channel's own name where the machine data give one, else the generic one.
         kind: "linear" or "rotary".
         unit: "mm" or "deg", also of the limits.
         lower: Lower software limit.
@@ -113,6 +113,8 @@ class Axis:
         carries: What it moves: the tool or the workpiece.
         held: True for an input axis that inverse kinematics leaves where it is programmed.
         max_speed: mm/s or deg/s, where known.
+        generic: The name that the type or the transformation gives it ("C", "A1", "EX1"), where the channel has another
+            one for it; else empty. It is accepted wherever an axis is named.
     """
 
     name: str
@@ -125,6 +127,7 @@ class Axis:
     carries: Literal["tool", "workpiece"] = "tool"
     held: bool = False
     max_speed: float | None = None
+    generic: str = ""
 
     def __repr__(self) -> str:
         said = {"assumed": self.assumed, "endless": self.endless, "held": self.held}
@@ -191,6 +194,7 @@ class Partial:
         group: 0: carries the tool; 1, 2, …: other branches, the workpiece's among them.
         rank: Rank in the distribution of a tool motion; None: by its place in the stack.
         locked: Coordinates ("X" … "C") that a motion of the tool does not move.
+        letters: The coordinate that each of its axes stands for; empty: that of its generic name, if it is one.
     """
 
     __repr__ = fields_shown
@@ -202,6 +206,7 @@ class Partial:
     group: int = 0
     rank: int | None = None
     locked: tuple[str, ...] = ()
+    letters: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -293,5 +298,8 @@ def _with_limits(partial: Partial, axes: tuple[Axis, ...]) -> Partial:
     """Return a partial with the limits that its axes have in the composed chain; its own names stay."""
     own = partial.chain.axes
     given = axes[partial.first_axis : partial.first_axis + len(own)]
-    limited = tuple(replace(new, name=old.name, carries=old.carries) for new, old in zip(given, own, strict=True))
+    limited = tuple(
+        replace(new, name=old.name, generic=old.generic, carries=old.carries)
+        for new, old in zip(given, own, strict=True)
+    )
     return replace(partial, chain=partial.chain.with_axes(limited))

@@ -49,7 +49,7 @@ def given_rows(robot: Robot, at: tuple[str, ...], axes: Path | None) -> NDArray[
     return np.array(rows).reshape(len(rows), len(robot.axes))
 
 
-class Starts:
+class GivenStarts:
     """Start values: the single row of a table for every pose, or one row per pose; `first` is the first of them.
 
     Args:

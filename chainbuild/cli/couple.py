@@ -43,8 +43,10 @@ def couple(
         tcp: LETTER=VALUE: a coordinate of the tool in the workpiece frame, in mm or degrees; may be repeated.
             Coordinates not named keep their values.
         program: PARTIAL.LETTER=VALUE: a coordinate of a partial programmed directly, mm or degrees; may be repeated.
-        lock: PARTIAL.LETTER: a coordinate that keeps its value; may be repeated.
-        current: PARTIAL.LETTER=VALUE: a current coordinate of a partial, mm or degrees; may be repeated. Default: 0.
+            An axis of the channel stands for its coordinate: Y_LIN=VALUE.
+        lock: PARTIAL.LETTER, or an axis: a coordinate that keeps its value; may be repeated.
+        current: PARTIAL.LETTER=VALUE, or AXIS=VALUE: a current coordinate of a partial, mm or degrees; may be repeated.
+            Default: 0.
         axes: Also compute the axis values that bring every partial to its Cartesian values.
         json: Print JSON.
         options: Which kinematic.
@@ -54,7 +56,7 @@ def couple(
         dict(_pairs("--tcp", tcp)) or None,
         axes=dict(_pairs("--program", program)),
         locked=lock,
-        current=_by_partial(_pairs("--current", current)),
+        current=_by_partial(robot, _pairs("--current", current)),
     )
     values = [float(value) for value in found.axes()] if axes else None
     if json:
@@ -78,12 +80,14 @@ def _pairs(option: str, words: Iterable[str]) -> list[tuple[str, float]]:
     return found
 
 
-def _by_partial(pairs: Iterable[tuple[str, float]]) -> dict[str, dict[str, float]]:
+def _by_partial(robot: Robot, pairs: Iterable[tuple[str, float]]) -> dict[str, dict[str, float]]:
+    from chainbuild.coupling.distribution import partial_coordinate
+
     found: dict[str, dict[str, float]] = {}
     for name, value in pairs:
-        partial, dot, letter = name.rpartition(".")
-        if not dot:
-            raise UsageError(f"--current {name}: expected PARTIAL.LETTER=VALUE")
+        if name in _LETTERS:
+            raise UsageError(f"--current {name}: expected PARTIAL.LETTER=VALUE or AXIS=VALUE")
+        partial, letter = partial_coordinate(robot.chain, name)
         found.setdefault(partial, {})[letter] = value
     return found
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from chainbuild.chain.elements import Task
-    from chainbuild.cli.axisvalues import Starts
+    from chainbuild.cli.axisvalues import GivenStarts
     from chainbuild.ik.result import IkResult
     from chainbuild.robot import Robot
     from chainbuild.tables import AxisTable, PoseRow, PoseTable
@@ -53,9 +53,9 @@ def solutions(
     Raises:
         TableError: a row holds no pose, or the number of starts does not match.
     """
-    from chainbuild.cli.axisvalues import Starts
+    from chainbuild.cli.axisvalues import GivenStarts
 
-    given = Starts(starts, table.file, only_one=follow) if starts else None
+    given = GivenStarts(starts, table.file, only_one=follow) if starts else None
     if table.orientation.source == "vector" and given:
         table.begin(robot.fk(given.first).rotation)
     with _compilation_notice():
@@ -67,7 +67,7 @@ def solutions(
     yield from rows
 
 
-def _one_by_one(robot: Robot, table: PoseTable, given: Starts | None, solver: Solver) -> Iterator[PoseAndResult]:
+def _one_by_one(robot: Robot, table: PoseTable, given: GivenStarts | None, solver: Solver) -> Iterator[PoseAndResult]:
     last: Vector | None = None
     for row in table.rows():
         result = _solved(robot, table, row, given.next() if given else last, solver)

@@ -20,7 +20,7 @@ from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, all_find
 from chainbuild.errors import ChainbuildError
 
 if TYPE_CHECKING:
-    from chainbuild.chain.elements import Axis, Chain
+    from chainbuild.chain.elements import Chain
     from chainbuild.chain.vectors import VectorProgramming
     from chainbuild.convention import UsedConvention
     from chainbuild.formats.machine import Machine, ParameterRow
@@ -131,15 +131,15 @@ def _data(machine: Machine, chain: Chain | None, options: MachineOptions) -> dic
         "kinematic": chain.kinematic if chain else None,
         "angle_mode": chain.angle_mode if chain else None,
         "vectors": asdict(chain.vectors) if chain and chain.vectors else None,
-        "axes": [_axis_data(machine, axis) for axis in chain.axes] if chain else [],
+        "axes": [_axis_data(machine, chain, n) for n in range(len(chain.axes))] if chain else [],
         "parameters": [_with_line(row) for row in _parameters(machine, options)],
         "conventions": [_convention_data(used) for used in chain.conventions] if chain else [],
         "findings": [finding_data(finding) for finding in all_findings(machine, chain)],
     }
 
 
-def _axis_data(machine: Machine, axis: Axis) -> dict[str, Any]:
-    return {**asdict(axis), "limits_from": limits_source(machine, axis)}
+def _axis_data(machine: Machine, chain: Chain, n: int) -> dict[str, Any]:
+    return {**asdict(chain.axes[n]), "limits_from": limits_source(machine, chain, n)}
 
 
 def _with_line(entry: KinematicEntry | ParameterRow) -> dict[str, Any]:

@@ -44,7 +44,9 @@ def axes_table(machine: Machine, chain: Chain) -> Table:
     """Return the axes with their limits; columns that are empty for every axis are left out."""
     meanings = axis_meanings(chain)
     remarks = [_remarks(axis) for axis in chain.axes]
+    generic = [axis.generic for axis in chain.axes]
     optional: dict[str, list[str]] = {
+        "Generic": generic if any(generic) else [],
         "Carries": [axis.carries for axis in chain.axes] if len({a.carries for a in chain.axes}) > 1 else [],
         "Remarks": remarks if any(remarks) else [],
         "Meaning": meanings,
@@ -53,16 +55,17 @@ def axes_table(machine: Machine, chain: Chain) -> Table:
     shown = empty_table("Axes", "Axis", "Unit", "Lower", "Upper", "Limits from", "Speed", *columns)
     for n, axis in enumerate(chain.axes):
         speed = f"{shown_number(axis.max_speed)} {axis.unit}/s" if axis.max_speed is not None else "–"
-        limits = (shown_number(axis.lower), shown_number(axis.upper), limits_source(machine, axis))
+        limits = (shown_number(axis.lower), shown_number(axis.upper), limits_source(machine, chain, n))
         shown.add_row(axis.name, axis.unit, *limits, speed, *(cells[n] for cells in columns.values()))
     return shown
 
 
-def limits_source(machine: Machine, axis: Axis) -> str:
-    """Return where the limits of an axis come from: "machine data", "overlay" or "assumed"."""
+def limits_source(machine: Machine, chain: Chain, n: int) -> str:
+    """Return where the limits of the n-th axis come from: "machine data", "overlay" or "assumed"."""
+    axis = chain.axes[n]
     if axis.assumed:
         return "assumed"
-    given = machine.overlay.limits.get(axis.name)
+    given = machine.overlay.limits_of(chain.axes, n)
     return "overlay" if given == (axis.lower, axis.upper) else "machine data"
 
 

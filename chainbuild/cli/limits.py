@@ -64,18 +64,19 @@ def _sweep(
 ) -> None:
     import numpy as np
 
-    from chainbuild.analysis.collision.sweep import axis_index, sweep
+    from chainbuild.analysis.collision.sweep import sweep, swept_axis
     from chainbuild.chain.bodies.shapes import shown_limits
     from chainbuild.collision.model import CollisionModel
 
     model = CollisionModel(robot)
-    index = axis_index(model, over)
+    index = swept_axis(model, over)
     low, high = (float(bound[index]) for bound in shown_limits(robot.chain))
     if steps < 1:
         raise UsageError(f"--steps {steps}: expected at least 1")
     begin = values_of(robot, at[-1]) if at else None
     with counted("positions", steps) as done:
         found: Sweep = sweep(model, axis, over, at=begin, values=np.linspace(low, high, steps).tolist(), progress=done)
+    axis, over = found.moved, found.over
     labels = f"{over} [{found.unit_over}]", f"{axis} [{found.unit_moved}]"
     if picture:
         _draw(picture, found.intervals, f"{robot.chain.title}: {axis} over {over}", labels)

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Chain, Partial
+from chainbuild.chain.names import axis_index
 from chainbuild.chain.poses import rotation_vector
 from chainbuild.coupling.partial_state import LETTERS, TURNS, State, as_transform
 from chainbuild.errors import AxisValueError, ChainbuildError
@@ -114,8 +115,9 @@ def distribute(
         tcp: X, Y, Z [mm], A, B, C [degrees] of the tool in the workpiece frame, all six or some by letter; letters
             not named keep their values at `current`, even if `axes` moves the workpiece. None: the partials keep
             their values, and the tool follows them.
-        axes: Directly programmed coordinates: "PARTIAL.X" → value, or PARTIAL → letter → value.
-        locked: Coordinates that keep their values: "PARTIAL.X"; in addition to those that the chain locks.
+        axes: Directly programmed coordinates: "PARTIAL.X" or the axis that stands for it ("Y_LIN") → value, or
+            PARTIAL → letter → value.
+        locked: Coordinates that keep their values: "PARTIAL.X" or an axis; in addition to those that the chain locks.
         current: PARTIAL → its current values, all six or some by letter; the others are 0.
 
     Raises:
@@ -125,13 +127,15 @@ def distribute(
     states = [State.of(partial) for partial in _partials(robot.chain)]
     by_name = {state.partial.name: state for state in states}
     for name, values in (current or {}).items():
-        for letter, value in _six(values).items():
-            _find(by_name, name).now[LETTERS.index(letter)] = value
+        state = _find(by_name, name)
+        own = {state.coordinate(c): v for c, v in values.items()} if isinstance(values, Mapping) else values
+        for letter, value in _six(own).items():
+            state.now[LETTERS.index(letter)] = value
     split = _Split(robot.chain, states)
     before = split.tcp()
-    for name, letter, value in _programmed(axes or {}):
+    for name, letter, value in _programmed(robot.chain, axes or {}):
         _find(by_name, name).program(letter, value)
-    for name, letter in (_split(text) for text in locked):
+    for name, letter in (partial_coordinate(robot.chain, text) for text in locked):
         _find(by_name, name).hold(letter)
     if tcp is None:
         return split.result(robot)
@@ -260,12 +264,12 @@ def _six(values: PoseValues) -> dict[str, float]:
     return {letter: float(value) for letter, value in pairs.items()}
 
 
-def _programmed(axes: Mapping[str, float | Mapping[str, float]]) -> Iterable[tuple[str, str, float]]:
+def _programmed(chain: Chain, axes: Mapping[str, float | Mapping[str, float]]) -> Iterable[tuple[str, str, float]]:
     for key, value in axes.items():
         if isinstance(value, Mapping):
             yield from ((key, letter, _number(f"{key}.{letter}", one)) for letter, one in value.items())
         else:
-            name, letter = _split(key)
+            name, letter = partial_coordinate(chain, key)
             yield name, letter, _number(key, value)
 
 
@@ -275,11 +279,24 @@ def _number(name: str, value: object) -> float:
     return float(value)
 
 
-def _split(text: str) -> tuple[str, str]:
+def partial_coordinate(chain: Chain, text: str) -> tuple[str, str]:
+    """Return the partial and the coordinate that "PARTIAL.X" means, or the axis of a partial given by its name.
+
+    A letter alone is none: it is a coordinate of the tool.
+
+    Raises:
+        AxisValueError: it means neither.
+    """
     name, dot, letter = text.rpartition(".")
-    if not (dot and name and letter):
-        raise AxisValueError(f"{text} is not a coordinate of a partial", permitted="PARTIAL.LETTER, such as ROBOT.X")
-    return name, letter
+    if dot and name and letter:
+        return name, letter
+    n = None if text in LETTERS else axis_index(chain.axes, text)
+    if n is None:
+        named = [axis.name for axis in chain.axes if axis.generic]
+        permitted = f"PARTIAL.LETTER, such as ROBOT.X{''.join(f', {name}' for name in named)}"
+        raise AxisValueError(f"{text} is not a coordinate of a partial", permitted=permitted)
+    partial = next(p for p in reversed(_partials(chain)) if p.first_axis <= n)
+    return partial.name, partial.chain.axes[n - partial.first_axis].name
 
 
 def _find(states: Mapping[str, State], name: str) -> State:

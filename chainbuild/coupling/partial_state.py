@@ -11,6 +11,7 @@ import numpy as np
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Chain, Partial
+from chainbuild.chain.names import axis_index, generic_name
 from chainbuild.chain.poses import angle_rates, pose, pose_jacobian, rotation_vector
 from chainbuild.errors import AxisValueError
 from chainbuild.units import m_from_mm, mm_from_m
@@ -113,30 +114,44 @@ class State:
         freedoms = PartialFreedoms.of(partial.chain)
         return cls(partial, freedoms, freedoms.at_rest({}), {*partial.locked})
 
-    def program(self, letter: str, value: float) -> None:
-        """Give a coordinate a value that the distribution does not touch.
+    def program(self, name: str, value: float) -> None:
+        """Give a coordinate, or the axis that stands for it, a value that the distribution does not touch.
 
         Raises:
             AxisValueError: the partial cannot move in it.
         """
+        letter = self.coordinate(name)
         if letter in self.freedoms.letters:
             self.now[LETTERS.index(letter)] = value
             self.held.add(letter)
             return
-        if letter not in {axis.name for axis in self.partial.chain.axes}:
-            text = f"{self.partial.name} cannot be moved in {letter} by itself"
-            raise AxisValueError(text, parameter=f"{self.partial.name}.{letter}", permitted=self.permitted())
+        n = axis_index(self.partial.chain.axes, name)
+        if n is None:
+            text = f"{self.partial.name} cannot be moved in {name} by itself"
+            raise AxisValueError(text, parameter=f"{self.partial.name}.{name}", permitted=self.permitted())
         # An axis whose motion is not a freedom of the tool frame: all coordinates that are not free follow it.
-        self.rest[letter] = value
+        self.rest[self.partial.chain.axes[n].name] = value
         fixed = [n for n, known in enumerate(LETTERS) if known not in self.freedoms.letters]
         self.now[fixed] = self.freedoms.at_rest(self.rest)[fixed]
 
-    def hold(self, letter: str) -> None:
-        """Keep a coordinate at its value.
+    def coordinate(self, name: str) -> str:
+        """Return the coordinate that a name means: its letter, or an axis of the partial by any of its names.
+
+        While the partial is coupled, its axes stand for coordinates. What is neither is returned as it is.
+        """
+        n = None if name in LETTERS else axis_index(self.partial.chain.axes, name)
+        if n is None:
+            return name
+        letter = (self.partial.letters or [generic_name(axis) for axis in self.partial.chain.axes])[n]
+        return letter if letter in LETTERS else name
+
+    def hold(self, name: str) -> None:
+        """Keep a coordinate, given by its letter or by the axis that stands for it, at its value.
 
         Raises:
             AxisValueError: there is no such coordinate.
         """
+        letter = self.coordinate(name)
         if letter not in LETTERS:
             raise AxisValueError(
                 f"there is no coordinate {letter}",

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from chainbuild import tolerances
 from chainbuild.chain.bodies.geometry import NO_GEOMETRY, Geometry
 from chainbuild.chain.bodies.geometry_table import geometry_from_table
 from chainbuild.chain.bodies.rods import with_rods
 from chainbuild.chain.elements import Axis, Chain, Link
+from chainbuild.chain.names import axis_index, link_names
 from chainbuild.convention import check_choice
 from chainbuild.errors import ChainError, FileAccessError, MachineDataError, OverlayError, Span
 from chainbuild.formats.text import read_source, toml_line
 
 SUFFIX = ".chainbuild.toml"
+_T = TypeVar("_T")
 _DEEP_KEY = re.compile(r"""(?:\.[ \t]*["']?[\w-]+["']?[ \t]*){50}""")
 
 
@@ -30,7 +32,7 @@ class Overlay:
         path: The overlay's file, None where there is none.
         name: Display name of the machine.
         source: Where its numbers come from.
-        limits: Axis name → (lower, upper) in mm or degrees.
+        limits: Axis name, the channel's or the generic one → (lower, upper) in mm or degrees.
         speeds: Axis name → mm/s or deg/s.
         endless: Names of axes that turn without end.
         conventions: Convention name → choice.
@@ -58,17 +60,54 @@ class Overlay:
         """Return the axes with the overlay's limits, speeds and endless axes.
 
         Raises:
-            OverlayError: the overlay names an axis that the kinematic does not have, or an endless one that is linear.
+            OverlayError: the overlay names an axis that the kinematic does not have, one axis by two names, or an
+                endless one that is linear.
         """
-        kinds = {axis.name: axis.kind for axis in axes}
-        named = [(key, name) for key in ("limits", "speeds") for name in getattr(self, key)]
-        for key, name in (*named, *(("endless", name) for name in self.endless)):
-            if name not in kinds:
-                raise self.error(f"the kinematic has no axis '{name}'", (key, name), ", ".join(kinds))
-            if key == "endless" and kinds[name] == "linear":
-                rotary = ", ".join(axis for axis, kind in kinds.items() if kind == "rotary") or "none"
-                raise self.error(f"axis '{name}' is linear and cannot turn without end", (key, name), rotary)
-        return tuple(self._limited(axis) for axis in axes)
+        limits, speeds = self._by_axis(axes, "limits", self.limits), self._by_axis(axes, "speeds", self.speeds)
+        endless = self._by_axis(axes, "endless", dict.fromkeys(self.endless, True))
+        for n in endless:
+            if axes[n].kind == "linear":
+                rotary = ", ".join(axis.name for axis in axes if axis.kind == "rotary") or "none"
+                name = next(name for name in self.endless if axis_index(axes, name) == n)
+                raise self.error(f"axis '{name}' is linear and cannot turn without end", ("endless", name), rotary)
+        found = []
+        for n, given in enumerate(axes):
+            axis = given
+            if n in limits:
+                axis = replace(axis, lower=limits[n][0], upper=limits[n][1], assumed=False)
+            if n in speeds:
+                axis = replace(axis, max_speed=speeds[n])
+            found.append(replace(axis, endless=axis.endless or n in endless))
+        return tuple(found)
+
+    def limits_of(self, axes: Sequence[Axis], n: int) -> tuple[float, float] | None:
+        """Return the overlay's limits of the n-th axis, mm or degrees, or None where it gives none."""
+        return next((limits for name, limits in self.limits.items() if axis_index(axes, name) == n), None)
+
+    def for_axes(self, axes: Sequence[Axis]) -> Overlay:
+        """Return the overlay without what it says of axes that a kinematic does not have."""
+        rotary = [n for n, axis in enumerate(axes) if axis.kind == "rotary"]
+        return replace(
+            self,
+            limits={name: limits for name, limits in self.limits.items() if axis_index(axes, name) is not None},
+            speeds={name: speed for name, speed in self.speeds.items() if axis_index(axes, name) is not None},
+            endless=tuple(name for name in self.endless if axis_index(axes, name) in rotary),
+        )
+
+    def _by_axis(self, axes: Sequence[Axis], key: str, values: Mapping[str, _T]) -> dict[int, _T]:
+        """Return values by the index of the axis that their names mean."""
+        found: dict[int, _T] = {}
+        names: dict[int, str] = {}
+        for name, value in values.items():
+            n = axis_index(axes, name)
+            known = ", ".join(axis.name for axis in axes)
+            if n is None:
+                raise self.error(f"the kinematic has no axis '{name}'", (key, name), known)
+            if n in names:
+                text = f"'{names[n]}' and '{name}' are the same axis {axes[n].name}"
+                raise self.error(text, (key, name), "one of the two")
+            found[n], names[n] = value, name
+        return found
 
     def apply_geometry(self, chain: Chain) -> Chain:
         """Return the chain with the overlay's radii, bodies and rods.
@@ -84,21 +123,20 @@ class Overlay:
             except ChainError as error:
                 permitted = "rods of arms whose axes 2 and 3 are parallel"
                 raise self.error(error.message, ("geometry", "rods"), permitted) from None
-        known = [link.name for link in chain.links]
+        names = link_names(chain)
         for name in self.geometry.links:
-            if name not in known:
-                raise self.error(f"the kinematic has no link '{name}'", ("geometry", name), ", ".join(known))
-        radii = self.geometry.radii
-        links = tuple(Link(link.name, radii.get(link.name, link.radius)) for link in chain.links)
-        return replace(chain, links=links, geometry=self.geometry)
-
-    def _limited(self, axis: Axis) -> Axis:
-        if axis.name in self.limits:
-            lower, upper = self.limits[axis.name]
-            axis = replace(axis, lower=lower, upper=upper, assumed=False)
-        if axis.name in self.speeds:
-            axis = replace(axis, max_speed=self.speeds[axis.name])
-        return replace(axis, endless=axis.endless or axis.name in self.endless)
+            if name not in names:
+                known = ", ".join(link.name for link in chain.links)
+                raise self.error(f"the kinematic has no link '{name}'", ("geometry", name), known)
+        for table in (self.geometry.radii, self.geometry.shapes):
+            seen: dict[str, str] = {}
+            for name in table:
+                if (other := seen.setdefault(names[name], name)) != name:
+                    text = f"'{other}' and '{name}' are the same link {names[name]}"
+                    raise self.error(text, ("geometry", name), "one of the two")
+        geometry = self.geometry.renamed(names)
+        links = tuple(Link(link.name, geometry.radii.get(link.name, link.radius)) for link in chain.links)
+        return replace(chain, links=links, geometry=geometry)
 
     def span(self, *keys: str) -> Span | None:
         """Return the place of a key in the file, such as ("limits", "A1"); None where there is no file."""

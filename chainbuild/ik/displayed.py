@@ -17,6 +17,7 @@ from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.display import POSITION_COLUMNS
 from chainbuild.chain.elements import Task
+from chainbuild.chain.names import axis_index
 from chainbuild.chain.vectors import rotation_from_vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.every import ik_all
@@ -29,7 +30,7 @@ from chainbuild.ik.solve import solve
 from chainbuild.kinematics.displayed import plane_angle, vector_of_angles
 from chainbuild.kinematics.inputs import real_numbers
 from chainbuild.kinematics.mechanism import Mechanism
-from chainbuild.tables.form import C_COLUMN, Orientation, PoseForm
+from chainbuild.tables.form import C_COLUMN, PoseColumns, PoseForm
 from chainbuild.units import M_PER_MM, m_from_mm
 
 _ABOUT_Z: Final = 5  # row of a Jacobian in the workpiece frame: the angular velocity about z
@@ -40,7 +41,7 @@ def from_display(
 ) -> IkResult:
     """Return axis values for what the controller displays; see `Robot.from_display`."""
     asked = _Asked.of(mechanism, shown)
-    values = {name: float(asked.column(name)) for name in shown}
+    values = {name: float(asked.column(name)) for name in asked.shown}
     place = [m_from_mm(values.get(name, 0.0)) for name in POSITION_COLUMNS]
     given = [values[name] for name in asked.orientation.columns]
     own = {name: values[name] for name in asked.form.held if name in values}
@@ -57,6 +58,12 @@ def from_display(
     return solve(mechanism, frames.transform(R, place), start, inputs, absolute_c_deg=running, status_turn=bits)
 
 
+def _own_name(mechanism: Mechanism, form: PoseForm, name: str) -> str:
+    """Return the name of a column, of an axis that in the channel."""
+    n = None if name in form.permitted() else axis_index(mechanism.axes, str(name))
+    return name if n is None else mechanism.axes[n].name
+
+
 def _bits(value: float | None) -> int | None:
     """Return status or turn as an integer; what is no whole number is refused as such where it is used."""
     return int(value) if value is not None and value == int(value) else value  # type: ignore[return-value]
@@ -67,7 +74,8 @@ def from_display_batch(
 ) -> IkTable:
     """Return axis values for many displayed poses; see `Robot.from_display_batch`."""
     asked = _Asked.of(mechanism, shown)
-    columns = dict(zip(shown, np.broadcast_arrays(*(np.atleast_1d(asked.column(name)) for name in shown)), strict=True))
+    given = [np.atleast_1d(asked.column(name)) for name in asked.shown]
+    columns = dict(zip(asked.shown, np.broadcast_arrays(*given), strict=True))
     display, count = mechanism.chain.display, len(next(iter(columns.values())))
     by_slides = asked.orientation.source == "shown" and display.kind == "axes"
     if by_slides and all(mechanism.axes[n].kind == "linear" for n in display.solved):
@@ -87,7 +95,7 @@ class _Asked(NamedTuple):
     """Displayed values by column, looked through: what gives the orientation."""
 
     form: PoseForm
-    orientation: Orientation
+    orientation: PoseColumns
     shown: Mapping[str, ArrayLike]
 
     @classmethod
@@ -100,6 +108,7 @@ class _Asked(NamedTuple):
         form = PoseForm.of(mechanism.chain, mechanism.task)
         if not isinstance(shown, Mapping):
             raise ChainbuildError("displayed values must be a mapping of column to value", parameter="shown")
+        shown = {_own_name(mechanism, form, name): value for name, value in shown.items()}
         orientation = form.orientation(shown)
         wanted, permitted = (*form.position(shown), *orientation.columns), form.permitted()
         for name in [*(name for name in shown if name not in permitted), *(n for n in wanted if n not in shown)]:

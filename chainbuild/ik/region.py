@@ -233,7 +233,7 @@ def periodic_axes(chain: Chain) -> NDArray[np.bool_]:
     """
     if not isinstance(chain.axis_map, AffineMap):
         periodic = getattr(chain.axis_map, "periodic", ())
-        return np.array([axis.name in periodic for axis in chain.axes])
+        return np.isin(np.arange(len(chain.axes)), periodic)
     A = chain.axis_map.A
     revolute = np.array([joint.kind == "revolute" for joint in chain.joints])
     result = np.zeros(len(chain.axes), dtype=bool)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from chainbuild import tolerances
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.names import axis_index
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.ik.region import freedoms_of
 from chainbuild.kinematics.inputs import Pose, as_pose
@@ -156,11 +157,16 @@ def start_point(mechanism: Mechanism, start: ArrayLike | None, held: Held | None
         values[fixed] = 0.0
     else:
         values = mechanism.axis_values(start).copy()
-    names = [axis.name for axis in mechanism.axes]
+    told: dict[int, str] = {}
     for name, value in _by_name(mechanism, held).items():
-        if name not in names:
-            raise AxisValueError(f"there is no axis '{name}' to hold", parameter="held", permitted=", ".join(names))
-        values[names.index(name)], fixed[names.index(name)] = _number(name, value), True
+        n = axis_index(mechanism.axes, name) if isinstance(name, str) else None
+        if n is None:
+            names = ", ".join(mechanism.labels.names)
+            raise AxisValueError(f"there is no axis '{name}' to hold", parameter="held", permitted=names)
+        if n in told:
+            text = f"'{told[n]}' and '{name}' are the same axis {mechanism.axes[n].name}"
+            raise AxisValueError(text, parameter="held", permitted="one of the two")
+        values[n], fixed[n], told[n] = _number(name, value), True, name
     if held is not None:
         values = mechanism.axis_values(values)
     return values * freedoms.si_factors, fixed
@@ -180,12 +186,15 @@ def in_controller_units(
     Raises:
         ChainbuildError: there are no such units.
     """
-    factors = dict(zip(mechanism.labels.names, mechanism.labels.to(units).factors, strict=True))
+    factors = [float(factor) for factor in mechanism.labels.to(units).factors]
     begin = None if start is None else mechanism.controller_values(start, units)
     if isinstance(held, Mapping):
-        return begin, {name: _divided(value, factors.get(name, 1.0)) for name, value in held.items()}
+        places = {name: axis_index(mechanism.axes, name) if isinstance(name, str) else None for name in held}
+        return begin, {
+            name: value if (n := places[name]) is None else _divided(value, factors[n]) for name, value in held.items()
+        }
     if isinstance(held, Sequence | np.ndarray) and not isinstance(held, str | bytes):
-        own = [factors[axis.name] for axis in mechanism.axes if axis.held]
+        own = [factor for axis, factor in zip(mechanism.axes, factors, strict=True) if axis.held]
         if len(held) == len(own):
             return begin, [_divided(value, factor) for value, factor in zip(held, own, strict=True)]
     return begin, held

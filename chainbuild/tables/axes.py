@@ -23,7 +23,7 @@ UNIT_DECIMALS: Final = 15
 
 
 class AxisTable(Table):
-    """A table of axis values; one column an axis, in any order.
+    """A table of axis values; one column an axis, in any order, by any of the axis' names.
 
     The result columns that inverse kinematics writes are permitted and not read.
 
@@ -39,7 +39,7 @@ class AxisTable(Table):
     def __init__(self, path: Path, axes: Sequence[Axis]) -> None:
         names = tuple(axis.name for axis in axes)
         self._axis_names = names
-        super().__init__(path, lambda _: (names, (*names, *RESULT_COLUMNS, VIOLATIONS_COLUMN)))
+        super().__init__(path, lambda _: (names, (*names, *RESULT_COLUMNS, VIOLATIONS_COLUMN)), axes)
 
     def _shown_columns(self, permitted: Sequence[str]) -> Sequence[str]:
         # Result columns of inverse kinematics are permitted, but never required.

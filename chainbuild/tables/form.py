@@ -12,7 +12,7 @@ import numpy as np
 from chainbuild import frames
 from chainbuild.arrays import Matrix
 from chainbuild.chain.display import ANGLE_COLUMNS, POSE_ANGLES, POSITION_COLUMNS, TOOL_COLUMNS, Display
-from chainbuild.chain.elements import Chain, Task
+from chainbuild.chain.elements import Axis, Chain, Task
 from chainbuild.chain.vectors import VECTOR_COLUMNS, VectorProgramming
 from chainbuild.kinematics.displayed import vector_of_angles
 from chainbuild.shown import fields_shown
@@ -25,7 +25,7 @@ C_COLUMN: Final = "c_deg"
 OrientationSource = Literal["shown", "angles", "quaternion", "tool", "vector", "none"]
 
 
-class Orientation(NamedTuple):
+class PoseColumns(NamedTuple):
     """Which columns give the orientation.
 
     Attributes:
@@ -52,6 +52,7 @@ class PoseForm:
         held: Names of the input axes, which inverse kinematics does not move.
         vectors: How vectors are programmed (#ORI MODE), where they can be.
         status: True where the controller defines status and turn.
+        axes: The axes, for other spellings of their names; empty: none are known.
     """
 
     __repr__ = fields_shown
@@ -65,23 +66,23 @@ class PoseForm:
     held: tuple[str, ...] = ()
     vectors: VectorProgramming | None = None
     status: bool = False
+    axes: tuple[Axis, ...] = ()
 
     @classmethod
     def of(cls, chain: Chain, task: Task) -> PoseForm:
         """Return the form of a chain."""
         columns = chain.display_columns
-        held = tuple(axis.name for axis in chain.axes if axis.held and axis.name not in columns)
-        running = chain.absolute_c is not None
         return cls(
             chain.angle_mode,
             task,
             chain.display,
             columns,
             chain.tool_axis,
-            running,
-            held,
-            chain.vectors,
-            chain.has_status,
+            running_c=chain.absolute_c is not None,
+            held=tuple(axis.name for axis in chain.axes if axis.held and axis.name not in columns),
+            vectors=chain.vectors,
+            status=chain.has_status,
+            axes=chain.axes,
         )
 
     @property
@@ -100,19 +101,19 @@ class PoseForm:
         optional = {"y_mm"} - set(names) if self.display.plane_xz else set()
         return tuple(name for name in POSITION_COLUMNS if name not in optional)
 
-    def orientation(self, names: Iterable[str]) -> Orientation:
+    def orientation(self, names: Iterable[str]) -> PoseColumns:
         """Return which of the columns that are there give the orientation, or those that should be there."""
         found = set(names)
-        shown, angles = Orientation("shown", self.columns), found & set(ANGLE_COLUMNS)
+        shown, angles = PoseColumns("shown", self.columns), found & set(ANGLE_COLUMNS)
         own = self.display.rtcp and (not self.columns or found & set(self.columns))
         choices = (
             (own, shown),
-            (found & set(QUATERNION_COLUMNS), Orientation("quaternion", QUATERNION_COLUMNS)),
-            (self.vectors and found & set(VECTOR_COLUMNS), Orientation("vector", VECTOR_COLUMNS)),
-            (self.shows_angles and not angles <= set(self.columns), Orientation("angles", ANGLE_COLUMNS)),
+            (found & set(QUATERNION_COLUMNS), PoseColumns("quaternion", QUATERNION_COLUMNS)),
+            (self.vectors and found & set(VECTOR_COLUMNS), PoseColumns("vector", VECTOR_COLUMNS)),
+            (self.shows_angles and not angles <= set(self.columns), PoseColumns("angles", ANGLE_COLUMNS)),
             (found & set(self.columns), shown),
-            (self.task != "pose" and found & set(TOOL_COLUMNS), Orientation("tool", TOOL_COLUMNS)),
-            (self.task == "position", Orientation("none", ())),
+            (self.task != "pose" and found & set(TOOL_COLUMNS), PoseColumns("tool", TOOL_COLUMNS)),
+            (self.task == "position", PoseColumns("none", ())),
         )
         return next((orientation for holds, orientation in choices if holds), shown)
 
@@ -137,7 +138,7 @@ class PoseForm:
         listed = ", ".join(self.columns)
         return f"this kinematic is programmed by position{f' and {listed}' if listed else ' alone'}"
 
-    def rotation(self, orientation: Orientation, values: Sequence[float]) -> Matrix | None:
+    def rotation(self, orientation: PoseColumns, values: Sequence[float]) -> Matrix | None:
         """Return a rotation (3, 3) that the values of an orientation describe, None where they alone describe none.
 
         Of a tool vector it is one of the rotations that have it. Angles without a column are 0, where they follow.

@@ -79,7 +79,7 @@ class PoseTable(Table):
 
     def __init__(self, path: Path, form: PoseForm) -> None:
         self.form = form
-        super().__init__(path, self._choose)
+        super().__init__(path, self._choose, form.axes)
         self.orientation = form.orientation(self.names)
         source, columns = self.orientation
         self.oriented = bool(columns)

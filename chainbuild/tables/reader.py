@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -16,6 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild import tolerances
+from chainbuild.chain.elements import Axis
+from chainbuild.chain.names import DRIVE_SUFFIX, RESERVED_COLUMNS, axis_index
 from chainbuild.closest import closest
 from chainbuild.errors import FileAccessError, Span, TableError
 
@@ -24,6 +27,10 @@ _SEPARATORS: Final = {";": "semicolons", "\t": "tabs"}
 
 # From the column names of a header: the required columns in order, and all that are permitted.
 Choice = tuple[Sequence[str], Sequence[str]]
+_WITH_UNIT: Final = re.compile(r"([^\[\]]*)\[([^\[\]]*)\]")
+_SPELLINGS: Final = {"mm": "mm", "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg"}
+# From the place of a column, what is wrong with it and what is permitted, to an error.
+Fault = Callable[[int, str, str], TableError]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,20 +53,23 @@ class Table:
     Args:
         path: The file.
         choose: Takes the column names of the header and returns the wanted and the permitted ones.
+        axes: Axes whose columns may go by another of their names, with a unit, or in another case.
 
     Attributes:
         file: File name for messages.
         size: Bytes of the file; 0 where it is a pipe.
-        names: Column names of the header.
+        written: Column names as the header has them.
+        names: Column names as `choose` knows them: those of `axes` by the axes' names.
         wanted: Column names in the order of `Chunk.values`.
         beside: Columns that are also read and may hold anything.
 
     Raises:
         FileAccessError: the file cannot be read.
-        TableError: the header is missing, or names a column that is unknown or duplicate, or is incomplete.
+        TableError: the header is missing, or names a column that is unknown or duplicate, or is incomplete, or gives
+            an axis another unit than its own.
     """
 
-    def __init__(self, path: Path | str, choose: Callable[[Sequence[str]], Choice]) -> None:
+    def __init__(self, path: Path | str, choose: Callable[[Sequence[str]], Choice], axes: Sequence[Axis] = ()) -> None:
         path = Path(path)
         self.file = str(path)
         try:
@@ -74,7 +84,8 @@ class Table:
         self._stream = io.TextIOWrapper(self._bytes, encoding="utf-8-sig")
         self._lines = self._numbered_lines()
         try:
-            self.names, self.header_span = self._header()
+            self.written, self.header_span = self._header()
+            self.names = canonical_columns(self.written, axes, self._header_fault)
             self.wanted, permitted = choose(self.names)
             self.beside = self._beside_columns()
             self._check_header(permitted)
@@ -168,20 +179,24 @@ class Table:
     def _check_header(self, permitted: Sequence[str]) -> None:
         shown = self._shown_columns(permitted)
         listed = ", ".join(shown)
-        for place, name in enumerate(self.names):
-            if name not in permitted:
+        for place, (name, known) in enumerate(zip(self.written, self.names, strict=True)):
+            if known not in permitted:
                 text = f"unknown column '{name}'" if name else f"column {place + 1} has no name"
                 near = closest(name, shown)
                 hint = f"did you mean {near}?" if near else None
                 hint = hint if _field_fault(name) else "the first line must name the columns"
                 hint = self._hint(name) or hint
                 raise TableError(text, span=self._header_spot(place), parameter=name, permitted=listed, hint=hint)
-            if name in self.names[:place]:
+            if known in self.names[:place]:
                 raise TableError(f"column '{name}' occurs twice", span=self._header_spot(place), parameter=name)
         missing = [name for name in self.wanted if name not in self.names]
         if missing:
             text = f"missing column{'s' * (len(missing) > 1)} {', '.join(missing)}{self._alternatives(missing)}"
             raise TableError(text, span=self.header_span, parameter=missing[0], permitted=listed)
+
+    def _header_fault(self, place: int, text: str, permitted: str) -> TableError:
+        name = self.written[place]
+        return TableError(text, span=self._header_spot(place), parameter=name, permitted=permitted)
 
     def _header_spot(self, place: int) -> Span:
         return _spot(self.header_span, self.header_span.text.split(","), place)
@@ -209,9 +224,9 @@ class Table:
             fault = _field_fault(fields[place])
             if fault:
                 raise TableError(
-                    f"column {self.names[place]}: {fault}",
+                    f"column {self.written[place]}: {fault}",
                     span=_spot(span, fields, place),
-                    parameter=self.names[place],
+                    parameter=self.written[place],
                     permitted=f"numbers with a decimal point, below {tolerances.HUGE_AXIS_VALUE:.0e}",
                 )
 
@@ -220,7 +235,7 @@ class Table:
         return TableError(
             f"the row has {count} value{'s' * (count != 1)}, the header {len(self.names)} columns",
             span=span,
-            permitted=f"one value each for {', '.join(self.names)}",
+            permitted=f"one value each for {', '.join(self.written)}",
             hint="decimals are written with a point, not with a comma" if many else None,
         )
 
@@ -277,3 +292,47 @@ def _spot(span: Span, fields: Sequence[str], place: int) -> Span:
 def _unreadable(error: OSError | ValueError, span: Span, permitted: str | None = None) -> FileAccessError:
     reason = error.strerror if isinstance(error, OSError) else None
     return FileAccessError(f"the table cannot be read: {reason or error}", span=span, permitted=permitted)
+
+
+def canonical_columns(written: Sequence[str], axes: Sequence[Axis], fault: Fault) -> tuple[str, ...]:
+    """Return the names by which tables know the columns of a header.
+
+    An axis' column goes by its name, or by its generic one, in any case and with its unit in brackets, as far as that
+    means one axis alone. Columns of drives follow the axes; other columns are known in any case. What is unknown stays
+    as it is.
+
+    Args:
+        written: The names as they are in the file.
+        axes: The axes.
+        fault: Makes the error of a column.
+
+    Raises:
+        TableError: the unit in brackets is not that of the axis, or two columns mean the same axis.
+    """
+    first: dict[str, str] = {}
+    columns: list[str] = []
+    for place, name in enumerate(written):
+        column = _known(name, place, axes, fault)
+        other = first.setdefault(column, name)
+        if other != name:
+            raise fault(place, f"columns '{other}' and '{name}' are the same: {column}", "one of the two")
+        columns.append(column)
+    return tuple(columns)
+
+
+def _known(written: str, place: int, axes: Sequence[Axis], fault: Fault) -> str:
+    n, folded = axis_index(axes, written), written.casefold()
+    if n is not None:
+        return axes[n].name
+    if folded in RESERVED_COLUMNS:
+        return folded
+    with_unit = _WITH_UNIT.fullmatch(written)
+    if with_unit is not None and (n := axis_index(axes, with_unit[1].strip())) is not None:
+        axis, unit = axes[n], with_unit[2].strip()
+        if _SPELLINGS.get(unit.casefold()) != axis.unit:
+            text = f"column '{written}': the values of axis {axis.name} are in {axis.unit}"
+            raise fault(place, text, f"{axis.name} or {axis.name} [{axis.unit}]")
+        return axis.name
+    if folded.endswith(DRIVE_SUFFIX) and (n := axis_index(axes, written[: -len(DRIVE_SUFFIX)])) is not None:
+        return f"{axes[n].name}{DRIVE_SUFFIX}"
+    return written

@@ -19,7 +19,7 @@ from chainbuild.errors import Span, TableError
 from chainbuild.kinematics.displayed import plane_angle
 from chainbuild.shown import fields_shown
 from chainbuild.tables.axes import RESULT_COLUMNS, VIOLATIONS_COLUMN
-from chainbuild.tables.form import QUATERNION_COLUMNS, STATUS_COLUMNS, Orientation, OrientationSource, PoseForm
+from chainbuild.tables.form import QUATERNION_COLUMNS, STATUS_COLUMNS, OrientationSource, PoseColumns, PoseForm
 from chainbuild.tables.reader import Choice, Table
 from chainbuild.units import m_from_mm
 
@@ -81,11 +81,11 @@ class _RecordingTable(Table):
         self._chain = chain
         # Everything recorded is compared, whatever inverse kinematics can solve for.
         self.form = PoseForm.of(chain, "direction")
-        super().__init__(path, self._choose)
+        super().__init__(path, self._choose, chain.axes)
         self.place_columns = self.form.position(self.names)
         self.orientation = self._orientation(self.names)
 
-    def _orientation(self, names: Sequence[str]) -> Orientation:
+    def _orientation(self, names: Sequence[str]) -> PoseColumns:
         """Return which columns hold the orientation; those of axes are there as axes."""
         found = set(names) - {axis.name for axis in self._chain.axes}
         follow = self.form.shows_angles and found & set(ANGLE_COLUMNS) - set(self.form.columns)
@@ -95,7 +95,7 @@ class _RecordingTable(Table):
             ("shown", self.form.columns),
             ("tool", TOOL_COLUMNS),
         )
-        return next((Orientation(*group) for group in groups if found & set(group[1])), Orientation("none", ()))
+        return next((PoseColumns(*group) for group in groups if found & set(group[1])), PoseColumns("none", ()))
 
     def _choose(self, names: Sequence[str]) -> Choice:
         axes = tuple(axis.name for axis in self._chain.axes)

@@ -71,7 +71,9 @@ BAD = {
     "missing": ("A1,X\n1,2\n", 1, "missing column A2; permitted: A1, A2, X"),
     "two_missing": ("A1\n1\n", 1, "missing columns A2, X"),
     "unknown": ("A1,A2,X,B7\n1,2,3,4\n", 1, "unknown column 'B7'; permitted: A1, A2, X"),
-    "case": ("a1,A2,X\n1,2,3\n", 1, "unknown column 'a1'"),
+    "unit": ("A1 [mm],A2,X\n1,2,3\n", 1, "the values of axis A1 are in deg; permitted: A1 or A1 [deg]"),
+    "no_unit": ("A1,A2,X []\n1,2,3\n", 1, "column 'X []': the values of axis X are in mm; permitted: X or X [mm]"),
+    "same": ("A1,A2,X,a1 [deg]\n1,2,3,4\n", 1, "columns 'A1' and 'a1 [deg]' are the same: A1"),
     "no_header": ("1,2,3\n1,2,3\n", 1, "first line must name the columns"),
     "nameless": ("A1,A2,X,\n1,2,3,\n", 1, "column 4 has no name"),
     "double": ("A1,A2,X,A1\n1,2,3,4\n", 1, "column 'A1' occurs twice"),
@@ -368,7 +370,7 @@ def test_a_missing_orientation_names_all_that_would_do(tmp_path: Path, form: Pos
     assert caught.value.message == end
 
 
-@pytest.mark.parametrize(("name", "meant"), [("x", "x_mm"), ("A_DEG", "a_deg"), ("qW", "qw"), ("tool_xx", "tool_x")])
+@pytest.mark.parametrize(("name", "meant"), [("x", "x_mm"), ("A_DEGS", "a_deg"), ("qWW", "qw"), ("tool_xx", "tool_x")])
 def test_an_unknown_pose_column_names_the_nearest(tmp_path: Path, name: str, meant: str) -> None:
     with pytest.raises(TableError, match=f"did you mean {meant}\\?"):
         PoseTable(write(tmp_path, f"{name}\n1\n"), PoseForm("orirpy"))

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from chainbuild.analysis.collision.paths import CONTACT, Contact, first_contact
 from chainbuild.arrays import Vector
 from chainbuild.chain.bodies.shapes import shown_limits
+from chainbuild.chain.names import axis_index
 from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
 from chainbuild.progress import Progress, counting
@@ -91,7 +92,7 @@ def sweep(
     Raises:
         ChainbuildError: an unknown axis, the same axis twice, or an empty range.
     """
-    m, o = axis_index(model, moved), axis_index(model, over)
+    m, o = swept_axis(model, moved), swept_axis(model, over)
     if m == o:
         raise ChainbuildError("an axis cannot be swept against itself", parameter=moved)
     lower, upper = shown_limits(model.robot.chain)
@@ -113,19 +114,20 @@ def sweep(
                 seed = _middle(found[n], seed)
                 advance(1)
     axes = model.robot.axes
-    return Sweep(moved, over, axes[m].unit, axes[o].unit, tuple(found[n] for n in sorted(found)))
+    return Sweep(axes[m].name, axes[o].name, axes[m].unit, axes[o].unit, tuple(found[n] for n in sorted(found)))
 
 
-def axis_index(model: CollisionModel, name: str) -> int:
+def swept_axis(model: CollisionModel, name: str) -> int:
     """Return the index of an axis by name.
 
     Raises:
         ChainbuildError: there is no such axis.
     """
-    names = [axis.name for axis in model.robot.axes]
-    if name not in names:
-        raise ChainbuildError(f"the kinematic has no axis '{name}'", parameter="axis", permitted=", ".join(names))
-    return names.index(name)
+    found = axis_index(model.robot.axes, name)
+    if found is None:
+        known = ", ".join(axis.name for axis in model.robot.axes)
+        raise ChainbuildError(f"the kinematic has no axis '{name}'", parameter="axis", permitted=known)
+    return found
 
 
 def _middle(interval: FreeInterval, otherwise: float) -> float:

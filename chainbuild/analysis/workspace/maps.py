@@ -20,7 +20,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.analysis.singularity.measures import measure_batch
-from chainbuild.analysis.workspace.mapspec import Grid, MapSpec, check_spec, directions, grid_of, in_slab, random_axes
+from chainbuild.analysis.workspace.mapspec import (
+    Grid,
+    MapSpec,
+    check_spec,
+    directions,
+    grid_of,
+    in_slab,
+    mapped_axes,
+    random_axes,
+)
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.elements import Chain
@@ -260,10 +269,9 @@ class _Worker:
         lower, upper = shown_limits(self.robot.chain)
         base = np.array(spec.at) if spec.at else (lower + upper) / 2.0
         axes = np.repeat(base[None, :], len(flat), axis=0)
-        names = [axis.name for axis in self.robot.axes]
         places = np.unravel_index(flat, self.grid.shape)
-        for name, edge, place in zip(spec.axes, self.grid.edges, places, strict=True):
-            axes[:, names.index(name)] = (edge[place] + edge[place + 1]) / 2.0
+        for n, edge, place in zip(mapped_axes(self.robot, spec), self.grid.edges, places, strict=True):
+            axes[:, n] = (edge[place] + edge[place + 1]) / 2.0
         return axes, flat
 
 

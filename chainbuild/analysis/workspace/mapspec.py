@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from chainbuild.analysis.singularity.measures import measure_batch
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies.shapes import shown_limits
+from chainbuild.chain.names import axis_index
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.shown import fields_shown
@@ -98,7 +99,8 @@ def check_spec(robot: Mechanism, spec: MapSpec) -> None:
     if spec.kind not in KINDS:
         raise ChainbuildError(f"unknown map '{spec.kind}'", permitted=", ".join(KINDS))
     if spec.kind == "axes":
-        if len(spec.axes) != 2 or len(set(spec.axes)) != 2 or not set(spec.axes) <= set(names):
+        chosen = {axis_index(robot.axes, name) for name in spec.axes}
+        if len(spec.axes) != 2 or len(chosen) != 2 or None in chosen:
             raise ChainbuildError(
                 "expected two different axes for this map", parameter="axes", permitted=", ".join(names)
             )
@@ -116,9 +118,8 @@ def grid_of(robot: Mechanism, spec: MapSpec) -> Grid:
     """Return the grid of a map: the limits of two axes, or the box that the tool stays in."""
     if spec.kind == "axes":
         lower, upper = shown_limits(robot.chain)
-        names = [axis.name for axis in robot.axes]
-        chosen = [names.index(name) for name in spec.axes]
-        labels = tuple(f"{name} [{robot.axes[n].unit}]" for n, name in zip(chosen, spec.axes, strict=True))
+        chosen = mapped_axes(robot, spec)
+        labels = tuple(f"{robot.axes[n].name} [{robot.axes[n].unit}]" for n in chosen)
         return Grid(labels, tuple(np.linspace(lower[n], upper[n], spec.cells + 1) for n in chosen))
     probes = random_axes(robot, np.random.default_rng(spec.seed), _PROBES)
     positions = measure_batch(robot, probes).positions
@@ -131,6 +132,11 @@ def grid_of(robot: Mechanism, spec: MapSpec) -> Grid:
     names = ["x", "y", "z"] if spec.kind == "volume" else list(spec.kind)
     edges = tuple(np.linspace(a, b, spec.cells + 1) for a, b in zip(low, high, strict=True))
     return Grid(tuple(f"{name} [m]" for name in names), edges)
+
+
+def mapped_axes(robot: Mechanism, spec: MapSpec) -> list[int]:
+    """Return the indices of the two axes of a map of kind "axes": across, then up."""
+    return [n for name in spec.axes if (n := axis_index(robot.axes, name)) is not None]
 
 
 def random_axes(robot: Mechanism, rng: np.random.Generator, count: int) -> Matrix:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -81,6 +81,19 @@ class Geometry:
     def links(self) -> tuple[str, ...]:
         """Every link that is named, in order."""
         return (*self.radii, *self.shapes, *(link for pair in self.ignore for link in pair))
+
+    def renamed(self, names: Mapping[str, str]) -> Geometry:
+        """Return the same of links with other names.
+
+        Args:
+            names: Old name → new name; others stay.
+        """
+        return replace(
+            self,
+            radii={names.get(link, link): radius for link, radius in self.radii.items()},
+            shapes={names.get(link, link): shapes for link, shapes in self.shapes.items()},
+            ignore=tuple((names.get(a, a), names.get(b, b)) for a, b in self.ignore),
+        )
 
 
 NO_GEOMETRY = Geometry()

@@ -10,6 +10,7 @@ from typing import Final
 from chainbuild.chain.assemble import assemble
 from chainbuild.chain.display import POSE_ANGLES, Display
 from chainbuild.chain.elements import Chain
+from chainbuild.chain.names import generic_name, renamed
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, MachineDataError, Span
 from chainbuild.findings import Collector, refuse_errors
@@ -25,7 +26,7 @@ from chainbuild.formats.sinumerik.reading.reader import read_assignments
 from chainbuild.formats.sinumerik.reading.robx import WRISTS, Robx
 from chainbuild.formats.sinumerik.reading.transformations import find_transformations
 from chainbuild.formats.sinumerik.rules.arms import check_geometry
-from chainbuild.formats.sinumerik.rules.axes import check_axes, check_gripper
+from chainbuild.formats.sinumerik.rules.axes import check_axes, check_axis_names, check_gripper
 from chainbuild.formats.sinumerik.rules.chain_data import (
     absolute_c,
     check_pose_data,
@@ -184,6 +185,7 @@ def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Co
     """
     reading = read_assignments(source, collector)
     table = tabulate(reading, collector)
+    check_axis_names(table, collector)
     # Refused data would appear as missing: the rest is not checked.
     transformations = find_transformations(table, Collector(strict=False) if reading.refused else collector)
     warn_of_orphans(table, transformations, collector)
@@ -218,10 +220,12 @@ def _build(
     check_geometry(robx, translation, machine.tool, choose, collector)
     basic = basic_moves(translation.basic)
     axes = machine_axes(robx, machine.table, translation.internal, basic, gripper, collector)
-    axes = machine.overlay.apply_limits(axes)
+    named = machine.overlay.apply_limits(axes)
+    # Recipes and sums of axes go by the generic names; the chain gets the channel's at the end.
+    axes = tuple(replace(axis, name=generic_name(axis), generic="") for axis in named)
     check_pose_data(robx, translation, axes, collector)
     body = assemble(axes, translation.tool, translation.workpiece)
-    return Chain(
+    chain = Chain(
         name=_chain_name(machine, robx, gripper),
         title=f"{machine.title}, gripper-referred" if gripper else machine.title,
         dialect=machine.dialect,
@@ -241,6 +245,7 @@ def _build(
         singularity_watch=singularity_watch(machine.table),
         display=_DISPLAYS.get(robx.num_axes, POSE_ANGLES),
     )
+    return renamed(chain, [axis.name for axis in named])
 
 
 def _chain_name(machine: RobxMachine, robx: Robx, gripper: bool) -> str:

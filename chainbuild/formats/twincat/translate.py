@@ -7,10 +7,10 @@ from dataclasses import replace
 from typing import Final
 
 from chainbuild.chain.elements import Axis, Chain
+from chainbuild.chain.names import channel_names, renamed
 from chainbuild.convention import Choices
-from chainbuild.errors import UnsupportedKinematicError
+from chainbuild.errors import ChainbuildError, UnsupportedKinematicError
 from chainbuild.findings import Collector
-from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.twincat.axis_offsets import with_axis_offsets
 from chainbuild.formats.twincat.coupling.coupling import coupling_draft
 from chainbuild.formats.twincat.coupling.coupling_groups import (
@@ -19,9 +19,11 @@ from chainbuild.formats.twincat.coupling.coupling_groups import (
     coupling_data,
     label_of,
     member_named,
+    read_groups,
 )
 from chainbuild.formats.twincat.coupling.two_steps import two_steps
 from chainbuild.formats.twincat.lists.axislist import with_limits
+from chainbuild.formats.twincat.lists.config import Trafo
 from chainbuild.formats.twincat.lists.source import Source
 from chainbuild.formats.twincat.types.draft import serial_draft
 from chainbuild.formats.twincat.universal.universal import UNIVERSAL, universal_draft
@@ -43,15 +45,15 @@ def translate(source: Source, name: str, title: str, choose: Choices, collector:
         UnsupportedKinematicError: the type is unknown or not built.
         MachineDataError: a parameter is not permitted.
     """
-    chain = draft(source, choose, collector)
-    chain = with_axis_offsets(chain, source, choose, collector)
+    ahead = _axes_ahead(source, choose)
+    chain = with_axis_offsets(draft(source, choose, collector), source, choose, collector)
+    chain = _named(chain, ahead, source, collector)
     axes = chain.axes
     if source.second is not None:
         above = draft(source.upper(), choose, collector)
         chain = two_steps(chain, source.trafo, above, source.second, collector)
         axes = (*axes, *above.axes)
     _tell_table_sense(axes, source, choose, collector)
-    ahead = int(coupling_data()["tcp_axes"]) if source.trafo.type == COUPLING else 0
     axes = _limited(chain.axes, ahead, source, collector)
     return replace(chain.with_axes(axes), name=name, title=title)
 
@@ -85,12 +87,57 @@ def draft(source: Source, choose: Choices, collector: Collector) -> Chain:
 
 def _is_member(source: Source) -> bool:
     """Return whether a coupling of the channel names the kinematic: then it may have fewer axes."""
+    return _coupling_of(source) is not None
+
+
+def _coupling_of(source: Source) -> Trafo | None:
+    """Return the first coupling of the channel that names the kinematic, or None."""
     trafos = source.channel.trafos
     for coupling in (trafo for trafo in trafos if trafo.type == COUPLING):
         for key, entry in coupling.extras.items():
             if ".chain[" in key and source.trafo in member_named(label_of(entry, empty=True), trafos):
-                return True
-    return False
+                return coupling
+    return None
+
+
+def _axes_ahead(source: Source, choose: Choices) -> int:
+    """Return how many axes of the channel come before those of a kinematic.
+
+    Those of a coupling come behind six simulated TCP axes; those of one of its partials alone are the same as in the
+    coupling.
+    """
+    simulated = int(coupling_data()["tcp_axes"])
+    if source.trafo.type == COUPLING:
+        return simulated
+    coupling = _coupling_of(source)
+    if coupling is None or not (source.channel.axes or source.axis_lists):
+        return 0
+    ahead = simulated
+    try:
+        groups = read_groups(coupling, source.channel.trafos, Collector())
+        for member in (member for group in groups for member in group.members):
+            if member is source.trafo:
+                break
+            alone = replace(source, trafo=member, second=None, tool=None, tool_length_mm=0.0)
+            ahead += len(draft(alone, Choices(choose.chosen), Collector()).axes)
+    except ChainbuildError:
+        return 0  # the coupling itself tells what is wrong with it
+    return ahead
+
+
+def _named(chain: Chain, ahead: int, source: Source, collector: Collector) -> Chain:
+    """Return the chain with the channel's own names of its axes, as far as the list gives them."""
+    listed = source.channel.axes
+    given = [listed[n].name if n in listed else "" for n in range(ahead, ahead + len(chain.axes))]
+    names, lost = channel_names(chain.axes, given)
+    for n in lost:
+        generic = chain.axes[n].name
+        other = next(listed[ahead + k] for k, name in enumerate(given) if name.casefold() == generic.casefold())
+        parameter = f"gruppe[0].achse[{other.index}].bezeichnung"
+        text = f"{other.name} is the name of another axis than {generic} of the kinematic, which is called {names[n]}"
+        hint = f"name all axes: gruppe[0].achse[{ahead + n}].bezeichnung is missing"
+        collector.add("CB413", text, span=other.span, parameter=parameter, hint=hint)
+    return renamed(chain, names)
 
 
 def _limited(axes: tuple[Axis, ...], ahead: int, source: Source, collector: Collector) -> tuple[Axis, ...]:
@@ -102,21 +149,7 @@ def _limited(axes: tuple[Axis, ...], ahead: int, source: Source, collector: Coll
         source: Lists and overlay.
         collector: Takes findings.
     """
-    simulated = tuple(Axis.unlimited(f"TCP axis {n}", "linear") for n in range(ahead))
-    listed = with_limits((*simulated, *axes), source.channel.axes, source.axis_lists, collector)
-    return _overlay_for(axes, source).apply_limits(listed[ahead:])
-
-
-def _overlay_for(axes: tuple[Axis, ...], source: Source) -> Overlay:
-    """Return the overlay; for a kinematic that it is not written for, without what it says of other axes."""
-    overlay = source.overlay
-    if source.main:
-        return overlay
-    known = {axis.name for axis in axes}
-    rotary = {axis.name for axis in axes if axis.kind == "rotary"}
-    return replace(
-        overlay,
-        limits={name: limits for name, limits in overlay.limits.items() if name in known},
-        speeds={name: speed for name, speed in overlay.speeds.items() if name in known},
-        endless=tuple(name for name in overlay.endless if name in rotary),
-    )
+    listed = with_limits(axes, source.channel.axes, source.axis_lists, collector, ahead)
+    # For a kinematic that the overlay is not written for, it may name axes that only others have.
+    overlay = source.overlay if source.main else source.overlay.for_axes(axes)
+    return overlay.apply_limits(listed)

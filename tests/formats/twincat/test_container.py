@@ -86,7 +86,8 @@ def test_limits_by_the_names_of_the_channel_list() -> None:
     axes = machine(project(channel, axes=lists)).chain().axes
     assert limits(axes) == [(-100 - i / 1e4, 90 + i / 1e4) for i in range(6)]
     assert not any(a.assumed for a in axes)
-    assert [a.name for a in axes] == ["C1", "B1", "B2", "A1", "B3", "A2"]
+    assert [a.name for a in axes] == names
+    assert [a.generic for a in axes] == ["C1", "B1", "B2", "A1", "B3", "A2"]
 
 
 def test_limits_by_logical_numbers() -> None:

@@ -210,10 +210,12 @@ def test_limits_are_those_of_the_axes_behind_the_tcp() -> None:
     lines = [*XY, *(f"gruppe[0].achse[{n}].bezeichnung {name}" for n, name in enumerate(names))]
     found = machine("\n".join(lines), overlay=Overlay(limits={"X": (-1.0, 2.0), "A2": (-3.0, 4.0)}))
     axes = {axis.name: (axis.lower, axis.upper) for axis in found.chain().axes}
-    assert axes["X"] == (-1, 2)
-    assert axes["A2"] == (-3, 4)
+    assert axes["XL"] == (-1, 2)
+    assert axes["R6"] == (-3, 4)
     alone = found.chain("ROBOT")
     assert [axis.lower for axis in alone.axes] == [-360] * 5 + [-3]
+    assert [axis.name for axis in alone.axes] == names[8:]
+    assert [axis.name for axis in found.chain("LINEAR").axes] == ["XL", "YL"]
     with pytest.raises(ChainbuildError, match="no axis 'Q'"):
         machine("\n".join(XY), overlay=Overlay(limits={"Q": (0.0, 1.0)})).chain()
 

@@ -26,6 +26,7 @@ from chainbuild.formats.sinumerik.reading.assignment import Assignment
 from chainbuild.formats.sinumerik.reading.data_table import DataTable, written_name
 from chainbuild.formats.sinumerik.reading.robx import Robx
 from chainbuild.formats.sinumerik.reading.transformations import DatumReport
+from chainbuild.formats.sinumerik.rules.axes import names_of_axes
 from chainbuild.units import AxisKind, deg_from_rad, m_s_from_mm_min, mm_from_m, rad_s_from_rpm
 
 # The control's own default for an axis without software limits is ±1e8.
@@ -39,7 +40,7 @@ _PLAIN_AXIS = re.compile(r"AX\d+")
 def machine_axes(
     robx: Robx, table: DataTable, internal: InternalAxes, basic: Sequence[Move], gripper: bool, collector: Collector
 ) -> tuple[Axis, ...]:
-    """Return the axes in the order of TRAFO_AXES_IN: A1 … A6, EX, EW, EF, with the limits the file gives.
+    """Return the axes in the order of TRAFO_AXES_IN: A1 … A6, EX, EW, EF, with the names and limits the file gives.
 
     Args:
         robx: The transformation.
@@ -47,30 +48,37 @@ def machine_axes(
         internal: The robot axes in the transformation's order.
         basic: Joints of the three basic axes.
         gripper: True where the robot carries the workpiece.
-        collector: Takes findings on limits.
+        collector: Takes findings on names and limits.
     """
     robot: Literal["tool", "workpiece"] = "workpiece" if gripper else "tool"
     kinds: list[AxisKind] = ["rotary" if move.kind == "revolute" else "linear" for move in basic]
     kinds += ["rotary"] * (robx.num_axes - 3)
     kind_of = {axis.name: (kind, i) for i, (axis, kind) in enumerate(zip(internal.math, kinds, strict=True))}
-    axes = []
+    plain: list[tuple[Axis, int]] = []
+    endless: set[str] = set()
     for number in range(robx.num_axes):
         name = f"A{number + 1}"
         kind, i = kind_of[name]
-        axis = _limited(Axis.unlimited(name, kind, robot), robx, table, robx.axes_in[number], collector)
-        endless = kind == "rotary" and _ENDLESS in (robx.axes_type[i], robx.axes_type[number])
-        axes.append(_endless(axis) if endless else axis)
+        plain.append((Axis.unlimited(name, kind, robot), robx.axes_in[number]))
+        if kind == "rotary" and _ENDLESS in (robx.axes_type[i], robx.axes_type[number]):
+            endless.add(name)
     for extra in (*robx.base_axes, *robx.table.axes, *robx.flange.axes):
         carries = "workpiece" if extra.name.startswith("EW") else robot
         extra_kind: AxisKind = "linear" if extra.name.startswith("EX") else "rotary"
         axis = replace(Axis.unlimited(extra.name, extra_kind, carries), held=True)
-        axes.append(_limited(axis, robx, table, extra.channel_axis, collector))
-    return tuple(axes)
+        plain.append((axis, extra.channel_axis))
+    axes, numbers = zip(*plain, strict=True)
+    found = []
+    for axis, number, name in zip(axes, numbers, names_of_axes(axes, numbers, robx, collector), strict=True):
+        named = replace(axis, name=name, generic="" if name == axis.name else axis.name)
+        limited = _limited(named, robx, table, number, collector)
+        found.append(_endless(limited) if axis.name in endless else limited)
+    return tuple(found)
 
 
 def _endless(axis: Axis) -> Axis:
     unlimited = Axis.unlimited(axis.name, axis.kind, axis.carries)
-    return replace(unlimited, endless=True, held=axis.held, max_speed=axis.max_speed)
+    return replace(unlimited, endless=True, held=axis.held, max_speed=axis.max_speed, generic=axis.generic)
 
 
 def machine_axis_names(robx: Robx, table: DataTable, channel_axis: int) -> tuple[str, ...]:

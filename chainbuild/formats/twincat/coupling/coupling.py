@@ -199,7 +199,13 @@ class _Building:
         members = [member for group in self.groups for member in group.members]
         locks = self.locks(chain)
         return tuple(
-            replace(partial, name=self.name(member), rank=rank, locked=locks.get(n, ()))
+            replace(
+                partial,
+                name=self.name(member),
+                rank=rank,
+                locked=locks.get(n, ()),
+                letters=coordinate_letters(member.type, partial.chain),
+            )
             for n, (partial, member, rank) in enumerate(zip(chain.partials, members, ranks, strict=True))
         )
 

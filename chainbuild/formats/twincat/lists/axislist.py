@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from chainbuild.chain.elements import Axis
+from chainbuild.chain.names import generic_name
 from chainbuild.errors import Span
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.config import ChannelAxis, errors_collected_by
@@ -97,7 +98,11 @@ def read_axis_list(parameters: ParameterList, facts: Mapping[str, str], collecto
 
 
 def with_limits(
-    axes: Sequence[Axis], channel: Mapping[int, ChannelAxis], lists: Sequence[AxisList], collector: Collector
+    axes: Sequence[Axis],
+    channel: Mapping[int, ChannelAxis],
+    lists: Sequence[AxisList],
+    collector: Collector,
+    ahead: int = 0,
 ) -> tuple[Axis, ...]:
     """Return the axes with the limits of their lists.
 
@@ -110,16 +115,18 @@ def with_limits(
         channel: Axes as the channel list names them, by channel index.
         lists: Axis lists in file order.
         collector: Takes findings.
+        ahead: How many axes of the channel come before them.
     """
     if not lists:
         return tuple(axes)
-    matched = {i: found for i in range(len(axes)) if (found := list_by_channel(i, channel.get(i), lists))}
+    by_channel = {i: list_by_channel(ahead + i, channel.get(ahead + i), lists) for i in range(len(axes))}
+    matched = {i: found for i, found in by_channel.items() if found}
     if not matched:
         matched = _by_type(axes, lists)
     if not matched:
         text = "the axis lists name no axis of the kinematic; they are taken in channel order"
         collector.add("CB232", text, span=lists[0].span)
-        matched = dict(enumerate(lists[: len(axes)]))
+        matched = dict(enumerate(lists[ahead : ahead + len(axes)]))
     return tuple(_limited(axis, matched.get(i), collector) for i, axis in enumerate(axes))
 
 
@@ -136,7 +143,7 @@ def list_by_channel(index: int, channel: ChannelAxis | None, lists: Iterable[Axi
 
 
 def _by_type(axes: Sequence[Axis], lists: Sequence[AxisList]) -> dict[int, AxisList]:
-    found = {i: entry for i, axis in enumerate(axes) for entry in lists if axis.name in entry.names}
+    found = {i: entry for i, axis in enumerate(axes) for entry in lists if generic_name(axis) in entry.names}
     return found if len(found) in (len(axes), len(lists)) else {}
 
 

@@ -23,6 +23,7 @@ from chainbuild.formats.twincat.lists.config import (
     RawValue,
     Trafo,
     bad_name,
+    checked_axis_name,
     checked_index,
     errors_collected_by,
     short_name,
@@ -278,15 +279,18 @@ def _warn_unknown_ori(parameters: ParameterList, collector: Collector) -> None:
 def _axes(parameters: ParameterList, collector: Collector) -> dict[int, ChannelAxis]:
     """Return the axes of the first axis group: names (bezeichnung) and logical numbers (log_achs_nr)."""
     names: dict[int, str] = {}
+    named: dict[int, Assignment] = {}
     numbers: dict[int, int] = {}
     for entry in parameters.under("gruppe"):
         match entry.keys:
             case (("gruppe", 0), ("achse", int(i)), ("bezeichnung", None)):
                 with errors_collected_by(collector):
-                    names[i] = entry.text()
+                    names[i] = checked_axis_name(entry, named, collector)
+                    named[i] = entry
             case (("gruppe", 0), ("achse", int(i)), ("log_achs_nr", None)):
                 with errors_collected_by(collector):
                     numbers[i] = entry.integer(0, UNS16)
             case _:
                 pass
-    return {i: ChannelAxis(i, names.get(i, ""), numbers.get(i)) for i in sorted({*names, *numbers})}
+    spans = {i: entry.span for i, entry in named.items()}
+    return {i: ChannelAxis(i, names.get(i, ""), numbers.get(i), spans.get(i)) for i in sorted({*names, *numbers})}

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Final
 
+from chainbuild.chain.names import name_fault
 from chainbuild.chain.vectors import AngleLetter, OriMode, ToolPlane
 from chainbuild.errors import ChainbuildError, MachineDataError, ParseError, Span
 from chainbuild.findings import Collector
@@ -15,9 +17,11 @@ from chainbuild.formats.twincat.lists.reader import Assignment
 MAX_TRAFOS: Final = 10  # kinematics of a channel and step, trafo[0] to trafo[9]
 MAX_KINEMATIC_STEPS: Final = 2  # of a coupled transformation, kin_step[0] and kin_step[1]
 MAX_PARAM: Final = 74  # P-TOOL-00009 and P-CHAN-00094; HD75 is the last
-MAX_NAME_CHARACTERS: Final = 16  # of a kinematic that is called by its name
+MAX_NAME_CHARACTERS: Final = 16  # of a kinematic that is called by its name, and of an axis (P-CHAN-00006)
 UNS16: Final = 65535  # largest id and type
 UNKNOWN_ID_ALARM: Final = 21630
+_KEPT_NAME: Final = re.compile(r"[ABCQU-Z]\w*", re.IGNORECASE)  # of an axis (P-CHAN-00006)
+_NAME_ALARM: Final = 20425  # an axis' name is too long or begins with another letter; the controller replaces it
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,11 +73,19 @@ class Trafo:
 
 @dataclass(frozen=True, slots=True)
 class ChannelAxis:
-    """An axis as the channel list names it: gruppe[0].achse[i]."""
+    """An axis as the channel list names it: gruppe[0].achse[i].
+
+    Attributes:
+        index: Its index i in the channel.
+        name: bezeichnung (P-CHAN-00006), or an empty string.
+        number: Logical axis number, log_achs_nr, or None.
+        span: Place of the name.
+    """
 
     index: int
     name: str
     number: int | None = None
+    span: Span | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +177,39 @@ def errors_collected_by(collector: Collector) -> Iterator[None]:
         if collector.strict:
             raise
         collector.add_error(error)
+
+
+def checked_axis_name(entry: Assignment, others: Mapping[int, Assignment], collector: Collector) -> str:
+    """Return the name of a channel axis; an empty string, with a finding, where it names none.
+
+    The controller itself replaces a name that is too long or begins with another letter (ID 20425).
+
+    Args:
+        entry: gruppe[0].achse[i].bezeichnung.
+        others: The axes that were named before.
+        collector: Takes findings.
+
+    Raises:
+        MachineDataError: it is the name of a column of the tables or of another axis, or holds other characters than
+            letters, digits, `_` and `-`.
+        ParseError: a quote is not closed.
+    """
+    name = entry.text() if entry.raw else ""
+    if not name:
+        text = f"{entry.name} is empty: the axis keeps the name that the kinematic gives it"
+        collector.add("CB413", text, span=entry.span, parameter=entry.name)
+        return ""
+    fault = name_fault(name)
+    twice = next((other for other in others.values() if other.text() == name), None)
+    if twice is not None:
+        fault = f"two axes are called {name!r}, also in line {twice.span.line}", "a name of its own for each axis"
+    if fault is not None:
+        raise MachineDataError(fault[0], span=entry.span, parameter=entry.name, permitted=fault[1], code="CB416")
+    if not _KEPT_NAME.fullmatch(name) or len(name) > MAX_NAME_CHARACTERS:
+        text = f"the controller does not keep the axis' name {name[:40]!r}"
+        permitted = f"A, B, C, U to Z or Q, then letters, digits and _, at most {MAX_NAME_CHARACTERS} characters"
+        collector.add("CB413", text, span=entry.span, parameter=entry.name, permitted=permitted, alarm=_NAME_ALARM)
+    return name
 
 
 def bad_name(entry: Assignment, permitted: str) -> ChainbuildError:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -59,9 +59,9 @@ class VirtualTurnMap:
         return cls(straight_map(_SIX_AXES, offsets_deg, signs))
 
     @property
-    def periodic(self) -> tuple[str, ...]:
-        """Axes whose whole turn leads to the same pose."""
-        return ("B", "A", "CV")
+    def periodic(self) -> tuple[int, ...]:
+        """Indices of the axes whose whole turn leads to the same pose: B, A, CV."""
+        return (3, 4, 5)
 
     def q(self, axes: Vector) -> Vector:
         """Return the joint values X, Y, Z, B', A' (5,) of axis values (6,)."""
@@ -155,9 +155,13 @@ class SpatialAnglesMap:
         return cls(straight_map(FIVE_AXES, (0.0,) * 5), cosine, sine, side, zero, axis)
 
     @property
-    def periodic(self) -> tuple[str, ...]:
-        """Axes whose whole turn leads to the same pose."""
-        return ("C",)
+    def periodic(self) -> tuple[int, ...]:
+        """Index of the axis whose whole turn leads to the same pose."""
+        return (_C,)
+
+    def named(self, names: Sequence[str]) -> SpatialAnglesMap:
+        """Return the map that names the inclined axis by another name."""
+        return replace(self, axis=names[_A])
 
     @property
     def largest_tilt(self) -> float:

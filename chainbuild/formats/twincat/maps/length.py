@@ -7,7 +7,8 @@ a the angle by which A leans the tool: the axis value and a zero offset.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Final, Protocol
 
 import numpy as np
@@ -50,11 +51,13 @@ class TiltLengthMap:
         straight: Axis values → X, Y, Z, C, A: the same in SI.
         law: Tilt → value of the last joint.
         offset: Added to A, it gives the tilt [rad].
+        axis: Name of the tilting axis.
     """
 
     straight: AffineMap
     law: TiltLaw
     offset: float
+    axis: str = "A"
 
     @classmethod
     def of(cls, law: TiltLaw, offset_deg: float = 0.0) -> TiltLengthMap:
@@ -65,9 +68,13 @@ class TiltLengthMap:
         return float(self.straight.q(axes)[_A]) + self.offset
 
     @property
-    def periodic(self) -> tuple[str, ...]:
-        """Axes whose whole turn leads to the same pose."""
-        return ("C", "A")
+    def periodic(self) -> tuple[int, ...]:
+        """Indices of the axes whose whole turn leads to the same pose: C, A."""
+        return (3, _A)
+
+    def named(self, names: Sequence[str]) -> TiltLengthMap:
+        """Return the map that names the tilting axis by another name."""
+        return replace(self, axis=names[_A])
 
     def q(self, axes: Vector) -> Vector:
         """Return the joint values (6,) of axis values (5,); the last not a number where the law permits no tilt."""
@@ -85,7 +92,10 @@ class TiltLengthMap:
 
     def refusal(self, axes: Vector) -> ChainbuildError | None:
         """Return the error of a tilt that the law does not permit, or None."""
-        return self.law.refusal(self._tilt(axes))
+        error = self.law.refusal(self._tilt(axes))
+        if error is not None and error.parameter is None:
+            error.parameter = self.axis
+        return error
 
     def q_bounds(self, lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
         """Return the joint bounds."""
@@ -130,6 +140,5 @@ class NozzleLaw:
             return None
         return AxisValueError(
             "the nozzle is horizontal: no length would keep its height",
-            parameter="A",
             permitted="less than 90 deg off 0",
         )
