@@ -50,8 +50,7 @@ class Robot(Mechanism):
 
         Args:
             path: A file, or the name of a shipped machine; an existing path wins.
-            kinematic: Configured id or name, or a pair of these for two transformation steps; None: the file's
-                default. See `Machine.chain`.
+            kinematic: Configured id or name, or a pair of these; None: the default. See `Machine.chain`.
             channel: Channel; None: the first with a transformation.
             tool_length_mm: Length added to the active tool's length [mm].
             conventions: Convention name → choice.

@@ -285,6 +285,11 @@ class Chain:
         return self.kinematic == "KIN_TYP 45"
 
     @property
+    def solves_linear_axes(self) -> bool:
+        """Whether the linear axes alone are solved for where what is displayed is given: RTCP, and KIN_TYP 76."""
+        return self.display.kind == "axes" and all(self.axes[n].kind == "linear" for n in self.display.solved)
+
+    @property
     def display_columns(self) -> tuple[str, ...]:
         """Names of the columns that the controller displays beside the position."""
         return self.display.columns or tuple(self.axes[n].name for n in self.display.axes)

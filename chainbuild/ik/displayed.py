@@ -77,8 +77,7 @@ def from_display_batch(
     given = [np.atleast_1d(asked.column(name)) for name in asked.shown]
     columns = dict(zip(asked.shown, np.broadcast_arrays(*given), strict=True))
     display, count = mechanism.chain.display, len(next(iter(columns.values())))
-    by_slides = asked.orientation.source == "shown" and display.kind == "axes"
-    if by_slides and all(mechanism.axes[n].kind == "linear" for n in display.solved):
+    if asked.orientation.source == "shown" and mechanism.chain.solves_linear_axes:
         begin = np.zeros(len(mechanism.axes)) if start is None else mechanism.axis_values(start)
         axes = np.tile(begin, (count, 1))
         for n, name in zip(display.axes, asked.orientation.columns, strict=True):
@@ -184,7 +183,7 @@ def _by_axes(
     axes = start_point(mechanism, begin, held)[0] / mechanism.kinematics.si_factors
     for name, value in given.items():
         axes[mechanism.labels.names.index(name)] = value
-    if all(mechanism.axes[n].kind == "linear" for n in mechanism.chain.display.solved):
+    if mechanism.chain.solves_linear_axes:
         return linear_axes(mechanism, position, mechanism.axis_values(axes))
     named = dict(held) if isinstance(held, Mapping) else {}
     T = frames.transform(None, position)

@@ -128,6 +128,16 @@ def test_a_path_names_the_rows_that_matter() -> None:
     assert 15 not in found
 
 
+def test_a_pole_matters_only_where_a_vector_is_the_target() -> None:
+    """Rotary words run linearly with the block; kinematics that solve rotary axes keep their singular positions."""
+    for name, axes in {"ca_head_kin9": [0, 0, 0, 30, 0], "ac_table_kin58": [0, 0, 0, 0, 40]}.items():
+        found = examine(robot(name), axes).names
+        assert found
+        assert all(one.remark.startswith("only where a vector or an orientation is the target") for one in found)
+    for name, axes in {"scara_kin36": [10, 0, 200, 0], "kr6r900_2": [0, -90, 90, 0, 0, 0]}.items():
+        assert not any(one.remark.startswith("only where") for one in examine(robot(name), axes).names)
+
+
 def test_the_nearest_singularity_is_found_and_says_when_there_is_none() -> None:
     near = nearest_singularity(robot("kr6r900"), [0.0, -90.0, 90.0, 10.0, 5.0, 0.0])
     assert near.found

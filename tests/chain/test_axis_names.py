@@ -21,7 +21,7 @@ from chainbuild.chain.names import (
     renamed,
 )
 from chainbuild.frames import translation
-from chainbuild.tables import POSE_COLUMNS
+from chainbuild.tables import PoseForm
 from chainbuild.tables.axes import RESULT_COLUMNS, VIOLATIONS_COLUMN
 from tests.kit.sample_chains import chain_of
 
@@ -96,7 +96,7 @@ def test_names_that_are_permitted(name: str) -> None:
 
 
 def test_every_column_of_the_tables_is_reserved() -> None:
-    assert {*POSE_COLUMNS, *RESULT_COLUMNS, VIOLATIONS_COLUMN} <= set(RESERVED_COLUMNS)
+    assert {*PoseForm("ypr", "direction").permitted(), *RESULT_COLUMNS, VIOLATIONS_COLUMN} <= set(RESERVED_COLUMNS)
 
 
 def chain(machine: str) -> Chain:

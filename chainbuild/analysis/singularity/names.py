@@ -126,7 +126,7 @@ def _names(robot: Mechanism, axes: Vector, measures: Measures, speed: SpeedRepor
             if len(running) == 1:
                 condition = f"{running[0]} hardly moves the tool"
             sentence = f"{condition}: {lost}; {cost}"
-            yield Singularity("other", "", measures.smallest, running, condition, sentence)
+            yield Singularity("other", "", measures.smallest, running, condition, sentence, words.rtcp_remark(robot))
         return
     for rank, factor in enumerate(near):
         if rank and factor.value > _SECOND:
@@ -138,6 +138,6 @@ def _named(robot: Mechanism, axes: Vector, factor: Factor, lost: str, cost: str)
     condition, names = words.condition(robot, axes, factor)
     is_arm = robot.chain.kinematic.endswith(" NR")
     alias = _ALIASES.get(factor.kind, "") if is_arm and robot.chain.singularity_watch is not None else ""
-    remark = words.elbow_remark(robot, axes, factor) if factor.kind == "elbow" else ""
+    remark = words.elbow_remark(robot, axes, factor) if factor.kind == "elbow" else words.rtcp_remark(robot)
     value = 0.0 if math.isclose(factor.value, 0.0, abs_tol=1e-15) else factor.value
     return Singularity(factor.kind, alias, value, names, condition, f"{condition}: {lost}; {cost}", remark)

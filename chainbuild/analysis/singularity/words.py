@@ -127,6 +127,16 @@ def _fastest(measures: Measures) -> list[int]:
     return [int(n) for n in np.flatnonzero(sizes > _RUNS * sizes.max())]
 
 
+def rtcp_remark(robot: Mechanism) -> str:
+    """Return when a singular position matters on a kinematic that is programmed by its rotary axes, else nothing."""
+    if not robot.chain.solves_linear_axes:
+        return ""
+    return (
+        "only where a vector or an orientation is the target: with the rotary axes programmed the linear ones alone are"
+        " solved for, and no position is singular"
+    )
+
+
 def elbow_remark(robot: Mechanism, axes: Vector, factor: Factor) -> str:
     """Return where the manual's "A3 = 0" is not the stretched arm, else an empty string."""
     kinematic, elbow = robot.chain.kinematic, robot.chain.joints[factor.joints[1]].name
