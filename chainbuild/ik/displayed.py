@@ -75,6 +75,10 @@ def from_display_batch(
     """Return axis values for many displayed poses; see `Robot.from_display_batch`."""
     asked = _Asked.of(mechanism, shown)
     given = [np.atleast_1d(asked.column(name)) for name in asked.shown]
+    counts = {len(values) for values in given} - {1}
+    if len(counts) > 1 or any(values.ndim > 1 for values in given):
+        listed = ", ".join(str(values.shape) for values in given)
+        raise ChainbuildError(f"the columns have the lengths {listed}", parameter="shown", permitted="one length, or 1")
     columns = dict(zip(asked.shown, np.broadcast_arrays(*given), strict=True))
     display, count = mechanism.chain.display, len(next(iter(columns.values())))
     if asked.orientation.source == "shown" and mechanism.chain.solves_linear_axes:

@@ -30,6 +30,8 @@ def display_of(params: Params, axes: Sequence[Axis], angle_mode: str, choose: Ch
     """
     data = params.data
     rtcp = data.orientation == "rtcp"
+    if data.number == 207 and choose["kin207_programmed_point"] == "slid_xyz":
+        return replace(by_rotary_axes(axes), solved=(0, 1))  # the point is on the plane z = HD11 whatever Z is
     if not data.display:
         return by_rotary_axes(axes) if rtcp else by_angles(angle_mode)
     display = _from_table(data.display, axes, rtcp)
