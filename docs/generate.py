@@ -13,12 +13,17 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import chainbuild
-from chainbuild.convention import conventions
+from chainbuild.convention import Choices, conventions
 from chainbuild.findings import finding_kinds
+from chainbuild.formats.twincat.recipes.recipe import Params
+from chainbuild.formats.twincat.types.displays import display_of
 from chainbuild.ik.plan import plan_of
 
 ROOT = Path(__file__).parent.parent
-PAGES = ("README.md", *(f"docs/{name}.md" for name in ("branches", "conventions", "kinematics", "findings", "robx")))
+PAGES = (
+    "README.md",
+    *(f"docs/{name}.md" for name in ("branches", "conventions", "kinematics", "findings", "robx", "tables")),
+)
 _BLOCK = re.compile(r"(<!-- table: (?P<name>[\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -51,6 +56,29 @@ def types() -> str:
         orientation = "as listed" if entry.orientation == "listed" else entry.orientation
         rows.append((number, title, entry.family, axes, orientation, entry.manual))
     return table(("KIN_TYP", "title", "family", "axes in channel order", "orientation", "source"), rows)
+
+
+def displays() -> str:
+    """Return what each KIN_TYP displays beside the position, types with the same in one row."""
+    groups: dict[tuple[str, str, str], list[int]] = {}
+    for number, entry in chainbuild.catalogue().items():
+        if entry.listed:
+            continue
+        params = Params(entry.data)
+        display = display_of(params, params.axes, "ypr", Choices())
+        names = [axis.name for axis in params.axes]
+        by_axes = display.kind == "axes" and not display.columns
+        columns = [names[n] for n in display.axes] if by_axes else list(display.columns)
+        shown = ", ".join(f"`{column}`" for column in columns) or "nothing"
+        if by_axes and all(params.axes[n].kind == "linear" for n in display.solved):
+            shown = "its rotary axes by name" if columns else shown
+            solved = "the linear axes alone, exactly"
+        else:
+            solved = ", ".join(names[n] for n in display.solved) or "all axes"
+        shown += ", without y" if display.plane_xz else ""
+        groups.setdefault((shown, solved, "the side of the start" if display.keeps_side else ""), []).append(number)
+    rows = [(", ".join(map(str, numbers)), *words) for words, numbers in groups.items()]
+    return table(("KIN_TYP", "beside x_mm, y_mm, z_mm", "`ik` solves for", "keeps"), rows)
 
 
 def type_parameters() -> str:
@@ -126,6 +154,7 @@ def robx_methods() -> str:
 TABLES: dict[str, Callable[[], str]] = {
     "machines": machines,
     "types": types,
+    "displays": displays,
     "type-parameters": type_parameters,
     "conventions": convention_table,
     "findings": findings,

@@ -84,7 +84,7 @@ def _print(machine: Machine, chain: Chain | None, options: MachineOptions, defau
     out.print(f"{machine.path}: {machine.dialect}", soft_wrap=True)
     out.print(kinematics_table(machine.kinematics()))
     if chain:
-        out.print(f"Chosen: {chain.kinematic}; pose angles A, B, C: {_angle_meaning(chain)}")
+        out.print(f"Chosen: {chain.kinematic}; {_pose_meaning(chain)}")
         if chain.vectors:
             out.print(f"Vectors (#ORI MODE): {_vector_meaning(chain, chain.vectors)}")
         out.print()
@@ -102,10 +102,19 @@ def _print(machine: Machine, chain: Chain | None, options: MachineOptions, defau
         print_findings(findings)
 
 
-def _angle_meaning(chain: Chain) -> str:
+def _pose_meaning(chain: Chain) -> str:
+    """Return what the controller shows and takes as a pose."""
+    from chainbuild.chain.display import POSITION_COLUMNS
     from chainbuild.frames import ANGLE_MODES
 
-    return f"{chain.angle_mode}, R = {ANGLE_MODES[chain.angle_mode].meaning}"
+    display = chain.display
+    columns = f"poses: {', '.join((*POSITION_COLUMNS, *chain.display_columns))}"
+    if display.rtcp:
+        linear = ", the linear axes are solved for" if chain.solves_linear_axes else ""
+        return f"{columns} (RTCP{linear})"
+    if display.kind != "angles":
+        return columns
+    return f"{columns}; {chain.angle_mode}, R = {ANGLE_MODES[chain.angle_mode].meaning}"
 
 
 def _vector_meaning(chain: Chain, how: VectorProgramming) -> str:
@@ -122,6 +131,8 @@ def _vector_meaning(chain: Chain, how: VectorProgramming) -> str:
 
 
 def _data(machine: Machine, chain: Chain | None, options: MachineOptions) -> dict[str, Any]:
+    from chainbuild.chain.display import POSITION_COLUMNS
+
     return {
         "file": str(machine.path),
         "name": machine.name,
@@ -130,6 +141,7 @@ def _data(machine: Machine, chain: Chain | None, options: MachineOptions) -> dic
         "kinematics": [_with_line(entry) for entry in machine.kinematics()],
         "kinematic": chain.kinematic if chain else None,
         "angle_mode": chain.angle_mode if chain else None,
+        "pose_columns": [*POSITION_COLUMNS, *chain.display_columns] if chain else [],
         "vectors": asdict(chain.vectors) if chain and chain.vectors else None,
         "axes": [_axis_data(machine, chain, n) for n in range(len(chain.axes))] if chain else [],
         "parameters": [_with_line(row) for row in _parameters(machine, options)],
