@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from chainbuild.chain.assemble import Element, assemble
 from chainbuild.chain.axismap import AxisMap
+from chainbuild.chain.display import POSE_ANGLES, Display
 from chainbuild.chain.elements import Axis, Chain, Task
 
 
@@ -21,8 +22,9 @@ def chain_from(
     kinematic: str = "test",
     angle_mode: str = "orirpy",
     task: Task = "auto",
+    display: Display = POSE_ANGLES,
 ) -> Chain:
     """Return the chain of two branches; names and angle mode where they matter."""
     body = assemble(axes, tool, workpiece, axis_map)
     parts = (body.links, body.joints, body.frames, tuple(axes), body.axis_map)
-    return Chain(name, title, dialect, kinematic, *parts, angle_mode, task=task)
+    return Chain(name, title, dialect, kinematic, *parts, angle_mode, task=task, display=display)

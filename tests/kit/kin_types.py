@@ -15,6 +15,7 @@ from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.hdtable import HdRow, TypeData
 from chainbuild.formats.twincat.recipes.recipe import Params
 from chainbuild.formats.twincat.types.catalogue import catalogue
+from chainbuild.formats.twincat.types.displays import display_of
 from chainbuild.robot import Robot
 from tests.kit.chains import chain_from
 
@@ -87,7 +88,7 @@ def build(
     chain = chain_from(
         recipe.axes or params.axes, recipe.tool, recipe.workpiece, recipe.axis_map,
         name=f"kin{kin}", title=kind.title, dialect="TwinCAT CNC", kinematic=f"KIN_TYP {kin}", angle_mode="ypr",
-        task=recipe.task,
+        task=recipe.task, display=display_of(params, recipe.axes or params.axes, "ypr", choose),
     )  # fmt: skip
     return Built(Robot(chain), choose, collector)
 
