@@ -10,7 +10,7 @@ from typing import Final, Literal
 
 from chainbuild.shown import fields_shown
 
-DisplayKind = Literal["axes", "angles", "direction", "plane", "vector", "position"]
+DisplayKind = Literal["axes", "angles", "direction", "pitch", "plane", "vector", "position"]
 
 POSITION_COLUMNS: Final = ("x_mm", "y_mm", "z_mm")
 ANGLE_COLUMNS: Final = ("a_deg", "b_deg", "c_deg")
@@ -23,8 +23,9 @@ class Display:
 
     Attributes:
         kind: "axes": values of some of the axes themselves; "angles": pose angles of `Chain.angle_mode`, of which those
-            without a column follow; "direction": two angles of the tool vector; "plane": the angle of the tool in the
-            XY plane; "vector": the tool vector; "position": nothing.
+            without a column follow; "direction": two angles of the tool vector; "pitch": B and C of
+            Rz(a)·Ry(B)·Rz(C - a), where a is the turn of the arm's plane; "plane": the tool's angle in the XY plane;
+            "vector": the tool vector; "position": nothing.
         columns: Column names in the order in which they are written; empty for axes shown by their own names.
         axes: Kind "axes": index of the axis of each column.
         solved: Indices of the axes that are found where the columns are given; the others are given. Empty: all.

@@ -21,7 +21,7 @@ from chainbuild.chain.names import axis_index
 from chainbuild.chain.vectors import rotation_from_vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.every import ik_all
-from chainbuild.ik.policies.four_axis import PoseAngles, with_reachable_orientation
+from chainbuild.ik.policies.four_axis import PitchAndTurn, PoseAngles, with_reachable_orientation
 from chainbuild.ik.request import Held, IkRequest, start_point
 from chainbuild.ik.result import IkResult
 from chainbuild.ik.rtcp import linear_axes, linear_axes_batch
@@ -155,7 +155,7 @@ def solve_displayed(
     if display.kind == "axes":
         given = {mechanism.axes[n].name: value for n, value in zip(display.axes, shown, strict=True)}
         return _by_axes(mechanism, np.asarray(position), given, start, held, solver)
-    if display.kind == "angles":
+    if display.kind in {"angles", "pitch"}:
         return _by_angles(mechanism, position, shown, start, held, solver)
     if display.kind == "position":
         return _on_side(as_task(mechanism, "position"), frames.transform(None, position), start, held, solver)
@@ -212,7 +212,10 @@ def _by_angles(
     def whole(asked: IkRequest) -> IkResult:
         return solve(mechanism, asked.target, asked.start, asked.held, solver)
 
-    found = with_reachable_orientation(request, PoseAngles(chain.angle_mode, wanted), whole)
+    angles = PoseAngles(chain.angle_mode, wanted)
+    found = with_reachable_orientation(
+        request, PitchAndTurn(mechanism, *shown) if chain.display.kind == "pitch" else angles, whole
+    )
     return solve(mechanism, T, start, held, solver) if found is None else found[1]
 
 

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from chainbuild.chain.elements import Chain
 from chainbuild.files import write_text
 from chainbuild.frames import ANGLE_MODES
 from chainbuild.inspect.panel import panel_html
 from chainbuild.inspect.scene import Scene
 from chainbuild.inspect.sweep import FRAMES_PER_SECOND, AxisSweep, axis_sweep
+from chainbuild.kinematics.displayed import arm_normal
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -95,14 +95,15 @@ def _pose(robot: Mechanism, scene: Scene) -> dict[str, Any]:
     return {
         **{name: {"path": path.split("/"), "T": T.ravel().tolist()} for name, (path, T) in places.items()},
         "factors": ANGLE_MODES[chain.angle_mode].factors,
-        "display": _display(chain),
+        "display": _display(robot),
         "absoluteC": None if total is None else {"coefficients": total.coefficients, "offset": total.offset},
     }
 
 
-def _display(chain: Chain) -> dict[str, Any]:
+def _display(robot: Mechanism) -> dict[str, Any]:
     """Return what is displayed beside the position, as the page computes it."""
-    display = chain.display
+    chain = robot.chain
+    display, still = chain.display, np.zeros(len(chain.axes))
     return {
         "kind": display.kind,
         "axes": display.axes,
@@ -111,6 +112,10 @@ def _display(chain: Chain) -> dict[str, Any]:
         "along": chain.tool_column if display.kind == "vector" else "xyz".index(display.along),
         "tool": chain.tool_column,
         "zero": display.zero_deg,
+        # The normals of an arm's plane with the first axis at 0 and 90 degrees: between them it turns evenly.
+        "normals": [arm_normal(robot, still + at * np.eye(len(still))[0]).tolist() for at in (0.0, 90.0)]
+        if display.kind == "pitch"
+        else [],
     }
 
 

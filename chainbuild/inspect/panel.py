@@ -68,6 +68,8 @@ def _displayed_meaning(chain: Chain) -> str:
     if display.kind == "direction":
         turns = "·".join(f"R({letter})" for letter in display.letters)
         return f"Angles of the controller: tool vector = {turns}·e_{display.along}"
+    if display.kind == "pitch":
+        return "Angles of the controller: R = Rz(a)·Ry(B)·Rz(C - a), a being the turn of the arm"
     if display.kind == "plane":
         return "As the controller displays it: the tool tip and the tool's angle in the XY plane."
     return "As the controller displays it: the tool tip" + (" and the tool vector." if display.columns else ".")

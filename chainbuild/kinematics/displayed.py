@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.display import ANGLE_COLUMNS, POSITION_COLUMNS, Display
+from chainbuild.chain.poses import link_placements
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.units import deg_from_rad, mm_from_m
 
@@ -64,6 +65,8 @@ def orientation_shown(
         return two_angles(display, tool, before)
     if display.kind == "plane":
         return (plane_angle(display, rotation),)
+    if display.kind == "pitch":
+        return pitch_and_turn(mechanism, values, rotation)
     return tuple(tool.tolist()) if display.kind == "vector" else ()
 
 
@@ -71,6 +74,22 @@ def plane_angle(display: Display, rotation: Matrix) -> float:
     """Return the angle in the XY plane [deg], in (-180, 180], of a display of kind "plane"."""
     column = rotation[:, "xyz".index(display.along)]
     return wrapped(deg_from_rad(math.atan2(column[1], column[0])) - display.zero_deg)
+
+
+def pitch_and_turn(mechanism: Mechanism, values: Vector, rotation: Matrix) -> tuple[float, float]:
+    """Return B and C [deg] of R = Rz(a)·Ry(B)·Rz(C - a), a being the turn of the first joint, which bears the arm."""
+    across = arm_normal(mechanism, values)
+    ahead = np.array([across[1], -across[0], 0.0])
+    pitch = math.atan2(float(ahead @ rotation[:, 2]), float(rotation[2, 2]))
+    turn = math.atan2(rotation[1, 0] - rotation[0, 1], rotation[0, 0] + rotation[1, 1])
+    return wrapped(deg_from_rad(pitch)), wrapped(deg_from_rad(turn))
+
+
+def arm_normal(mechanism: Mechanism, values: Vector) -> Vector:
+    """Return the normal (3,) of the arm's plane at axis values: the y axis that the first joint turns about z."""
+    links = link_placements(mechanism.chain, mechanism.q(values))
+    normal: Vector = links[mechanism.chain.joints[0].child][:3, 1]
+    return normal
 
 
 def wrapped(angle_deg: float) -> float:

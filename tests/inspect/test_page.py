@@ -72,14 +72,29 @@ def test_the_sweep_moves_the_robot_and_names_the_axis(tmp_path: Path) -> None:
     assert re.search(r'<tr class="moving"><td>A2</td>', text)
 
 
-MACHINES = ("kr6r900", "scara_cc", "tx2_60", "irb2600_table", "ac_table_kin58", "palletiser_kin96", "cyl_2rot_kin202")
+MACHINES = (
+    "kr6r900",
+    "scara_cc",
+    "tx2_60",
+    "irb2600_table",
+    "ac_table_kin58",
+    "palletiser_kin96",
+    "cyl_2rot_kin202",
+    "pitch",
+)
 TWO_ANGLES = Display("direction", ("c_deg", "a_deg"), letters="CA", along="z")
 
 
 @pytest.mark.parametrize("name", [*ROBOTS, *MACHINES, "two angles"])
 def test_the_panel_tells_the_pose_of_the_tool(name: str, tmp_path: Path) -> None:
     """Between two keyframes, too: the pose is read from the scene, not from keyframes far apart."""
-    robot = ROBOTS[name]() if name in ROBOTS else chainbuild.Robot.load("tx2_60" if name == "two angles" else name)
+    robot = (
+        ROBOTS[name]()
+        if name in ROBOTS
+        else chainbuild.Robot.load("tx2_60" if name in ("two angles", "pitch") else name)
+    )
+    if name == "pitch":
+        robot = chainbuild.Robot.load("palletiser_kin213", conventions={"kin213_angles": "pitch_and_turn"})
     if name == "two angles":
         robot = chainbuild.Robot(replace(robot.chain, display=TWO_ANGLES))
     motion = axis_sweep(robot)

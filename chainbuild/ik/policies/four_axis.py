@@ -27,6 +27,7 @@ from chainbuild.ik.branches.core.axis_values import turned_axes
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
+from chainbuild.kinematics.displayed import arm_normal, pitch_and_turn
 from chainbuild.kinematics.inputs import Pose
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.newton import below, newton, shrinking
@@ -69,6 +70,27 @@ class PoseAngles:
         rates = _angle_rates(self.angle_mode, angles, tuple(self.wanted))
         missing = [math.remainder(rad_from_deg(self.wanted[n] - angles[n]), math.tau) for n in self.wanted]
         return np.array(missing), rates @ J[3:]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PitchAndTurn:
+    """Tilt of the tool in the plane of an arm, and its turn about Z: B and C of Rz(a)·Ry(B)·Rz(C - a) (KIN_TYP 213)."""
+
+    mechanism: Mechanism
+    b_deg: float
+    c_deg: float
+
+    def rows(self, x: Vector, T: Pose, J: Matrix) -> tuple[Vector, Matrix]:
+        """See `Angles`."""
+        values, R = x / self.mechanism.kinematics.si_factors, T.rotation
+        b, c = pitch_and_turn(self.mechanism, values, R)
+        missing = [
+            math.remainder(rad_from_deg(wanted - a), math.tau) for wanted, a in ((self.b_deg, b), (self.c_deg, c))
+        ]
+        # The angular velocity is a'·z + B'·normal + (C' - a')·tool: normal and both others are at right angles.
+        turning, level = R @ J[3:], 1.0 + float(R[2, 2])
+        sum_of_turns = (np.array([0.0, 0.0, 1.0]) + R[:, 2]) @ turning / max(level, tolerances.GIMBAL_LOCK)
+        return np.array(missing), np.vstack((arm_normal(self.mechanism, values) @ turning, sum_of_turns))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -107,6 +107,13 @@
     }
     if (kind === "direction") return twoAngles(column(page.pose.display.tool)).map(degrees);
     if (kind === "position") return [];
+    if (kind === "pitch") {
+      const turn = (axes[0] * Math.PI) / 180;
+      const [start, quarter] = page.pose.display.normals;
+      const [x, y] = [0, 1].map((n) => Math.cos(turn) * start[n] + Math.sin(turn) * quarter[n]);
+      const pitch = Math.atan2(y * R(0, 2) - x * R(1, 2), R(2, 2));
+      return [pitch, Math.atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1))].map(degrees);
+    }
     const angles = poseAngles(R);
     const sum = page.pose.absoluteC;
     if (sum) angles[2] = axes.reduce((total, v, n) => total + sum.coefficients[n] * v, sum.offset);

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import chainbuild
+from chainbuild.frames import rot_y, rot_z
 from tests.hand.displayed import displayed, rotation_of_angles
 from tests.kit.random_types import channel_list, random_axes, random_machine
 
@@ -75,6 +76,27 @@ def test_every_choice(kin: int, name: str, choice: str, params: dict[str, object
     rng = np.random.default_rng(kin)
     for robot, param in machines(kin, tmp_path, **{name: choice}):
         compare(robot, kin, 100, rng, params={"hd10": param.get(9, 0), **params})
+
+
+def test_pitch_and_turn_of_the_palletiser(tmp_path: Path) -> None:
+    """B is the tilt in the plane of the arm; C does not depend on the plane: so has it the formula, too."""
+    rng, checked = np.random.default_rng(213), 0
+    for robot, param in machines(213, tmp_path, kin213_angles="pitch_and_turn"):
+        sign = -1.0 if param[20] else 1.0
+        for _ in range(50):
+            axes = random_axes(213, rng)
+            shown, R = robot.display(axes), robot.fk(axes).rotation
+            a1 = sign * axes[0] - param[35] * 1e-4
+            turns = rot_z(a1) @ rot_y(shown["b_deg"]) @ rot_z(shown["c_deg"] - a1)
+            np.testing.assert_allclose(turns, R, atol=1e-9)
+            names = dict(zip((axis.name for axis in robot.axes), axes, strict=True))
+            wanted = displayed(213, names, R, robot.fk(axes).translation, params={"kin213_bc": "pitch_and_sum"})
+            assert abs((shown["c_deg"] - wanted["c_deg"] + 180.0) % 360.0 - 180.0) < 1e-9
+            back = robot.from_display(shown, start=axes)
+            if back.success:
+                checked += 1
+                assert np.abs(back.axes - axes).max() < 1e-4
+    assert checked > 100
 
 
 @pytest.mark.parametrize("mode", [14, 15])

@@ -34,14 +34,21 @@ def display_of(params: Params, axes: Sequence[Axis], angle_mode: str, choose: Ch
         return replace(by_rotary_axes(axes), solved=(0, 1))  # the point is on the plane z = HD11 whatever Z is
     if not data.display:
         return by_rotary_axes(axes) if rtcp else by_angles(angle_mode)
-    display = _from_table(data.display, axes, rtcp)
-    if data.number == 36 and choose["kin36_c"] == "absolute":
+    return _chosen(_from_table(data.display, axes, rtcp), params, choose)
+
+
+def _chosen(display: Display, params: Params, choose: Choices) -> Display:
+    """Return the display of a type by the conventions on it."""
+    number = params.data.number
+    if number == 36 and choose["kin36_c"] == "absolute":
         return replace(display, kind="plane", columns=("c_deg",), axes=(), solved=(), along="x")
-    if data.number == 202 and params.flag("right_variant"):
+    if number == 202 and params.flag("right_variant"):
         turned = choose["kin202_right_frame"] == "turned_180"
         aside = not turned and choose["kin202_c"] == "from_zero"
         return replace(display, zero_deg=180.0 if aside else 0.0)
-    if data.number == 208 and choose["kin208_angles"] == "pose_angles":
+    if number == 213 and choose["kin213_angles"] == "pitch_and_turn":
+        return replace(display, kind="pitch")
+    if number == 208 and choose["kin208_angles"] == "pose_angles":
         return Display("angles", tuple(sorted(display.columns)), follows=True)
     return display
 
