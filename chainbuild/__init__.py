@@ -42,6 +42,9 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.chain.compose import follow as follow
     from chainbuild.chain.compose import stack as stack
     from chainbuild.chain.display import Display as Display
+    from chainbuild.chain.drives import AffineDrives as AffineDrives
+    from chainbuild.chain.drives import DriveLimit as DriveLimit
+    from chainbuild.chain.drives import DriveMap as DriveMap
     from chainbuild.chain.display import DisplayKind as DisplayKind
     from chainbuild.chain.elements import Axis as Axis
     from chainbuild.chain.elements import Chain as Chain
@@ -145,6 +148,7 @@ _HOMES = {
         "Axis Chain ControllerSolver Frame Joint JointKind Link Loop Partial SingularityWatch Task"
     ),
     "chainbuild.chain.bodies.geometry": "Geometry RodData Shape",
+    "chainbuild.chain.drives": "AffineDrives DriveLimit DriveMap",
     "chainbuild.chain.sums": "AxisConstraint AxisSum",
     "chainbuild.collision.model": "CollisionModel Distance",
     "chainbuild.comparison.comparison": "Forward Inverse",

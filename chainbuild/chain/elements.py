@@ -9,6 +9,7 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.bodies.geometry import NO_GEOMETRY, Geometry
 from chainbuild.chain.display import POSE_ANGLES, Display
+from chainbuild.chain.drives import DriveLimit, DriveMap
 from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.convention import UsedConvention
 from chainbuild.findings import NO_FINDINGS, Findings
@@ -105,13 +106,15 @@ class Axis:
         name: The controller's name.
         kind: "linear" or "rotary".
         unit: "mm" or "deg", also of the limits.
-        lower: Lower software limit.
-        upper: Upper software limit.
+        lower: Lower software limit; where the drive has limits of its own, what both leave.
+        upper: Upper software limit, likewise.
         assumed: True where neither machine data nor overlay give limits.
         endless: True for an axis that may turn without end.
         carries: What it moves: the tool or the workpiece.
         held: True for an input axis that inverse kinematics leaves where it is programmed.
         max_speed: mm/s or deg/s, where known.
+        widest: Where limits of drives make the range depend on the other axes: the range in their most favourable
+            position; `lower` and `upper` are then the range in the middle of the others. None: it does not depend.
     """
 
     name: str
@@ -124,11 +127,18 @@ class Axis:
     carries: Literal["tool", "workpiece"] = "tool"
     held: bool = False
     max_speed: float | None = None
+    widest: tuple[float, float] | None = None
 
     def __repr__(self) -> str:
-        said = {"assumed": self.assumed, "endless": self.endless, "held": self.held}
+        depends = self.widest is not None
+        said = {"assumed": self.assumed, "endless": self.endless, "held": self.held, "depends on others": depends}
         more = "".join(f", {word}" for word, holds in said.items() if holds)
         return two_lines(f"<Axis {self.name}: {self.kind}, {self.lower:.6g} … {self.upper:.6g} {self.unit}{more}>")
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Lower and upper end of what limits ever leave, whatever the other axes."""
+        return self.widest or (self.lower, self.upper)
 
     @classmethod
     def unlimited(cls, name: str, kind: AxisKind, carries: Literal["tool", "workpiece"] = "tool") -> Axis:
@@ -231,6 +241,8 @@ class Chain:
         singularity_watch: How the control monitors singularities, where that is known.
         geometry: What the overlay says about its bodies.
         display: What the controller shows and takes as a pose beside the position.
+        drives: What the drives stand at, by the axis values; None: at the axis values.
+        drive_limits: Limits and speeds of drives that do not stand at their axis values.
     """
 
     name: str
@@ -256,6 +268,8 @@ class Chain:
     singularity_watch: SingularityWatch | None = None
     geometry: Geometry = NO_GEOMETRY
     display: Display = POSE_ANGLES
+    drives: DriveMap | None = None
+    drive_limits: tuple[DriveLimit, ...] = ()
 
     def __repr__(self) -> str:
         names = [axis.name for axis in self.axes]
@@ -275,6 +289,11 @@ class Chain:
         """Return the chain with other axis limits, in its partials, too."""
         return replace(self, axes=axes, partials=tuple(_with_limits(partial, axes) for partial in self.partials))
 
+    def with_drive_limits(self, limits: tuple[DriveLimit, ...]) -> Chain:
+        """Return the chain with other limits of its drives, in its partials, too."""
+        partials = tuple(_with_drive_limits(partial, limits) for partial in self.partials)
+        return replace(self, drive_limits=limits, partials=partials)
+
 
 def _with_limits(partial: Partial, axes: tuple[Axis, ...]) -> Partial:
     """Return a partial with the limits that its axes have in the composed chain; its own names stay."""
@@ -282,3 +301,9 @@ def _with_limits(partial: Partial, axes: tuple[Axis, ...]) -> Partial:
     given = axes[partial.first_axis : partial.first_axis + len(own)]
     limited = tuple(replace(new, name=old.name, carries=old.carries) for new, old in zip(given, own, strict=True))
     return replace(partial, chain=partial.chain.with_axes(limited))
+
+
+def _with_drive_limits(partial: Partial, limits: tuple[DriveLimit, ...]) -> Partial:
+    first, count = partial.first_axis, len(partial.chain.axes)
+    own = tuple(replace(one, axis=one.axis - first) for one in limits if 0 <= one.axis - first < count)
+    return replace(partial, chain=partial.chain.with_drive_limits(own))

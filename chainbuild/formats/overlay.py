@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from chainbuild import tolerances
 from chainbuild.chain.bodies.geometry import NO_GEOMETRY, Geometry
 from chainbuild.chain.bodies.geometry_table import geometry_from_table
 from chainbuild.chain.bodies.rods import with_rods
+from chainbuild.chain.drives import DriveLimit
 from chainbuild.chain.elements import Axis, Chain, Link
 from chainbuild.convention import check_choice
 from chainbuild.errors import ChainError, FileAccessError, MachineDataError, OverlayError, Span
 from chainbuild.formats.text import read_source, toml_line
 
 SUFFIX = ".chainbuild.toml"
+_DRIVES: Final = "drives"  # the table within [limits] and [speeds]
 _DEEP_KEY = re.compile(r"""(?:\.[ \t]*["']?[\w-]+["']?[ \t]*){50}""")
 
 
@@ -31,7 +33,9 @@ class Overlay:
         name: Display name of the machine.
         source: Where its numbers come from.
         limits: Axis name → (lower, upper) in mm or degrees.
+        drive_limits: The same of drives (`[limits.drives]`), by the names of their axes.
         speeds: Axis name → mm/s or deg/s.
+        drive_speeds: The same of drives (`[speeds.drives]`).
         endless: Names of axes that turn without end.
         conventions: Convention name → choice.
         tool_length_mm: Length of the tool in the spindle, added to `tool_length_mm` of `Machine.chain`.
@@ -45,7 +49,9 @@ class Overlay:
     name: str | None = None
     source: str | None = None
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    drive_limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     speeds: Mapping[str, float] = field(default_factory=dict)
+    drive_speeds: Mapping[str, float] = field(default_factory=dict)
     endless: tuple[str, ...] = ()
     conventions: Mapping[str, str] = field(default_factory=dict)
     tool_length_mm: float = 0.0
@@ -54,21 +60,35 @@ class Overlay:
     kinematic: int | str | None = None
     geometry: Geometry = NO_GEOMETRY
 
-    def apply_limits(self, axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
+    def apply_limits(self, axes: tuple[Axis, ...], behind: Collection[str] = ()) -> tuple[Axis, ...]:
         """Return the axes with the overlay's limits, speeds and endless axes.
 
+        Args:
+            axes: The axes.
+            behind: Names of axes whose drives do not stand at their values; what is said of these drives is left out.
+
         Raises:
-            OverlayError: the overlay names an axis that the kinematic does not have, or an endless one that is linear.
+            OverlayError: the overlay names an axis that the kinematic does not have, an endless one that is linear, or
+                limits of an axis and its drive that leave nothing.
         """
         kinds = {axis.name: axis.kind for axis in axes}
-        named = [(key, name) for key in ("limits", "speeds") for name in getattr(self, key)]
-        for key, name in (*named, *(("endless", name) for name in self.endless)):
+        named: list[tuple[tuple[str, ...], str]] = [(("limits", name), name) for name in self.limits]
+        named += [(("speeds", name), name) for name in self.speeds]
+        named += [(("limits", _DRIVES, name), name) for name in self.drive_limits]
+        named += [(("speeds", _DRIVES, name), name) for name in self.drive_speeds]
+        for keys, name in (*named, *((("endless", name), name) for name in self.endless)):
             if name not in kinds:
-                raise self.error(f"the kinematic has no axis '{name}'", (key, name), ", ".join(kinds))
-            if key == "endless" and kinds[name] == "linear":
+                raise self.error(f"the kinematic has no axis '{name}'", keys, ", ".join(kinds))
+            if keys[0] == "endless" and kinds[name] == "linear":
                 rotary = ", ".join(axis for axis, kind in kinds.items() if kind == "rotary") or "none"
-                raise self.error(f"axis '{name}' is linear and cannot turn without end", (key, name), rotary)
-        return tuple(self._limited(axis) for axis in axes)
+                raise self.error(f"axis '{name}' is linear and cannot turn without end", keys, rotary)
+        limited = (self._limited(axis) for axis in axes)
+        return tuple(axis if axis.name in behind else self._by_drive(axis) for axis in limited)
+
+    def drive_limit(self, axis: Axis, known: DriveLimit) -> DriveLimit:
+        """Return the limits and speed of an axis' drive, those of the overlay where it gives them."""
+        lower, upper = self.drive_limits.get(axis.name, (known.lower, known.upper))
+        return DriveLimit(known.axis, lower, upper, self.drive_speeds.get(axis.name, known.max_speed))
 
     def apply_geometry(self, chain: Chain) -> Chain:
         """Return the chain with the overlay's radii, bodies and rods.
@@ -99,6 +119,18 @@ class Overlay:
         if axis.name in self.speeds:
             axis = replace(axis, max_speed=self.speeds[axis.name])
         return replace(axis, endless=axis.endless or axis.name in self.endless)
+
+    def _by_drive(self, axis: Axis) -> Axis:
+        """Return an axis with the limits of a drive that stands at its value."""
+        lower, upper = self.drive_limits.get(axis.name, (axis.lower, axis.upper))
+        if axis.name in self.limits:
+            lower, upper = max(lower, axis.lower), min(upper, axis.upper)
+        if not lower < upper:
+            text = f"the limits of axis '{axis.name}' and those of its drive have no value in common"
+            raise self.error(text, ("limits", _DRIVES, axis.name), "ranges that overlap")
+        speeds = [one for one in (axis.max_speed, self.drive_speeds.get(axis.name)) if one is not None]
+        assumed = axis.assumed and axis.name not in self.drive_limits
+        return replace(axis, lower=lower, upper=upper, assumed=assumed, max_speed=min(speeds, default=None))
 
     def span(self, *keys: str) -> Span | None:
         """Return the place of a key in the file, such as ("limits", "A1"); None where there is no file."""
@@ -145,6 +177,9 @@ def read_overlay(path: Path) -> Overlay:
             raise OverlayError(
                 f"unknown key '{key}'", span=_span(path, key), parameter=key, permitted=", ".join(_READERS)
             )
+        if key in ("limits", "speeds") and isinstance(value, dict) and isinstance(value.get(_DRIVES), dict):
+            values[f"drive_{key}"] = reader(path, f"{key}.{_DRIVES}", value[_DRIVES])
+            value = {name: one for name, one in value.items() if name != _DRIVES}  # noqa: PLW2901
         values[key] = reader(path, key, value)
     return Overlay(path=path, **values)
 
@@ -181,7 +216,9 @@ def _refuse(path: Path, key: str, permitted: str, text: str = "") -> OverlayErro
     """Return the error of a value; `key` has its table before a dot."""
     text = text or f"the value of '{key}' has the wrong type"
     table, _, name = key.partition(".")
-    return OverlayError(text, span=_span(path, table, *([name] if name else [])), parameter=key, permitted=permitted)
+    inner, _, of_drive = name.partition(".")
+    keys = (inner, of_drive) if inner == _DRIVES and of_drive else (name,) if name else ()
+    return OverlayError(text, span=_span(path, table, *keys), parameter=key, permitted=permitted)
 
 
 def _number(path: Path, key: str, value: object) -> float:

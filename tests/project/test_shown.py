@@ -82,6 +82,7 @@ LONG = "a text that goes on and on, " * 30
 FINDING = Finding("CB501", "warning", LONG, Span("robot.lis", 12, 1, LONG), "do something about it")
 
 OBJECTS: dict[str, Callable[[], Any]] = {
+    "AffineDrives": lambda: robot("geared_head_kin28").chain.drives,
     "AffineMap": lambda: robot().chain.axis_map,
     "Axis": lambda: robot().axes[0],
     "AxisConstraint": lambda: robot("parallelogram_nr").chain.constraints[0],

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from chainbuild.chain.drives import DriveLimit
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.convention import Choices
-from chainbuild.errors import UnsupportedKinematicError
+from chainbuild.errors import MachineDataError, UnsupportedKinematicError
 from chainbuild.findings import Collector
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.twincat.coupling.coupling import coupling_draft
@@ -22,6 +23,7 @@ from chainbuild.formats.twincat.lists.axislist import with_limits
 from chainbuild.formats.twincat.lists.source import Source
 from chainbuild.formats.twincat.types.draft import serial_draft
 from chainbuild.formats.twincat.universal.universal import UNIVERSAL, universal_draft
+from chainbuild.kinematics.ranges import with_ranges, within_reach
 
 
 def translate(source: Source, name: str, title: str, choose: Choices, collector: Collector) -> Chain:
@@ -42,9 +44,7 @@ def translate(source: Source, name: str, title: str, choose: Choices, collector:
     if source.second is not None:
         second = replace(source, trafo=source.second, second=None, tool=None, tool_length_mm=0.0)
         chain = two_steps(chain, source.trafo, draft(second, choose, collector), source.second, collector)
-    ahead = int(coupling_data()["tcp_axes"]) if source.trafo.type == COUPLING else 0
-    axes = _limited(chain.axes, ahead, source, collector)
-    return replace(chain.with_axes(axes), name=name, title=title)
+    return replace(_limited(chain, source, collector), name=name, title=title)
 
 
 def draft(source: Source, choose: Choices, collector: Collector) -> Chain:
@@ -72,18 +72,74 @@ def _is_member(source: Source) -> bool:
     return False
 
 
-def _limited(axes: tuple[Axis, ...], ahead: int, source: Source, collector: Collector) -> tuple[Axis, ...]:
-    """Return the axes with the limits of axis lists and overlay.
+def _limited(chain: Chain, source: Source, collector: Collector) -> Chain:
+    """Return the chain with the limits of axis lists and overlay.
 
-    Args:
-        axes: Axes in channel order.
-        ahead: How many axes of the channel come before them.
-        source: Lists and overlay.
-        collector: Takes findings.
+    Those of a list belong to the drive: where it stands at the axis value, to the axis, too.
     """
+    behind = chain.drives.differing if chain.drives is not None else ()
+    ahead = int(coupling_data()["tcp_axes"]) if source.trafo.type == COUPLING else 0
     simulated = tuple(Axis.unlimited(f"TCP axis {n}", "linear") for n in range(ahead))
-    listed = with_limits((*simulated, *axes), source.channel.axes, source.axis_lists, collector)
-    return _overlay_for(axes, source).apply_limits(listed[ahead:])
+    unknown = tuple(Axis.unlimited(axis.name, axis.kind) if n in behind else axis for n, axis in enumerate(chain.axes))
+    listed = with_limits((*simulated, *unknown), source.channel.axes, source.axis_lists, collector)[ahead:]
+    overlay = _overlay_for(chain.axes, source)
+    axes = tuple(
+        replace(axis, endless=listed[n].endless) if n in behind else listed[n] for n, axis in enumerate(chain.axes)
+    )
+    axes = overlay.apply_limits(axes, [chain.axes[n].name for n in behind])
+    known = {one.axis: one for one in chain.drive_limits}
+    limits = []
+    for n in behind:
+        limit = known.get(n, DriveLimit(n))
+        if (listed[n].lower, listed[n].upper) != (unknown[n].lower, unknown[n].upper) and not listed[n].endless:
+            limit = DriveLimit(n, listed[n].lower, listed[n].upper)
+        limit = overlay.drive_limit(axes[n], limit)
+        if limit.bounded or limit.max_speed is not None:
+            limits.append(limit)
+    return _ranged(chain.with_axes(axes).with_drive_limits(tuple(limits)), source, collector)
+
+
+def _ranged(chain: Chain, source: Source, collector: Collector) -> Chain:
+    """Return the chain with the ranges that its limits leave, with findings where they leave little.
+
+    Raises:
+        MachineDataError: they leave nothing.
+    """
+    reached, narrowed = within_reach(chain)
+    for n in narrowed:
+        axis, (least, most) = chain.axes[n], (reached.axes[n].lower, reached.axes[n].upper)
+        if chain.drives is not None:
+            least, most = chain.drives.reach[n]
+        text = f"the limits of axis {axis.name}, {axis.lower:g} to {axis.upper:g} deg, go beyond what the head reaches"
+        span = source.overlay.span("limits", axis.name) if axis.name in source.overlay.limits else source.trafo.span
+        reach = f"{least:.6g} to {most:.6g} deg"
+        if axis.lower >= most or axis.upper <= least:
+            collector.add(
+                "CB433", f"the limits of axis {axis.name} leave nothing of what the head reaches", span=span,
+                parameter=axis.name, permitted=reach, error=MachineDataError,
+            )  # fmt: skip
+        else:
+            collector.add("CB432", text, span=span, parameter=axis.name, permitted=reach)
+    ranged, lost = with_ranges(reached)
+    for name in lost:
+        axis = next(axis for axis in chain.axes if axis.name == name)
+        span = source.overlay.span("limits", "drives", name) or source.trafo.span
+        if axis.widest is None and _alone(chain, name):
+            text = f"the limits of axis {name} and those of the drives have no value in common"
+            collector.add("CB433", text, span=span, parameter=name, permitted="overlap", error=MachineDataError)
+        else:
+            text = f"with the other axes in the middle the limits of the drives leave nothing of axis {name}"
+            collector.add("CB434", text, span=span, parameter=name)
+    return ranged
+
+
+def _alone(chain: Chain, name: str) -> bool:
+    """Return whether no drive that follows an axis follows another one, too."""
+    if chain.drives is None:
+        return True
+    n = [axis.name for axis in chain.axes].index(name)
+    rows = chain.drives.follows[chain.drives.follows[:, n]]
+    return bool((rows.sum(axis=1) == 1).all())
 
 
 def _overlay_for(axes: tuple[Axis, ...], source: Source) -> Overlay:
@@ -96,6 +152,8 @@ def _overlay_for(axes: tuple[Axis, ...], source: Source) -> Overlay:
     return replace(
         overlay,
         limits={name: limits for name, limits in overlay.limits.items() if name in known},
+        drive_limits={name: limits for name, limits in overlay.drive_limits.items() if name in known},
         speeds={name: speed for name, speed in overlay.speeds.items() if name in known},
+        drive_speeds={name: speed for name, speed in overlay.drive_speeds.items() if name in known},
         endless=tuple(name for name in overlay.endless if name in rotary),
     )

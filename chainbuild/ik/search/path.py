@@ -124,7 +124,8 @@ def _track_rows(problem: Problem, targets: Matrix, last: Vector, columns: Column
     if packed is not None:
         rows = (columns.y[part], columns.counts[part], columns.misses[part])
         done: int = compiled.entries().track_many(*packed.arrays, targets, last, options.accuracy, _MAX_STEP, *rows)
-        return done
+        broken = (n for n in range(done if problem.curved else 0) if not problem.keeps(columns.y[row + n]))
+        return next(broken, done)
     one_descent = replace(options, max_restarts=0)
     for n, target in enumerate(targets):
         guess = last if n < 2 else 2.0 * columns.y[row + n - 1] - columns.y[row + n - 2]

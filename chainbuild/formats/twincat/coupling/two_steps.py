@@ -58,6 +58,8 @@ def two_steps(first: Chain, first_trafo: Trafo, second: Chain, second_trafo: Tra
         kinematic=f"{first.kinematic} below {second.kinematic}",
         axes=first.axes,
         axis_map=TwoStepMap(coordinates, second.axis_map, len(wanted), len(second.joints)),
+        drives=first.drives,
+        drive_limits=first.drive_limits,
     )
 
 
