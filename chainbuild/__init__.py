@@ -42,10 +42,10 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.chain.compose import follow as follow
     from chainbuild.chain.compose import stack as stack
     from chainbuild.chain.display import Display as Display
+    from chainbuild.chain.display import DisplayKind as DisplayKind
     from chainbuild.chain.drives import AffineDrives as AffineDrives
     from chainbuild.chain.drives import DriveLimit as DriveLimit
     from chainbuild.chain.drives import DriveMap as DriveMap
-    from chainbuild.chain.display import DisplayKind as DisplayKind
     from chainbuild.chain.elements import Axis as Axis
     from chainbuild.chain.elements import Chain as Chain
     from chainbuild.chain.elements import ControllerSolver as ControllerSolver

@@ -6,7 +6,9 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
 
 from chainbuild.cli.axisvalues import At, values_of
 from chainbuild.cli.show import note, output, with_progress
@@ -29,6 +31,7 @@ def fk(
     *,
     axes: Path | None = None,
     at: At = (),
+    drives: Annotated[bool, Parameter(negative="")] = False,
     output_file: Output = None,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
@@ -47,9 +50,11 @@ def fk(
         axes: CSV table of axis values.
         at: Axis values in channel order, mm and degrees, separated by commas; may be repeated. They come before the
             rows of the table.
+        drives: Add what each drive stands at, mm and degrees, in columns NAME_drive behind all others.
         output_file: CSV table of poses to write. Default: stdout.
         options: Which kinematic.
     """
+    from chainbuild.kinematics.limits import drive_name
     from chainbuild.tables import AxisTable, PoseWriter
 
     if axes is None and not at:
@@ -60,16 +65,18 @@ def fk(
         table = stack.enter_context(AxisTable(axes, robot.axes)) if axes else None
         given = [values_of(robot, text) for text in at]
         stream = stack.enter_context(output(output_file))
-        coupled = bool(robot.chain.constraints)
+        coupled = bool(robot.limits.sums or robot.limits.drives)
         held = held_axes(robot)
         writer = PoseWriter(
-            stream, robot.chain.angle_mode, tool_axis=robot.chain.tool_axis, held=list(held), violations=coupled
-        )
+            stream, robot.chain.angle_mode, tool_axis=robot.chain.tool_axis, held=list(held), violations=coupled,
+            drives=[drive_name(axis) for axis in robot.axes] if drives else (),
+        )  # fmt: skip
         for span, values in _rows(given, table):
             violated = robot.violated_limits(values)
             try:
                 T = robot.fk(values).homogeneous
-                writer.write(T, _shown_angles(robot, values), violated, [values[n] for n in held.values()])
+                behind = robot.drives(values).tolist() if drives else ()
+                writer.write(T, _shown_angles(robot, values), violated, [values[n] for n in held.values()], behind)
             except ChainbuildError as error:
                 error.span = error.span or span
                 raise

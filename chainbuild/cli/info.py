@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,6 +11,7 @@ from cyclopts import Parameter
 from chainbuild.cli.info_tables import (
     axes_table,
     conventions_shown,
+    drives_table,
     kinematics_table,
     limits_source,
     line_of,
@@ -18,8 +20,10 @@ from chainbuild.cli.info_tables import (
 from chainbuild.cli.show import console, error_data, finding_data, print_findings, print_json, refusal_as_json
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, all_findings
 from chainbuild.errors import ChainbuildError
+from chainbuild.kinematics.limits import drive_name
 
 if TYPE_CHECKING:
+    from chainbuild.chain.drives import DriveLimit
     from chainbuild.chain.elements import Axis, Chain
     from chainbuild.convention import UsedConvention
     from chainbuild.formats.machine import Machine, ParameterRow
@@ -85,6 +89,9 @@ def _print(machine: Machine, chain: Chain | None, options: MachineOptions, defau
     if chain:
         out.print(f"Chosen: {chain.kinematic}; pose angles A, B, C: {_angle_meaning(chain)}\n")
         out.print(axes_table(machine, chain))
+        drives = drives_table(chain)
+        if drives is not None:
+            out.print(drives)
     rows = _parameters(machine, options)
     chosen = [row for row in rows if row.given or defaults]
     out.print(parameters_table(chosen, out.width))
@@ -114,6 +121,7 @@ def _data(machine: Machine, chain: Chain | None, options: MachineOptions) -> dic
         "kinematic": chain.kinematic if chain else None,
         "angle_mode": chain.angle_mode if chain else None,
         "axes": [_axis_data(machine, axis) for axis in chain.axes] if chain else [],
+        "drives": [_drive_data(chain, limit) for limit in chain.drive_limits] if chain else [],
         "parameters": [_with_line(row) for row in _parameters(machine, options)],
         "conventions": [_convention_data(used) for used in chain.conventions] if chain else [],
         "findings": [finding_data(finding) for finding in all_findings(machine, chain)],
@@ -122,6 +130,12 @@ def _data(machine: Machine, chain: Chain | None, options: MachineOptions) -> dic
 
 def _axis_data(machine: Machine, axis: Axis) -> dict[str, Any]:
     return {**asdict(axis), "limits_from": limits_source(machine, axis)}
+
+
+def _drive_data(chain: Chain, limit: DriveLimit) -> dict[str, Any]:
+    ends = {"lower": limit.lower, "upper": limit.upper}
+    known = {key: value if math.isfinite(value) else None for key, value in ends.items()}
+    return {"name": drive_name(chain.axes[limit.axis]), **known, "max_speed": limit.max_speed}
 
 
 def _with_line(entry: KinematicEntry | ParameterRow) -> dict[str, Any]:

@@ -31,6 +31,7 @@ from chainbuild.units import AxisLabels, Units
 _T = TypeVar("_T")
 
 _SAMPLES: Final = 8  # configurations in which the rank of a Jacobian is looked at
+_TRIES: Final = 50  # for one of them with a pose: enough where a tenth of the range has poses
 _NOTHING: Final[Any] = object()
 
 
@@ -71,10 +72,15 @@ class Mechanism:
         rows = []
         for axis in self.axes:
             told = "endless" if axis.endless else "assumed" if axis.assumed else "given"
+            told = f"{told}, the others in the middle" if axis.widest is not None else told
             lower, upper = number(axis.lower), number(axis.upper)
             rows.append((axis.name, axis.kind, lower, upper, axis.unit, told, axis.carries))
-        sums = [(s.name, "sum", number(s.lower), number(s.upper), "", "given", "") for s in self.limits.sums]
-        return html_table(head, [*rows, *sums], f"{self.chain.title} ({self.chain.kinematic})")
+        sums = [(s.name, "sum", number(s.lower), number(s.upper), "", "given", "") for s in self.limits.plain_sums]
+        drives = [
+            (self.limits.drive_name(d), "drive", number(d.lower), number(d.upper), self.axes[d.axis].unit, "given", "")
+            for d in self.limits.drives
+        ]
+        return html_table(head, [*rows, *sums, *drives], f"{self.chain.title} ({self.chain.kinematic})")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.chain,)
@@ -316,8 +322,13 @@ def _samples(kinematics: Kinematics, free: NDArray[np.bool_]) -> Callable[[int],
 
     def sample(n: int) -> Matrix:
         while len(made) <= n:
-            x = lower + (upper - lower) * rng.random(len(axes))
-            made.append(kinematics.pose_and_jacobian(x)[1][:, free])
+            J = np.zeros((6, len(axes)))
+            for _ in range(_TRIES):  # limits may be wider than what the axis map has joint values for
+                there = kinematics.pose_and_jacobian(lower + (upper - lower) * rng.random(len(axes)))[1]
+                if np.isfinite(there).all():
+                    J = there
+                    break
+            made.append(J[:, free])
         return made[n]
 
     return sample

@@ -200,6 +200,7 @@ class PoseWriter:
         tool_axis: Axis of the tool frame that is the tool vector.
         held: Names of the input axes; each has a column behind the pose.
         violations: True: one more column names the limits that are violated.
+        drives: Names of the columns of drive values, behind all others.
     """
 
     def __init__(
@@ -210,13 +211,14 @@ class PoseWriter:
         tool_axis: ToolAxis = "z",
         held: Sequence[str] = (),
         violations: bool = False,
+        drives: Sequence[str] = (),
     ) -> None:
         self._stream = stream
         self._angle_mode = angle_mode
         self._tool_axis = tool_axis
         self._violations = violations
         last = (VIOLATIONS_COLUMN,) if violations else ()
-        stream.write(",".join((*POSE_COLUMNS, *held, *last)) + "\n")
+        stream.write(",".join((*POSE_COLUMNS, *held, *last, *drives)) + "\n")
 
     def write(
         self,
@@ -224,6 +226,7 @@ class PoseWriter:
         angles: Sequence[float] | None = None,
         violated: Sequence[str] = (),
         held: Sequence[float] = (),
+        drives: Sequence[float] = (),
     ) -> None:
         """Write one pose.
 
@@ -232,6 +235,7 @@ class PoseWriter:
             angles: A, B, C as the controller shows them; None: those of the pose.
             violated: Names of the limits that are violated.
             held: Values of the input axes, mm and degrees.
+            drives: Values of the drives, mm and degrees.
         """
         values = pose_values(T, self._angle_mode, self._tool_axis).tolist()
         # Rounding may give -180, which is outside (-180, 180].
@@ -242,7 +246,7 @@ class PoseWriter:
             *(number_field(value) for value in (*shown, *held)),
         ]
         last = [names_field(violated)] if self._violations else []
-        self._stream.write(",".join([*fields, *last]) + "\n")
+        self._stream.write(",".join([*fields, *last, *(number_field(value) for value in drives)]) + "\n")
 
 
 def pose_values(T: Matrix, angle_mode: str, tool_axis: ToolAxis = "z") -> Vector:
