@@ -8,6 +8,7 @@ or a map lies between them, the drive is looked at by itself: an affine one is a
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -165,20 +166,24 @@ def _drive_sums(chain: Chain, limits: tuple[DriveLimit, ...]) -> tuple[AxisConst
 
 
 def _ends_from_drives(chain: Chain, limits: tuple[DriveLimit, ...]) -> dict[tuple[int, int], str]:
-    """Return which ends of axes are limits of drives that follow that axis alone."""
+    """Return which ends of axes are limits of drives: those of a drive that follows the axis alone or affinely."""
     found: dict[tuple[int, int], str] = {}
     if chain.drives is None:
         return found
-    middle = np.array([(axis.lower + axis.upper) / 2.0 for axis in chain.axes])
+    ends = np.array([axis.range for axis in chain.axes])
     for one in limits:
         axes = np.flatnonzero(chain.drives.follows[one.axis])
-        if len(axes) != 1:
+        if len(axes) != 1 and not isinstance(chain.drives, AffineDrives):
             continue
-        n = int(axes[0])
-        for side, end in zip((-1, 1), chain.axes[n].range, strict=True):
-            values = middle.copy()
-            values[n] = end
-            at = float(chain.drives.drives(values)[one.axis])
-            if min(abs(at - one.lower), abs(at - one.upper)) <= LIMIT_SLACK:
-                found[n, side] = drive_name(chain.axes[one.axis])
+        for n in axes.tolist():
+            for side, end in zip((-1, 1), ends[n], strict=True):
+                box = ends.copy()
+                box[n] = end
+                # Over the box an affine drive is least and most where each axis is at one of its ends.
+                corners = np.array(list(itertools.product(*(box[m] for m in axes))))
+                values = np.repeat(box[None, :, 0], len(corners), axis=0)
+                values[:, axes] = corners
+                at = [float(chain.drives.drives(row)[one.axis]) for row in values]
+                if abs(min(at) - one.upper) <= LIMIT_SLACK or abs(max(at) - one.lower) <= LIMIT_SLACK:
+                    found[n, side] = drive_name(chain.axes[one.axis])
     return found

@@ -29,6 +29,8 @@ _SAME: Final = 1e-9  # mm or degrees: rounding of counts
 def with_ranges(chain: Chain) -> tuple[Chain, tuple[str, ...]]:
     """Return the chain with the ranges of its axes, and the names of axes that nothing is left for.
 
+    Such an axis keeps its limits; it has a widest range if others than the middle of the others leave something.
+
     Args:
         chain: A chain whose axes have the limits of their own values.
     """
@@ -43,12 +45,12 @@ def with_ranges(chain: Chain) -> tuple[Chain, tuple[str, ...]]:
         for n, axis in enumerate(before):
             if axis.endless or not ranges.deciding(n) or ranges.is_alone(n) != alone:
                 continue
-            found = ranges.at_middle(n)
+            found, widest = ranges.at_middle(n), None if alone else ranges.widest(n)
             if found is None:
                 lost.append(axis.name)
+                axes[n] = replace(axis, widest=widest)
                 continue
             given = any(one.axis == n for one in limits)
-            widest = None if alone else ranges.widest(n)
             axes[n] = replace(axis, lower=found[0], upper=found[1], assumed=axis.assumed and not given, widest=widest)
     return chain.with_axes(tuple(axes)), tuple(lost)
 
@@ -112,12 +114,12 @@ class _Ranges:
             low, high = _both((low, high), _solved(one, factor, (rest, rest)))
         return (low, high) if low < high else None
 
-    def widest(self, n: int) -> Range:
-        """Return the range of axis n with the others wherever suits it best."""
+    def widest(self, n: int) -> Range | None:
+        """Return the range of axis n with the others wherever suits it best, or None where nothing is left."""
         if not isinstance(self.drives, AffineDrives):
             alone = [one for one in self.deciding(n) if self.follows[one.axis].sum() == 1]
-            return self._scanned(n, self._scope(n), alone) or self._scope(n)
-        low, high = self.own(n)
+            return self._scanned(n, self._scope(n), alone)
+        own = low, high = self.own(n)
         for one in self.deciding(n):
             row = self.drives.A[one.axis].copy()
             factor, row[n] = float(row[n]), 0.0
@@ -125,8 +127,11 @@ class _Ranges:
             parts = np.array([np.sort(k * pair) for k, pair in zip(row, ends, strict=True) if k]).reshape(-1, 2)
             rest = float(self.drives.b[one.axis]) + parts.sum(axis=0)
             low, high = _both((low, high), _solved(one, factor, (float(rest[0]), float(rest[1]))))
-        bound = self.axes[n].lower, self.axes[n].upper
-        return (low, high) if math.isfinite(low) and math.isfinite(high) else bound
+        if not low < high:
+            return None
+        if math.isfinite(own[0]):  # the drive is looked at by itself: what is named is the limit that is violated
+            return own
+        return (low, high) if math.isfinite(low) and math.isfinite(high) else (self.axes[n].lower, self.axes[n].upper)
 
     def _scope(self, n: int) -> Range:
         """Return where a value of axis n can lie at all."""

@@ -121,25 +121,16 @@ def _ranged(chain: Chain, source: Source, collector: Collector) -> Chain:
         else:
             collector.add("CB432", text, span=span, parameter=axis.name, permitted=reach)
     ranged, lost = with_ranges(reached)
-    for name in lost:
-        axis = next(axis for axis in chain.axes if axis.name == name)
-        span = source.overlay.span("limits", "drives", name) or source.trafo.span
-        if axis.widest is None and _alone(chain, name):
-            text = f"the limits of axis {name} and those of the drives have no value in common"
-            collector.add("CB433", text, span=span, parameter=name, permitted="overlap", error=MachineDataError)
+    for axis in (axis for axis in ranged.axes if axis.name in lost):
+        span = source.overlay.span("limits", "drives", axis.name) or source.trafo.span
+        if axis.widest is None:
+            text = f"the limits of axis {axis.name} and those of the drives have no value in common"
+            permitted = "ranges that overlap"
+            collector.add("CB433", text, span=span, parameter=axis.name, permitted=permitted, error=MachineDataError)
         else:
-            text = f"with the other axes in the middle the limits of the drives leave nothing of axis {name}"
-            collector.add("CB434", text, span=span, parameter=name)
+            text = f"with the other axes in the middle the limits of the drives leave nothing of axis {axis.name}"
+            collector.add("CB434", text, span=span, parameter=axis.name)
     return ranged
-
-
-def _alone(chain: Chain, name: str) -> bool:
-    """Return whether no drive that follows an axis follows another one, too."""
-    if chain.drives is None:
-        return True
-    n = [axis.name for axis in chain.axes].index(name)
-    rows = chain.drives.follows[chain.drives.follows[:, n]]
-    return bool((rows.sum(axis=1) == 1).all())
 
 
 def _overlay_for(axes: tuple[Axis, ...], source: Source) -> Overlay:

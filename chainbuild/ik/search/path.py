@@ -145,6 +145,8 @@ def _nearest_branch(problem: Problem, target: Matrix, last: Vector | None, optio
     for y in branches(problem, target, last, options):
         if best.outcome != rules.OK or _largest(y - last) < _largest(best.y - last):
             best = find(problem, target, y, replace(options, max_restarts=0))
+    if best.outcome != rules.OK and problem.rechecked:  # whole turns away there may be one inside the common limits
+        return find(problem, target, None, options)
     return best
 
 
