@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,8 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.sums import AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.shown import fields_shown
+
+DRIVE_SUFFIX: Final = "_drive"  # what the name of a drive, also of its column in tables, has behind that of its axis
 
 
 class DriveMap(Protocol):

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chainbuild.arrays import Vector
-from chainbuild.chain.drives import AffineDrives, DriveLimit, DriveMap
+from chainbuild.chain.drives import DRIVE_SUFFIX, AffineDrives, DriveLimit, DriveMap
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.chain.sums import AxisConstraint
 from chainbuild.shown import two_lines
@@ -144,7 +144,7 @@ class Limits:
 
 def drive_name(axis: Axis) -> str:
     """Return the name of an axis' drive, also that of its column in tables."""
-    return f"{axis.name}_drive"
+    return f"{axis.name}{DRIVE_SUFFIX}"
 
 
 def _together(chain: Chain, limits: tuple[DriveLimit, ...]) -> frozenset[int]:

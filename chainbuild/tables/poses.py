@@ -13,6 +13,7 @@ import numpy as np
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
+from chainbuild.chain.drives import DRIVE_SUFFIX
 from chainbuild.chain.elements import Task
 from chainbuild.tables.axes import DECIMALS, UNIT_DECIMALS, VIOLATIONS_COLUMN, names_field, number_field
 from chainbuild.tables.reader import Choice, Table
@@ -104,7 +105,9 @@ class PoseTable(Table):
         orientation = self._orientation_columns(set(names))
         beside = (C_COLUMN,) if self._running_c and C_COLUMN in names and C_COLUMN not in orientation else ()
         held = (name for name in self._inputs if name in names)
-        return (*POSITION_COLUMNS, *orientation, *beside, *held), (*POSE_COLUMNS, *self._inputs, VIOLATIONS_COLUMN)
+        drives = (name for name in names if name.endswith(DRIVE_SUFFIX))  # written by fk, not read
+        known = (*POSE_COLUMNS, *self._inputs, VIOLATIONS_COLUMN, *drives)
+        return (*POSITION_COLUMNS, *orientation, *beside, *held), known
 
     def _shown_columns(self, permitted: Sequence[str]) -> Sequence[str]:
         return [name for name in permitted if name != VIOLATIONS_COLUMN]
