@@ -60,10 +60,18 @@ class Limits:
         lower = np.array([-math.inf if axis.endless else axis.range[0] for axis in chain.axes])
         upper = np.array([math.inf if axis.endless else axis.range[1] for axis in chain.axes])
         limited = tuple(one for one in chain.drive_limits if one.bounded)
-        sums, ends = (*chain.constraints, *_drive_sums(chain, limited)), _ends_from_drives(chain, limited)
-        curved = bool(limited) and not isinstance(chain.drives, AffineDrives)
-        drives, together = chain.drives if limited else None, _together(chain, limited)
-        return cls(chain.axes, lower, upper, sums, drives, limited, curved, together, ends)
+        drives = chain.drives or AffineDrives.shifted(len(chain.axes), {}) if limited else None
+        return cls(
+            chain.axes,
+            lower,
+            upper,
+            (*chain.constraints, *_drive_sums(chain.axes, drives, limited)),
+            drives,
+            limited,
+            curved=drives is not None and not isinstance(drives, AffineDrives),
+            together=_together(chain, drives, limited),
+            from_drives={} if drives is None else _ends_from_drives(chain.axes, drives, limited),
+        )
 
     @property
     def plain_sums(self) -> tuple[AxisConstraint, ...]:
@@ -147,43 +155,44 @@ def drive_name(axis: Axis) -> str:
     return f"{axis.name}{DRIVE_SUFFIX}"
 
 
-def _together(chain: Chain, limits: tuple[DriveLimit, ...]) -> frozenset[int]:
+def _together(chain: Chain, drives: DriveMap | None, limits: tuple[DriveLimit, ...]) -> frozenset[int]:
     """Return the indices of the axes that take part in sums or in the limited drives."""
     rows = [np.array(limit.sum.coefficients) != 0.0 for limit in chain.constraints]
-    if chain.drives is not None:
-        rows += [chain.drives.follows[one.axis] for one in limits]
+    if drives is not None:
+        rows += [drives.follows[one.axis] for one in limits]
     return frozenset(int(n) for row in rows for n in np.flatnonzero(row))
 
 
-def _drive_sums(chain: Chain, limits: tuple[DriveLimit, ...]) -> tuple[AxisConstraint, ...]:
+def _drive_sums(
+    axes: tuple[Axis, ...], drives: DriveMap | None, limits: tuple[DriveLimit, ...]
+) -> tuple[AxisConstraint, ...]:
     """Return the limits of drives behind a gear as limits on sums of axes."""
-    drives = chain.drives
     if not isinstance(drives, AffineDrives):
         return ()
     return tuple(
-        AxisConstraint(drive_name(chain.axes[one.axis]), drives.total(one.axis), one.lower, one.upper) for one in limits
+        AxisConstraint(drive_name(axes[one.axis]), drives.total(one.axis), one.lower, one.upper) for one in limits
     )
 
 
-def _ends_from_drives(chain: Chain, limits: tuple[DriveLimit, ...]) -> dict[tuple[int, int], str]:
+def _ends_from_drives(
+    axes: tuple[Axis, ...], drives: DriveMap, limits: tuple[DriveLimit, ...]
+) -> dict[tuple[int, int], str]:
     """Return which ends of axes are limits of drives: those of a drive that follows the axis alone or affinely."""
     found: dict[tuple[int, int], str] = {}
-    if chain.drives is None:
-        return found
-    ends = np.array([axis.range for axis in chain.axes])
+    ends = np.array([axis.range for axis in axes])
     for one in limits:
-        axes = np.flatnonzero(chain.drives.follows[one.axis])
-        if len(axes) != 1 and not isinstance(chain.drives, AffineDrives):
+        moving = np.flatnonzero(drives.follows[one.axis])
+        if len(moving) != 1 and not isinstance(drives, AffineDrives):
             continue
-        for n in axes.tolist():
+        for n in moving.tolist():
             for side, end in zip((-1, 1), ends[n], strict=True):
                 box = ends.copy()
                 box[n] = end
                 # Over the box an affine drive is least and most where each axis is at one of its ends.
-                corners = np.array(list(itertools.product(*(box[m] for m in axes))))
+                corners = np.array(list(itertools.product(*(box[m] for m in moving))))
                 values = np.repeat(box[None, :, 0], len(corners), axis=0)
-                values[:, axes] = corners
-                at = [float(chain.drives.drives(row)[one.axis]) for row in values]
+                values[:, moving] = corners
+                at = [float(drives.drives(row)[one.axis]) for row in values]
                 if abs(min(at) - one.upper) <= LIMIT_SLACK or abs(max(at) - one.lower) <= LIMIT_SLACK:
-                    found[n, side] = drive_name(chain.axes[one.axis])
+                    found[n, side] = drive_name(axes[one.axis])
     return found

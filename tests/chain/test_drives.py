@@ -94,3 +94,10 @@ def test_the_repr_of_an_axis_says_that_its_range_depends() -> None:
     axis = replace(Robot.load("ca_head_kin9").axes[4], widest=(-200.0, 200.0))
     assert "depends on others" in repr(axis)
     assert axis.range == (-200.0, 200.0)
+
+
+def test_a_limit_of_a_drive_at_its_axis_value_counts_too() -> None:
+    plain = Robot.load("ca_head_kin9")
+    robot = Robot(plain.chain.with_drive_limits((DriveLimit(4, -10.0, 10.0),)))
+    assert robot.violated_limits([0, 0, 0, 0, 11]) == ("A_drive",)
+    assert robot.ik(plain.fk([0, 0, 0, 0, 20])).status == "limits"

@@ -87,10 +87,9 @@ def _limited(chain: Chain, source: Source, collector: Collector) -> Chain:
         replace(axis, endless=listed[n].endless) if n in behind else listed[n] for n, axis in enumerate(chain.axes)
     )
     axes = overlay.apply_limits(axes, [chain.axes[n].name for n in behind])
-    known = {one.axis: one for one in chain.drive_limits}
     limits = []
     for n in behind:
-        limit = known.get(n, DriveLimit(n))
+        limit = DriveLimit(n)
         if (listed[n].lower, listed[n].upper) != (unknown[n].lower, unknown[n].upper) and not listed[n].endless:
             limit = DriveLimit(n, listed[n].lower, listed[n].upper)
         limit = overlay.drive_limit(axes[n], limit)

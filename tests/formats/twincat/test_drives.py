@@ -206,8 +206,7 @@ def test_70_follows_cv(tmp_path: Path, signs: tuple[int, int]) -> None:
         expected = [*axes[:3], signs[1] * (b + zero_b), signs[0] * (a + zero_a), axes[5]]
         assert robot.drives(axes) == pytest.approx(expected, abs=1e-9)
         both_ways(robot, axes)
-    limits = [(one.axis, one.lower, one.upper) for one in robot.chain.drive_limits]
-    assert limits == [(3, -90.0, 90.0), (4, -90.0, 90.0)]
+    assert [(axis.lower, axis.upper) for axis in robot.axes[3:5]] == [(-90.0, 90.0)] * 2
     machine = robot_of(tmp_path, 70, {7: zero_a, 9: 1, 10: 1}, kin70_cv="machine")
     assert machine.drives([0, 0, 0, 10, 20, 90]).tolist() == [0, 0, 0, 10, 20, 90]
 

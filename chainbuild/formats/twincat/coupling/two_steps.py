@@ -59,7 +59,6 @@ def two_steps(first: Chain, first_trafo: Trafo, second: Chain, second_trafo: Tra
         axes=first.axes,
         axis_map=TwoStepMap(coordinates, second.axis_map, len(wanted), len(second.joints)),
         drives=first.drives,
-        drive_limits=first.drive_limits,
     )
 
 

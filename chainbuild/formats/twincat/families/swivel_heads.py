@@ -21,7 +21,6 @@ import numpy as np
 
 from chainbuild.chain.assemble import Element, linear, shift, turn
 from chainbuild.chain.axismap import AffineMap, AxisMap
-from chainbuild.chain.drives import DriveLimit
 from chainbuild.chain.elements import Axis
 from chainbuild.convention import Choices
 from chainbuild.formats.twincat.maps.drives import VirtualTurnDrives
@@ -39,8 +38,6 @@ from chainbuild.formats.twincat.recipes.recipe import (
 )
 from chainbuild.frames import rot_z
 from chainbuild.units import si_factor
-
-_RANGE_70: Final = (-90.0, 90.0)  # degrees of B and A (KIN_TYP manual 2.33)
 
 
 def kin_2(p: Params, choose: Choices) -> Recipe:
@@ -122,7 +119,6 @@ def kin_70(p: Params, choose: Choices) -> Recipe:
         axes=tuple(_limited(axis) for axis in p.axes),
         axis_map=axis_map,
         drives=VirtualTurnDrives(axis_map) if isinstance(axis_map, VirtualTurnMap) else None,
-        drive_limits=tuple(DriveLimit(n, *_RANGE_70) for n in (3, 4)) if turned else (),
     )
 
 
@@ -139,7 +135,7 @@ def _mounted(p: Params, choose: Choices, to_slide: Element) -> tuple[Element, El
 def _limited(axis: Axis) -> Axis:
     """Return an axis of 70 with the range that KIN_TYP manual 2.33 permits A and B; CV is an input of its own."""
     if axis.name in ("A", "B"):
-        return replace(axis, lower=_RANGE_70[0], upper=_RANGE_70[1])
+        return replace(axis, lower=-90.0, upper=90.0)
     return replace(axis, held=True) if axis.name == "CV" else axis
 
 

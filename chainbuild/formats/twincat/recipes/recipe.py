@@ -8,7 +8,7 @@ from typing import Literal
 
 from chainbuild.chain.assemble import Element, Move, rotary
 from chainbuild.chain.axismap import AxisMap
-from chainbuild.chain.drives import DriveLimit, DriveMap
+from chainbuild.chain.drives import DriveMap
 from chainbuild.chain.elements import Axis, Task
 from chainbuild.convention import Choices
 from chainbuild.errors import MachineDataError, Span
@@ -31,7 +31,6 @@ class Recipe:
         angle_mode: Name in `frames.ANGLE_MODES`; None: by P-CHAN-00112 of the channel.
         task: What inverse kinematics solves for.
         drives: What the drives stand at; None: at the axis values.
-        drive_limits: Limits of drives that the manual itself gives.
     """
 
     tool: Sequence[Element]
@@ -41,7 +40,6 @@ class Recipe:
     angle_mode: str | None = None
     task: Task = "auto"
     drives: DriveMap | None = None
-    drive_limits: tuple[DriveLimit, ...] = ()
 
 
 @dataclass(slots=True)

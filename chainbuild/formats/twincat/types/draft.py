@@ -75,7 +75,6 @@ def serial_draft(source: Source, choose: Choices, collector: Collector) -> Chain
         angle_mode=recipe.angle_mode or angle_mode(source.channel.angle_mode, choose, collector),
         task=recipe.task,
         drives=recipe.drives,
-        drive_limits=recipe.drive_limits,
     )
 
 
