@@ -41,8 +41,9 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.chain.bodies.geometry import Shape as Shape
     from chainbuild.chain.compose import follow as follow
     from chainbuild.chain.compose import stack as stack
-    from chainbuild.chain.display import Display as Display
-    from chainbuild.chain.display import DisplayKind as DisplayKind
+    from chainbuild.chain.drives import AffineDrives as AffineDrives
+    from chainbuild.chain.drives import DriveLimit as DriveLimit
+    from chainbuild.chain.drives import DriveMap as DriveMap
     from chainbuild.chain.elements import Axis as Axis
     from chainbuild.chain.elements import Chain as Chain
     from chainbuild.chain.elements import ControllerSolver as ControllerSolver
@@ -54,12 +55,14 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.chain.elements import Partial as Partial
     from chainbuild.chain.elements import SingularityWatch as SingularityWatch
     from chainbuild.chain.elements import Task as Task
+    from chainbuild.chain.programmed.display import Display as Display
+    from chainbuild.chain.programmed.display import DisplayKind as DisplayKind
+    from chainbuild.chain.programmed.vectors import AngleLetter as AngleLetter
+    from chainbuild.chain.programmed.vectors import OriMode as OriMode
+    from chainbuild.chain.programmed.vectors import ToolPlane as ToolPlane
+    from chainbuild.chain.programmed.vectors import VectorProgramming as VectorProgramming
     from chainbuild.chain.sums import AxisConstraint as AxisConstraint
     from chainbuild.chain.sums import AxisSum as AxisSum
-    from chainbuild.chain.vectors import AngleLetter as AngleLetter
-    from chainbuild.chain.vectors import OriMode as OriMode
-    from chainbuild.chain.vectors import ToolPlane as ToolPlane
-    from chainbuild.chain.vectors import VectorProgramming as VectorProgramming
     from chainbuild.collision.model import CollisionModel as CollisionModel
     from chainbuild.collision.model import Distance as Distance
     from chainbuild.comparison.comparison import Forward as Forward
@@ -148,13 +151,14 @@ _HOMES = {
     "chainbuild.analysis.workspace.mapspec": "Grid MapKind MapSpec",
     "chainbuild.chain.axismap": "AffineMap AxisMap",
     "chainbuild.chain.compose": "follow stack",
-    "chainbuild.chain.display": "Display DisplayKind",
+    "chainbuild.chain.programmed.display": "Display DisplayKind",
     "chainbuild.chain.elements": (
         "Axis Chain ControllerSolver Frame Joint JointKind Link Loop Partial SingularityWatch Task"
     ),
     "chainbuild.chain.bodies.geometry": "Geometry RodData Shape",
+    "chainbuild.chain.drives": "AffineDrives DriveLimit DriveMap",
     "chainbuild.chain.sums": "AxisConstraint AxisSum",
-    "chainbuild.chain.vectors": "AngleLetter OriMode ToolPlane VectorProgramming",
+    "chainbuild.chain.programmed.vectors": "AngleLetter OriMode ToolPlane VectorProgramming",
     "chainbuild.collision.model": "CollisionModel Distance",
     "chainbuild.comparison.comparison": "Forward Inverse",
     "chainbuild.comparison.convention_trials": "Selection Trial",

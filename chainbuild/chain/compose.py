@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import Block, side_by_side
 from chainbuild.chain.bodies.geometry import Geometry
-from chainbuild.chain.display import POSE_ANGLES
+from chainbuild.chain.drives import joined_drives
 from chainbuild.chain.elements import Axis, Chain, Frame, Joint, Link, Loop, Partial
 from chainbuild.chain.fold import drawn, joint_motion
 from chainbuild.chain.names import Names, as_name, free_name
 from chainbuild.chain.poses import path_to
+from chainbuild.chain.programmed.display import POSE_ANGLES
 from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.errors import ChainError
 from chainbuild.findings import Findings
@@ -239,6 +240,11 @@ def _graft(host: Chain, link: str, T: Matrix, guest: Chain, prefix: str, *, root
         kinematic=f"{host.kinematic} + {guest.kinematic}",
         task="auto",
         constraints=(*padded_constraints(host, 0, len(guest.axes)), *padded_constraints(guest, len(host.axes), 0)),
+        drives=joined_drives(host.drives, len(host.axes), guest.drives, len(guest.axes)),
+        drive_limits=(
+            *host.drive_limits,
+            *(replace(one, axis=one.axis + len(host.axes)) for one in guest.drive_limits),
+        ),
         follows_c=False,
         controller_solver=None,
         geometry=joined_geometry(host.geometry, guest.geometry, names, [*tree.placements]),

@@ -8,9 +8,10 @@ from typing import Literal
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.bodies.geometry import NO_GEOMETRY, Geometry
-from chainbuild.chain.display import POSE_ANGLES, Display
+from chainbuild.chain.drives import DriveLimit, DriveMap
+from chainbuild.chain.programmed.display import POSE_ANGLES, Display
+from chainbuild.chain.programmed.vectors import VectorProgramming
 from chainbuild.chain.sums import AxisConstraint, AxisSum
-from chainbuild.chain.vectors import VectorProgramming
 from chainbuild.convention import UsedConvention
 from chainbuild.findings import NO_FINDINGS, Findings
 from chainbuild.shown import fields_shown, two_lines
@@ -106,8 +107,8 @@ class Axis:
         name: The channel's own name where the machine data give one, else the generic one.
         kind: "linear" or "rotary".
         unit: "mm" or "deg", also of the limits.
-        lower: Lower software limit.
-        upper: Upper software limit.
+        lower: Lower software limit; where the drive has limits of its own, what both leave.
+        upper: Upper software limit, likewise.
         assumed: True where neither machine data nor overlay give limits.
         endless: True for an axis that may turn without end.
         carries: What it moves: the tool or the workpiece.
@@ -115,6 +116,8 @@ class Axis:
         max_speed: mm/s or deg/s, where known.
         generic: The name that the type or the transformation gives it ("C", "A1", "EX1"), where the channel has another
             one for it; else empty. It is accepted wherever an axis is named.
+        widest: Where limits of drives make the range depend on the other axes: the range in their most favourable
+            position; `lower` and `upper` are then the range in the middle of the others. None: it does not depend.
     """
 
     name: str
@@ -128,11 +131,18 @@ class Axis:
     held: bool = False
     max_speed: float | None = None
     generic: str = ""
+    widest: tuple[float, float] | None = None
 
     def __repr__(self) -> str:
-        said = {"assumed": self.assumed, "endless": self.endless, "held": self.held}
+        depends = self.widest is not None
+        said = {"assumed": self.assumed, "endless": self.endless, "held": self.held, "depends on others": depends}
         more = "".join(f", {word}" for word, holds in said.items() if holds)
         return two_lines(f"<Axis {self.name}: {self.kind}, {self.lower:.6g} … {self.upper:.6g} {self.unit}{more}>")
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Lower and upper end of what limits ever leave, whatever the other axes."""
+        return self.widest or (self.lower, self.upper)
 
     @classmethod
     def unlimited(cls, name: str, kind: AxisKind, carries: Literal["tool", "workpiece"] = "tool") -> Axis:
@@ -238,6 +248,8 @@ class Chain:
         geometry: What the overlay says about its bodies.
         display: What the controller shows and takes as a pose beside the position.
         vectors: How a program states orientations by vectors, where it can.
+        drives: What the drives stand at, by the axis values; None: at the axis values.
+        drive_limits: Limits and speeds of drives that do not stand at their axis values.
     """
 
     name: str
@@ -264,6 +276,8 @@ class Chain:
     geometry: Geometry = NO_GEOMETRY
     display: Display = POSE_ANGLES
     vectors: VectorProgramming | None = None
+    drives: DriveMap | None = None
+    drive_limits: tuple[DriveLimit, ...] = ()
 
     def __repr__(self) -> str:
         names = [axis.name for axis in self.axes]
@@ -298,6 +312,11 @@ class Chain:
         """Return the chain with other axis limits, in its partials, too."""
         return replace(self, axes=axes, partials=tuple(_with_limits(partial, axes) for partial in self.partials))
 
+    def with_drive_limits(self, limits: tuple[DriveLimit, ...]) -> Chain:
+        """Return the chain with other limits of its drives, in its partials, too."""
+        partials = tuple(_with_drive_limits(partial, limits) for partial in self.partials)
+        return replace(self, drive_limits=limits, partials=partials)
+
 
 def _with_limits(partial: Partial, axes: tuple[Axis, ...]) -> Partial:
     """Return a partial with the limits that its axes have in the composed chain; its own names stay."""
@@ -308,3 +327,9 @@ def _with_limits(partial: Partial, axes: tuple[Axis, ...]) -> Partial:
         for new, old in zip(given, own, strict=True)
     )
     return replace(partial, chain=partial.chain.with_axes(limited))
+
+
+def _with_drive_limits(partial: Partial, limits: tuple[DriveLimit, ...]) -> Partial:
+    first, count = partial.first_axis, len(partial.chain.axes)
+    own = tuple(replace(one, axis=one.axis - first) for one in limits if 0 <= one.axis - first < count)
+    return replace(partial, chain=partial.chain.with_drive_limits(own))

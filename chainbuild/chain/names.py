@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from chainbuild.chain.axismap import named_map
-from chainbuild.chain.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Partial
+from chainbuild.chain.programmed.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
 
 # Columns that tables have beside the axes; an axis of such a name could not have a column of its own.
 RESERVED_COLUMNS: Final = (

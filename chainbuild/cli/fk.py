@@ -33,6 +33,7 @@ def fk(
     at: At = (),
     quaternion: Annotated[bool, Parameter(negative="")] = False,
     angles: str | None = None,
+    drives: Annotated[bool, Parameter(negative="")] = False,
     output_file: Output = None,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
@@ -55,11 +56,13 @@ def fk(
         quaternion: With qx, qy, qz, qw on RTCP kinematics, too.
         angles: With all of a_deg, b_deg, c_deg, in an angle mode such as ypr; "own": the machine's. A complete
             kinematic has its own only.
+        drives: Add what each drive stands at, mm and degrees, in columns NAME_drive behind all others.
         output_file: CSV table of poses to write. Default: stdout.
         options: Which kinematic.
     """
     from chainbuild.ik.branches.status_turn import status_turn
     from chainbuild.kinematics.displayed import displayed
+    from chainbuild.kinematics.limits import drive_name
     from chainbuild.tables import AxisTable, PoseForm, PoseWriter
 
     if axes is None and not at:
@@ -73,14 +76,17 @@ def fk(
         stream = stack.enter_context(output(output_file))
         form, shown = PoseForm.of(robot.chain, robot.task), None
         writer = PoseWriter(
-            stream, form, quaternion=quaternion, angles=mode, more=form.held, violations=bool(robot.chain.constraints)
-        )
+            stream, form, quaternion=quaternion, angles=mode, more=form.held,
+            violations=bool(robot.limits.sums or robot.limits.drives),
+            drives=[drive_name(axis) for axis in robot.axes] if drives else (),
+        )  # fmt: skip
         for span, values in _rows(given, table):
             violated = robot.violated_limits(values)
             try:
                 shown = displayed(robot, values, near=shown)
                 status = status_turn(robot, values) if form.status else ()
-                writer.write(robot.fk(values).homogeneous, shown, [shown[name] for name in form.held], status, violated)
+                inputs, behind = [shown[name] for name in form.held], robot.drives(values).tolist() if drives else ()
+                writer.write(robot.fk(values).homogeneous, shown, inputs, status, violated, behind)
             except ChainbuildError as error:
                 error.span = error.span or span
                 raise

@@ -231,7 +231,7 @@ def ik(
         report = _Report(table.file, contradiction(table), all(axis.kind == "rotary" for axis in robot.axes))
         starts = stack.enter_context(AxisTable(start, robot.axes)) if start else None
         report.tell_held([name for name in table.form.held if name not in table.held and not starts])
-        coupled = bool(robot.chain.constraints)
+        coupled = bool(robot.limits.sums or robot.limits.drives)
         writer = IkWriter(stack.enter_context(output(output_file)), robot.axes, violations=coupled)
         for row, result in with_progress(solutions(robot, table, starts, solver, follow=follow), table, "axis values"):
             report.add(row, result, contradicts(robot, table, row, result))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,6 +11,7 @@ from cyclopts import Parameter
 from chainbuild.cli.info_tables import (
     axes_table,
     conventions_shown,
+    drives_table,
     kinematics_table,
     limits_source,
     line_of,
@@ -18,10 +20,12 @@ from chainbuild.cli.info_tables import (
 from chainbuild.cli.show import console, error_data, finding_data, print_findings, print_json, refusal_as_json
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, all_findings
 from chainbuild.errors import ChainbuildError
+from chainbuild.kinematics.limits import drive_name
 
 if TYPE_CHECKING:
+    from chainbuild.chain.drives import DriveLimit
     from chainbuild.chain.elements import Chain
-    from chainbuild.chain.vectors import VectorProgramming
+    from chainbuild.chain.programmed.vectors import VectorProgramming
     from chainbuild.convention import UsedConvention
     from chainbuild.formats.machine import Machine, ParameterRow
     from chainbuild.formats.selection import KinematicEntry
@@ -89,6 +93,9 @@ def _print(machine: Machine, chain: Chain | None, options: MachineOptions, defau
             out.print(f"Vectors (#ORI MODE): {_vector_meaning(chain, chain.vectors)}")
         out.print()
         out.print(axes_table(machine, chain))
+        drives = drives_table(chain)
+        if drives is not None:
+            out.print(drives)
     rows = _parameters(machine, options)
     chosen = [row for row in rows if row.given or defaults]
     out.print(parameters_table(chosen, out.width))
@@ -104,7 +111,7 @@ def _print(machine: Machine, chain: Chain | None, options: MachineOptions, defau
 
 def _pose_meaning(chain: Chain) -> str:
     """Return what the controller shows and takes as a pose."""
-    from chainbuild.chain.display import POSITION_COLUMNS
+    from chainbuild.chain.programmed.display import POSITION_COLUMNS
     from chainbuild.frames import ANGLE_MODES
 
     display = chain.display
@@ -119,7 +126,7 @@ def _pose_meaning(chain: Chain) -> str:
 
 def _vector_meaning(chain: Chain, how: VectorProgramming) -> str:
     """Return what is programmed, what the vector is and what settles the turn about it."""
-    from chainbuild.chain.vectors import FIXED_AXIS_INDEX, TOOL_PLANES, free_angle
+    from chainbuild.chain.programmed.vectors import FIXED_AXIS_INDEX, TOOL_PLANES, free_angle
 
     if how.plane:
         normal, inside = TOOL_PLANES[how.plane]
@@ -131,7 +138,7 @@ def _vector_meaning(chain: Chain, how: VectorProgramming) -> str:
 
 
 def _data(machine: Machine, chain: Chain | None, options: MachineOptions) -> dict[str, Any]:
-    from chainbuild.chain.display import POSITION_COLUMNS
+    from chainbuild.chain.programmed.display import POSITION_COLUMNS
 
     return {
         "file": str(machine.path),
@@ -144,6 +151,7 @@ def _data(machine: Machine, chain: Chain | None, options: MachineOptions) -> dic
         "pose_columns": [*POSITION_COLUMNS, *chain.display_columns] if chain else [],
         "vectors": asdict(chain.vectors) if chain and chain.vectors else None,
         "axes": [_axis_data(machine, chain, n) for n in range(len(chain.axes))] if chain else [],
+        "drives": [_drive_data(chain, limit) for limit in chain.drive_limits] if chain else [],
         "parameters": [_with_line(row) for row in _parameters(machine, options)],
         "conventions": [_convention_data(used) for used in chain.conventions] if chain else [],
         "findings": [finding_data(finding) for finding in all_findings(machine, chain)],
@@ -152,6 +160,12 @@ def _data(machine: Machine, chain: Chain | None, options: MachineOptions) -> dic
 
 def _axis_data(machine: Machine, chain: Chain, n: int) -> dict[str, Any]:
     return {**asdict(chain.axes[n]), "limits_from": limits_source(machine, chain, n)}
+
+
+def _drive_data(chain: Chain, limit: DriveLimit) -> dict[str, Any]:
+    ends = {"lower": limit.lower, "upper": limit.upper}
+    known = {key: value if math.isfinite(value) else None for key, value in ends.items()}
+    return {"name": drive_name(chain.axes[limit.axis]), **known, "max_speed": limit.max_speed}
 
 
 def _with_line(entry: KinematicEntry | ParameterRow) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Final
@@ -11,6 +12,7 @@ from rich.table import Table
 
 from chainbuild.cli.open_points import print_convention
 from chainbuild.cli.show import empty_table, shown_number
+from chainbuild.kinematics.limits import drive_name
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Axis, Chain
@@ -61,12 +63,31 @@ def axes_table(machine: Machine, chain: Chain) -> Table:
 
 
 def limits_source(machine: Machine, chain: Chain, n: int) -> str:
-    """Return where the limits of the n-th axis come from: "machine data", "overlay" or "assumed"."""
-    axis = chain.axes[n]
+    """Return where the limits of the n-th axis come from.
+
+    "machine data", "overlay", "assumed", or "limits together": what limits of the axis and its drive, or the reach of
+    a head, leave together.
+    """
+    axis, overlay = chain.axes[n], machine.overlay
     if axis.assumed:
         return "assumed"
-    given = machine.overlay.limits_of(chain.axes, n)
-    return "overlay" if given == (axis.lower, axis.upper) else "machine data"
+    given = [overlay.limits_of(chain.axes, n), overlay.limits_of(chain.axes, n, drives=True)]
+    if (axis.lower, axis.upper) in given:
+        return "overlay"
+    return "limits together" if any(given) else "machine data"
+
+
+def drives_table(chain: Chain) -> Table | None:
+    """Return the limits of drives that do not stand at their axis values; None where there are none."""
+    if not chain.drive_limits:
+        return None
+    shown = empty_table("Drives that do not stand at their axis value", "Drive", "Unit", "Lower", "Upper", "Speed")
+    for limit in chain.drive_limits:
+        axis = chain.axes[limit.axis]
+        speed = f"{shown_number(limit.max_speed)} {axis.unit}/s" if limit.max_speed is not None else "–"
+        ends = [shown_number(end) if math.isfinite(end) else "–" for end in (limit.lower, limit.upper)]
+        shown.add_row(drive_name(axis), axis.unit, *ends, speed)
+    return shown
 
 
 def axis_meanings(chain: Chain) -> list[str]:
@@ -81,7 +102,7 @@ def axis_meanings(chain: Chain) -> list[str]:
 
 
 def _remarks(axis: Axis) -> str:
-    remarks = {"endless": axis.endless, "held by ik": axis.held}
+    remarks = {"endless": axis.endless, "held by ik": axis.held, "others in the middle": axis.widest is not None}
     return ", ".join(text for text, on in remarks.items() if on)
 
 

@@ -125,8 +125,8 @@ class _Shown:
             "task": self.robot.task,
             "length_mm": mm_from_m(self.reports[0][1].measures.length) if self.reports else None,
             "thresholds": asdict(self.limits) if self.limits else None,
-            "smallest": [float(value) for value in self.table.smallest],
-            "manipulability": [float(value) for value in self.table.manipulability],
+            "smallest": [_finite(value) for value in self.table.smallest],
+            "manipulability": [_finite(value) for value in self.table.manipulability],
             "condition": [_finite(value) for value in self.table.condition],
             "rows": [self._row(row, report) for row, report in self.reports],
             "stretches": [asdict(stretch) for stretch in self.stretches],
@@ -143,7 +143,7 @@ class _Shown:
             "runaway": dict(zip(names, report.measures.runaway.tolist(), strict=True)),
             "names": [asdict(found) for found in report.names],
             "notices": [asdict(found) for found in report.notices],
-            "speeds": {one.axis.name: _finite(one.needed) for one in speed.axes},
+            "speeds": {one.name: _finite(one.needed) for one in (*speed.axes, *speed.drives)},
             "possible_speed": speed.possible,
             "alarm": speed.alarm,
             "judgement": asdict(self.assessments[row]) if row in self.assessments else None,
@@ -177,10 +177,10 @@ class _Shown:
         shown = empty_table(
             f"Axis speeds at {report.speed.tool_speed:g} mm/s of the tool, worst direction", "Axis", "Needs", "Can"
         )
-        for row in report.speed.axes:
+        for row in (*report.speed.axes, *report.speed.drives):
             unit = "deg/s" if row.axis.unit == "deg" else "mm/s"
             needed = "∞" if math.isinf(row.needed) else f"{round(row.needed, _DIGITS):.4g} {unit}"
-            shown.add_row(row.axis.name, needed, f"{shown_number(row.limit)} {unit}" if row.limit is not None else "–")
+            shown.add_row(row.name, needed, f"{shown_number(row.limit)} {unit}" if row.limit is not None else "–")
         console().print(shown)
         if report.speed.alarm:
             print(f"an axis exceeds its speed limit: alarm {report.speed.alarm} in JOG")
@@ -197,7 +197,11 @@ class _Shown:
         for row, nearest in self.nearest.items():
             print(f"row {row + 1}: ", end="")
             _print_nearest(nearest, self.robot)
-        print(f"{len(self.rows)} rows, the smallest singular value is {float(self.table.smallest.min()):.4g}")
+        posed = [value for value in self.table.smallest.tolist() if not math.isnan(value)]
+        if len(posed) < len(self.rows):
+            print(f"{len(self.rows) - len(posed)} rows have no pose and are left out")
+        least = f", the smallest singular value is {min(posed):.4g}" if posed else ""
+        print(f"{len(self.rows)} rows{least}")
 
 
 def _kind(found: Singularity) -> str:

@@ -17,7 +17,7 @@ from chainbuild.errors import (
 )
 from chainbuild.findings import Collector, Findings
 from chainbuild.formats.machine import Machine
-from chainbuild.formats.overlay import Overlay, find_overlay
+from chainbuild.formats.overlay import Overlay, overlay_path, read_overlay
 from chainbuild.formats.text import SourceText, is_sinumerik, is_twincat, read_source
 from chainbuild.machines import shipped, shipped_path
 
@@ -174,3 +174,15 @@ def _no_machine(file: Path, given: str) -> FileAccessError:
     near = closest(file.name, [one.name for one in entries if one.suffix == file.suffix or one.stem == file.stem])
     hint = f"did you mean {file.parent / near}?" if near else None
     return FileAccessError("no such file", span=Span(given), hint=hint)
+
+
+def find_overlay(machine_file: Path, named: Path | None = None) -> Overlay:
+    """Return the overlay named, else the one beside the machine file, else an empty one."""
+    if named is not None:
+        return read_overlay(named)
+    beside = overlay_path(machine_file)
+    try:
+        present = beside.is_file()
+    except OSError as error:
+        raise FileAccessError(f"cannot look for the overlay: {error}", span=Span(str(beside))) from None
+    return read_overlay(beside) if present else Overlay()

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import re
-import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 from chainbuild import tolerances
 from chainbuild.chain.bodies.geometry import NO_GEOMETRY, Geometry
 from chainbuild.chain.bodies.geometry_table import geometry_from_table
 from chainbuild.chain.bodies.rods import with_rods
+from chainbuild.chain.drives import DriveLimit
 from chainbuild.chain.elements import Axis, Chain, Link
 from chainbuild.chain.names import axis_index, link_names
 from chainbuild.convention import check_choice
 from chainbuild.errors import ChainError, FileAccessError, MachineDataError, OverlayError, Span
-from chainbuild.formats.text import read_source, toml_line
+from chainbuild.formats.text import parsed_toml, read_source, toml_line
 
 SUFFIX = ".chainbuild.toml"
 _T = TypeVar("_T")
-_DEEP_KEY = re.compile(r"""(?:\.[ \t]*["']?[\w-]+["']?[ \t]*){50}""")
+_DRIVES: Final = "drives"  # the table within [limits] and [speeds]
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +32,9 @@ class Overlay:
         name: Display name of the machine.
         source: Where its numbers come from.
         limits: Axis name, the channel's or the generic one → (lower, upper) in mm or degrees.
+        drive_limits: The same of drives (`[limits.drives]`), by the names of their axes.
         speeds: Axis name → mm/s or deg/s.
+        drive_speeds: The same of drives (`[speeds.drives]`).
         endless: Names of axes that turn without end.
         conventions: Convention name → choice.
         tool_length_mm: Length of the tool in the spindle, added to `tool_length_mm` of `Machine.chain`.
@@ -47,7 +48,9 @@ class Overlay:
     name: str | None = None
     source: str | None = None
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    drive_limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     speeds: Mapping[str, float] = field(default_factory=dict)
+    drive_speeds: Mapping[str, float] = field(default_factory=dict)
     endless: tuple[str, ...] = ()
     conventions: Mapping[str, str] = field(default_factory=dict)
     tool_length_mm: float = 0.0
@@ -56,15 +59,22 @@ class Overlay:
     kinematic: int | str | tuple[int | str, int | str] | None = None
     geometry: Geometry = NO_GEOMETRY
 
-    def apply_limits(self, axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
+    def apply_limits(self, axes: tuple[Axis, ...], behind: Collection[int] = ()) -> tuple[Axis, ...]:
         """Return the axes with the overlay's limits, speeds and endless axes.
 
+        Args:
+            axes: The axes.
+            behind: Indices of axes whose drives do not stand at their values; what is said of these is left out.
+
         Raises:
-            OverlayError: the overlay names an axis that the kinematic does not have, one axis by two names, or an
-                endless one that is linear.
+            OverlayError: the overlay names an axis that the kinematic does not have, one axis by two names, an endless
+                one that is linear, or limits of an axis and its drive that leave nothing.
         """
-        limits, speeds = self._by_axis(axes, "limits", self.limits), self._by_axis(axes, "speeds", self.speeds)
-        endless = self._by_axis(axes, "endless", dict.fromkeys(self.endless, True))
+        limits = self._by_axis(axes, ("limits",), self.limits)
+        speeds = self._by_axis(axes, ("speeds",), self.speeds)
+        drive_limits = self._by_axis(axes, ("limits", _DRIVES), self.drive_limits)
+        drive_speeds = self._by_axis(axes, ("speeds", _DRIVES), self.drive_speeds)
+        endless = self._by_axis(axes, ("endless",), dict.fromkeys(self.endless, True))
         for n in endless:
             if axes[n].kind == "linear":
                 rotary = ", ".join(axis.name for axis in axes if axis.kind == "rotary") or "none"
@@ -77,24 +87,39 @@ class Overlay:
                 axis = replace(axis, lower=limits[n][0], upper=limits[n][1], assumed=False)
             if n in speeds:
                 axis = replace(axis, max_speed=speeds[n])
-            found.append(replace(axis, endless=axis.endless or n in endless))
+            axis = replace(axis, endless=axis.endless or n in endless)
+            known = limits.get(n), drive_limits.get(n), drive_speeds.get(n)
+            found.append(axis if n in behind else self._by_drive(axis, *known))
         return tuple(found)
 
-    def limits_of(self, axes: Sequence[Axis], n: int) -> tuple[float, float] | None:
-        """Return the overlay's limits of the n-th axis, mm or degrees, or None where it gives none."""
-        return next((limits for name, limits in self.limits.items() if axis_index(axes, name) == n), None)
+    def limits_of(self, axes: Sequence[Axis], n: int, *, drives: bool = False) -> tuple[float, float] | None:
+        """Return the overlay's limits of the n-th axis, or of its drive, mm or degrees; None where it gives none."""
+        given = self.drive_limits if drives else self.limits
+        return next((limits for name, limits in given.items() if axis_index(axes, name) == n), None)
+
+    def drive_limit(self, axes: Sequence[Axis], known: DriveLimit) -> DriveLimit:
+        """Return the limits and speed of an axis' drive, those of the overlay where it gives them."""
+        lower, upper = self.limits_of(axes, known.axis, drives=True) or (known.lower, known.upper)
+        speeds = self._by_axis(axes, ("speeds", _DRIVES), self.drive_speeds)
+        return DriveLimit(known.axis, lower, upper, speeds.get(known.axis, known.max_speed))
 
     def for_axes(self, axes: Sequence[Axis]) -> Overlay:
         """Return the overlay without what it says of axes that a kinematic does not have."""
         rotary = [n for n, axis in enumerate(axes) if axis.kind == "rotary"]
+
+        def known(values: Mapping[str, _T]) -> dict[str, _T]:
+            return {name: value for name, value in values.items() if axis_index(axes, name) is not None}
+
         return replace(
             self,
-            limits={name: limits for name, limits in self.limits.items() if axis_index(axes, name) is not None},
-            speeds={name: speed for name, speed in self.speeds.items() if axis_index(axes, name) is not None},
+            limits=known(self.limits),
+            drive_limits=known(self.drive_limits),
+            speeds=known(self.speeds),
+            drive_speeds=known(self.drive_speeds),
             endless=tuple(name for name in self.endless if axis_index(axes, name) in rotary),
         )
 
-    def _by_axis(self, axes: Sequence[Axis], key: str, values: Mapping[str, _T]) -> dict[int, _T]:
+    def _by_axis(self, axes: Sequence[Axis], keys: tuple[str, ...], values: Mapping[str, _T]) -> dict[int, _T]:
         """Return values by the index of the axis that their names mean."""
         found: dict[int, _T] = {}
         names: dict[int, str] = {}
@@ -102,10 +127,10 @@ class Overlay:
             n = axis_index(axes, name)
             known = ", ".join(axis.name for axis in axes)
             if n is None:
-                raise self.error(f"the kinematic has no axis '{name}'", (key, name), known)
+                raise self.error(f"the kinematic has no axis '{name}'", (*keys, name), known)
             if n in names:
                 text = f"'{names[n]}' and '{name}' are the same axis {axes[n].name}"
-                raise self.error(text, (key, name), "one of the two")
+                raise self.error(text, (*keys, name), "one of the two")
             found[n], names[n] = value, name
         return found
 
@@ -137,6 +162,24 @@ class Overlay:
         geometry = self.geometry.renamed(names)
         links = tuple(Link(link.name, geometry.radii.get(link.name, link.radius)) for link in chain.links)
         return replace(chain, links=links, geometry=geometry)
+
+    def _by_drive(
+        self,
+        axis: Axis,
+        own: tuple[float, float] | None,
+        drive: tuple[float, float] | None,
+        drive_speed: float | None,
+    ) -> Axis:
+        """Return an axis with the limits and speed of a drive that stands at its value."""
+        lower, upper = drive or (axis.lower, axis.upper)
+        if own:
+            lower, upper = max(lower, axis.lower), min(upper, axis.upper)
+        if not lower < upper:
+            text = f"the limits of axis '{axis.name}' and those of its drive have no value in common"
+            raise self.error(text, ("limits", _DRIVES, axis.name), "ranges that overlap")
+        speeds = [one for one in (axis.max_speed, drive_speed) if one is not None]
+        assumed = axis.assumed and not drive
+        return replace(axis, lower=lower, upper=upper, assumed=assumed, max_speed=min(speeds, default=None))
 
     def span(self, *keys: str) -> Span | None:
         """Return the place of a key in the file, such as ("limits", "A1"); None where there is no file."""
@@ -175,7 +218,7 @@ def read_overlay(path: Path) -> Overlay:
         OverlayError: TOML syntax, an unknown key (the known ones are listed), or a value of the wrong kind.
     """
     text = read_source(path, may_be_empty=True).text
-    data = _toml(path, text)
+    data = parsed_toml(path, text)
     values: dict[str, Any] = {}
     for key, value in data.items():
         reader = _READERS.get(key)
@@ -183,43 +226,20 @@ def read_overlay(path: Path) -> Overlay:
             raise OverlayError(
                 f"unknown key '{key}'", span=_span(path, key), parameter=key, permitted=", ".join(_READERS)
             )
+        if key in ("limits", "speeds") and isinstance(value, dict) and isinstance(value.get(_DRIVES), dict):
+            values[f"drive_{key}"] = reader(path, f"{key}.{_DRIVES}", value[_DRIVES])
+            value = {name: one for name, one in value.items() if name != _DRIVES}  # noqa: PLW2901
         values[key] = reader(path, key, value)
     return Overlay(path=path, **values)
-
-
-def _toml(path: Path, text: str) -> dict[str, Any]:
-    deep = _DEEP_KEY.search(text)  # tomllib takes seconds for thousands of dots
-    if deep is not None:
-        line = text.count("\n", 0, deep.start()) + 1
-        raise OverlayError("not a valid overlay: a key is nested too deeply", span=Span(str(path), line))
-    try:
-        return tomllib.loads(text)
-    except RecursionError:
-        raise OverlayError("not valid TOML: nested too deeply", span=Span(str(path))) from None
-    except tomllib.TOMLDecodeError as error:
-        found = re.search(r"line (\d+)", str(error))
-        raise OverlayError(f"not valid TOML: {error}", span=Span(str(path), int(found[1]) if found else 0)) from None
-    except ValueError:  # from int()
-        raise OverlayError("not valid TOML: a number has thousands of digits", span=Span(str(path))) from None
-
-
-def find_overlay(machine_file: Path, named: Path | None = None) -> Overlay:
-    """Return the overlay named, else the one beside the machine file, else an empty one."""
-    if named is not None:
-        return read_overlay(named)
-    beside = overlay_path(machine_file)
-    try:
-        present = beside.is_file()
-    except OSError as error:
-        raise FileAccessError(f"cannot look for the overlay: {error}", span=Span(str(beside))) from None
-    return read_overlay(beside) if present else Overlay()
 
 
 def _refuse(path: Path, key: str, permitted: str, text: str = "") -> OverlayError:
     """Return the error of a value; `key` has its table before a dot."""
     text = text or f"the value of '{key}' has the wrong type"
     table, _, name = key.partition(".")
-    return OverlayError(text, span=_span(path, table, *([name] if name else [])), parameter=key, permitted=permitted)
+    inner, _, of_drive = name.partition(".")
+    keys = (inner, of_drive) if inner == _DRIVES and of_drive else (name,) if name else ()
+    return OverlayError(text, span=_span(path, table, *keys), parameter=key, permitted=permitted)
 
 
 def _number(path: Path, key: str, value: object) -> float:

@@ -6,15 +6,17 @@ The dialect is detected by content alone, without the code of either one.
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from chainbuild import tolerances
-from chainbuild.errors import FileAccessError, FileContentError, Span
+from chainbuild.errors import FileAccessError, FileContentError, OverlayError, Span
 
 _TOML_HEADER = re.compile(r"\s*\[\[?([^\[\]]+)\]")
+_DEEP_KEY = re.compile(r"""(?:\.[ \t]*["']?[\w-]+["']?[ \t]*){50}""")
 _TOML_NAME = re.compile(r'"[^"]*"|\'[^\']*\'|[^.\s"\']+')
 _BOMS = ((b"\xef\xbb\xbf", "utf-8"), (b"\xff\xfe", "utf-16-le"), (b"\xfe\xff", "utf-16-be"))
 
@@ -174,3 +176,24 @@ def is_sinumerik(text: str) -> bool:
     (True, False, True)
     """
     return _SINUMERIK.search(text) is not None
+
+
+def parsed_toml(path: Path, text: str) -> dict[str, Any]:
+    """Return the contents of an overlay.
+
+    Raises:
+        OverlayError: TOML syntax.
+    """
+    deep = _DEEP_KEY.search(text)  # tomllib takes seconds for thousands of dots
+    if deep is not None:
+        line = text.count("\n", 0, deep.start()) + 1
+        raise OverlayError("not a valid overlay: a key is nested too deeply", span=Span(str(path), line))
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise OverlayError("not valid TOML: nested too deeply", span=Span(str(path))) from None
+    except tomllib.TOMLDecodeError as error:
+        found = re.search(r"line (\d+)", str(error))
+        raise OverlayError(f"not valid TOML: {error}", span=Span(str(path), int(found[1]) if found else 0)) from None
+    except ValueError:  # from int()
+        raise OverlayError("not valid TOML: a number has thousands of digits", span=Span(str(path))) from None

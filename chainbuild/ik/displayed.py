@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike
 
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.display import POSITION_COLUMNS
 from chainbuild.chain.elements import Task
 from chainbuild.chain.names import axis_index
-from chainbuild.chain.vectors import rotation_from_vector
+from chainbuild.chain.programmed.display import POSITION_COLUMNS
+from chainbuild.chain.programmed.vectors import rotation_from_vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.policies.four_axis import PitchAndTurn, PoseAngles, with_reachable_orientation

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import Chain
+from chainbuild.chain.sums import AxisConstraint
 from chainbuild.ik import rules
 from chainbuild.kinematics.mechanism import Mechanism
 
@@ -184,7 +185,7 @@ def _prepare(mechanism: Mechanism) -> Freedoms:
     lower = _inner(limits.lower.tolist(), factors, math.inf)
     upper = _inner(limits.upper.tolist(), factors, -math.inf)
     periodic = periodic_axes(mechanism.chain)
-    box = Box(lower, upper, periodic, tuple(a.name for a in axes), *_coupled(mechanism.chain, factors))
+    box = Box(lower, upper, periodic, tuple(a.name for a in axes), *_coupled(limits.sums, factors))
     span_low, span_high = finite_span(lower, upper)
     stagger = _START_STAGGER * np.where(np.arange(len(axes)) % 2 == 0, 1.0, -1.0)
     middle = (span_low + span_high) / 2.0 + stagger * np.minimum(span_high - span_low, math.tau)
@@ -210,9 +211,8 @@ def finite_span(lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
     )
 
 
-def _coupled(chain: Chain, factors: Vector) -> tuple[Matrix, Vector, Vector]:
-    """Return the chain's limits on sums of axes as rows over SI axis values."""
-    rows = chain.constraints
+def _coupled(rows: Sequence[AxisConstraint], factors: Vector) -> tuple[Matrix, Vector, Vector]:
+    """Return limits on sums of axes as rows over SI axis values."""
     sums = np.array([row.sum.coefficients for row in rows]).reshape(len(rows), len(factors)) / factors
     offset = np.array([row.sum.offset for row in rows])
     lower, upper = (np.array([getattr(row, end) for row in rows], dtype=float) - offset for end in ("lower", "upper"))

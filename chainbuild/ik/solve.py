@@ -2,7 +2,7 @@
 
 request → search → (its first success is the answer if no more is requested)
 → answer        the chosen solver; a closed form if the search finds nothing
-→ sums          a branch that keeps the limits on sums of axes
+→ sums          a branch that keeps the limits on sums of axes and on drives
 → four axes     a ROBX robot of four axes: A and B of the pose follow, C counts turns
 → redundancy    the preferred one of infinitely many solutions
 → status        instead of all these where one is programmed: the branch of that pose status and turn
@@ -109,27 +109,25 @@ def answer(request: IkRequest, solver: str, searched: IkResult | None = None) ->
 
 
 def keeping_sums(request: IkRequest, found: IkResult, solver: str) -> IkResult:
-    """Return an answer that keeps the limits on sums of axes: the one found, another branch, or a refusal."""
-    broken = request.mechanism.limits.broken_sums(found.axes) if found.success else ()
+    """Return an answer that keeps the limits on sums and drives: the one found, another branch, or a refusal."""
+    limits = request.mechanism.limits
+    broken = limits.joint_violations(found.axes) if found.success and (limits.sums or limits.curved) else ()
     if not broken:
         return found
     other = _complete_answer(request) if solver == "auto" else None
     if other is not None and other.success:
         return other
-    reason = f"reached only outside the limits of {', '.join(limit.label for limit in broken)}"
-    violated = tuple(limit.name for limit in broken)
-    return replace(found, success=False, status="limits", reason=reason, violated=violated)
+    reason = f"reached only outside the limits of {', '.join(text for _, text in broken)}"
+    return replace(found, success=False, status="limits", reason=reason, violated=tuple(name for name, _ in broken))
 
 
 def checked(request: IkRequest, found: IkResult) -> IkResult:
     """Return an answer with its axes on the inner side of their limits, or as a failure if they are not."""
     if not found.success:
         return found
-    limits = request.mechanism.limits
-    outside = limits.outside(found.axes)
+    outside = request.mechanism.limits.violations(found.axes)
     if outside:
-        reason = "; ".join(limits.in_words(n, float(found.axes[n])) for n in outside)
-        violated = tuple(limits.axes[n].name for n in outside)
+        reason, violated = "; ".join(text for _, text in outside), tuple(name for name, _ in outside)
         return replace(found, success=False, status="limits", reason=reason, violated=violated)
     moved = on_limits(request.mechanism, request.pose, found.axes, found.task)
     if moved is None:

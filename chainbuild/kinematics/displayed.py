@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.display import ANGLE_COLUMNS, POSITION_COLUMNS, Display
 from chainbuild.chain.poses import link_placements
+from chainbuild.chain.programmed.display import ANGLE_COLUMNS, POSITION_COLUMNS, Display
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.units import deg_from_rad, mm_from_m
 

@@ -180,8 +180,7 @@ def tilt(direction: Vector, axis: int) -> Vector:
 
 def joint_bounds(chain: Chain) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return lower and upper joint values (n_q,), SI, over the box of the axis limits."""
-    lower = np.array([axis.lower for axis in chain.axes])
-    upper = np.array([axis.upper for axis in chain.axes])
+    lower, upper = np.array([axis.range for axis in chain.axes]).T
     return chain.axis_map.q_bounds(lower, upper)
 
 

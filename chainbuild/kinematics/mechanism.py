@@ -17,6 +17,7 @@ from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import joint_values
 from chainbuild.chain.check import check_chain
+from chainbuild.chain.drives import drive_values
 from chainbuild.chain.elements import Axis, Chain, Task
 from chainbuild.errors import AxisValueError, ChainbuildError, ChainError
 from chainbuild.html import html_table
@@ -30,6 +31,7 @@ from chainbuild.units import AxisLabels, Units
 _T = TypeVar("_T")
 
 _SAMPLES: Final = 8  # configurations in which the rank of a Jacobian is looked at
+_TRIES: Final = 50  # for one of them with a pose: enough where a tenth of the range has poses
 _NOTHING: Final[Any] = object()
 
 
@@ -41,7 +43,7 @@ class Mechanism:
     Attributes:
         chain: What it was built from.
         kinematics: The evaluator that solvers use.
-        limits: The limits of axes and of sums of axes.
+        limits: The limits of axes, of sums of axes and of drives.
         labels: Names and units of its axis values, for results that hold some.
         task: What inverse kinematics solves for: "pose", "direction" or "position".
         prepared: Cache of what is made once for this mechanism, by kind and key; see `Prepared.get`.
@@ -70,10 +72,15 @@ class Mechanism:
         rows = []
         for axis in self.axes:
             told = "endless" if axis.endless else "assumed" if axis.assumed else "given"
+            told = f"{told}, the others in the middle" if axis.widest is not None else told
             lower, upper = number(axis.lower), number(axis.upper)
             rows.append((axis.name, axis.kind, lower, upper, axis.unit, told, axis.carries))
-        sums = [(s.name, "sum", number(s.lower), number(s.upper), "", "given", "") for s in self.limits.sums]
-        return html_table(head, [*rows, *sums], f"{self.chain.title} ({self.chain.kinematic})")
+        sums = [(s.name, "sum", number(s.lower), number(s.upper), "", "given", "") for s in self.limits.plain_sums]
+        drives = [
+            (self.limits.drive_name(d), "drive", number(d.lower), number(d.upper), self.axes[d.axis].unit, "given", "")
+            for d in self.limits.drives
+        ]
+        return html_table(head, [*rows, *sums, *drives], f"{self.chain.title} ({self.chain.kinematic})")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.chain,)
@@ -153,6 +160,24 @@ class Mechanism:
             raise ChainbuildError("the kinematic has no finite pose at these axis values")
         return pose
 
+    def drives(self, axes: ArrayLike, *, units: Units = "controller") -> Vector:
+        """Return what the drives stand at (n_axes,) at axis values (n_axes,): the same on most machines.
+
+        They part where a gear, spatial angles or a virtual axis lie between the two (KIN_TYP 3, 28, 59, 60, 70, 76).
+
+        Args:
+            axes: Axis values.
+            units: Those of axis and drive values: "controller", mm and degrees, or "si", metres and radians.
+
+        Raises:
+            AxisValueError: wrong count or not finite.
+            ChainbuildError: the drives have no place there, or there are no such units.
+        """
+        if units != "controller":
+            axes = self.controller_values(axes, units)
+        values = drive_values(self.chain.drives, self.axis_values(axes))
+        return values if units == "controller" else values * self.labels.to(units).factors
+
     def pose_angles(self, axes: ArrayLike) -> tuple[float, float, float]:
         """Return the pose angles A, B, C [deg] that the controller shows at axis values (n_axes,), mm and degrees.
 
@@ -217,7 +242,7 @@ class Mechanism:
         return J if frame == "tool" else np.vstack((pose.rotation @ J[:3], pose.rotation @ J[3:]))
 
     def violated_limits(self, axes: ArrayLike) -> tuple[str, ...]:
-        """Return the names of the axes outside their limits, then of the limits on sums of axes that are violated.
+        """Return the names of the axes outside their limits, then of the sums and the drives ("A_drive") that are.
 
         A value up to `tolerances.LIMIT_SLACK` beyond its limit still counts as inside.
 
@@ -297,8 +322,13 @@ def _samples(kinematics: Kinematics, free: NDArray[np.bool_]) -> Callable[[int],
 
     def sample(n: int) -> Matrix:
         while len(made) <= n:
-            x = lower + (upper - lower) * rng.random(len(axes))
-            made.append(kinematics.pose_and_jacobian(x)[1][:, free])
+            J = np.zeros((6, len(axes)))
+            for _ in range(_TRIES):  # limits may be wider than what the axis map has joint values for
+                there = kinematics.pose_and_jacobian(lower + (upper - lower) * rng.random(len(axes)))[1]
+                if np.isfinite(there).all():
+                    J = there
+                    break
+            made.append(J[:, free])
         return made[n]
 
     return sample

@@ -11,9 +11,9 @@ import numpy as np
 
 from chainbuild import frames
 from chainbuild.arrays import Matrix
-from chainbuild.chain.display import ANGLE_COLUMNS, POSE_ANGLES, POSITION_COLUMNS, TOOL_COLUMNS, Display
 from chainbuild.chain.elements import Axis, Chain, Task
-from chainbuild.chain.vectors import VECTOR_COLUMNS, VectorProgramming
+from chainbuild.chain.programmed.display import ANGLE_COLUMNS, POSE_ANGLES, POSITION_COLUMNS, TOOL_COLUMNS, Display
+from chainbuild.chain.programmed.vectors import VECTOR_COLUMNS, VectorProgramming
 from chainbuild.kinematics.displayed import vector_of_angles
 from chainbuild.shown import fields_shown
 from chainbuild.units import deg_from_rad

@@ -12,9 +12,10 @@ import numpy as np
 
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix
-from chainbuild.chain.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
-from chainbuild.chain.status import parse_status, parse_turn
-from chainbuild.chain.vectors import VECTOR_COLUMNS, kept_angle, rotation_from_vector
+from chainbuild.chain.names import DRIVE_SUFFIX
+from chainbuild.chain.programmed.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
+from chainbuild.chain.programmed.status import parse_status, parse_turn
+from chainbuild.chain.programmed.vectors import VECTOR_COLUMNS, kept_angle, rotation_from_vector
 from chainbuild.errors import ChainbuildError, Span
 from chainbuild.tables.axes import DECIMALS, UNIT_DECIMALS, VIOLATIONS_COLUMN, names_field, number_field
 from chainbuild.tables.form import C_COLUMN, QUATERNION_COLUMNS, STATUS_COLUMNS, PoseForm
@@ -103,7 +104,7 @@ class PoseTable(Table):
         beside = (C_COLUMN,) if form.running_c and C_COLUMN in names and C_COLUMN not in columns else ()
         more = (name for name in (*STATUS_COLUMNS, *form.held) if name in names and name in form.permitted())
         wanted = (*form.position(names), *columns, *beside, *more)
-        return wanted, (*self._permitted(names), VIOLATIONS_COLUMN)
+        return wanted, (*self._permitted(names), VIOLATIONS_COLUMN, *_drives_among(names))
 
     def _permitted(self, names: Sequence[str]) -> tuple[str, ...]:
         permitted = self.form.permitted()
@@ -228,6 +229,11 @@ class PoseTable(Table):
             )
 
 
+def _drives_among(names: Sequence[str]) -> list[str]:
+    """Return the columns of drives, which fk writes and nobody reads."""
+    return [name for name in names if name.endswith(DRIVE_SUFFIX)]
+
+
 class PoseWriter:
     """Writes poses: position, full orientation (qw ≥ 0), tool vector and what the controller displays.
 
@@ -238,6 +244,7 @@ class PoseWriter:
         angles: Name in `frames.ANGLE_MODES` of angles A, B, C that are written in addition; None: none.
         more: Names of further columns behind the pose, such as input axes and drives.
         violations: True: one more column names the limits that are violated.
+        drives: Names of the columns of drive values, behind all others.
     """
 
     def __init__(
@@ -249,6 +256,7 @@ class PoseWriter:
         angles: str | None = None,
         more: Sequence[str] = (),
         violations: bool = False,
+        drives: Sequence[str] = (),
     ) -> None:
         self._stream, self._form, self._angles, self._violations = stream, form, angles, violations
         names = [name for name in form.full if name not in form.columns]
@@ -257,7 +265,7 @@ class PoseWriter:
         self._columns = (*POSITION_COLUMNS, *names, *(sorted(shown) if form.shows_angles else shown))
         self._status = STATUS_COLUMNS if form.status else ()
         last = (VIOLATIONS_COLUMN,) if violations else ()
-        stream.write(",".join((*self._columns, *self._status, *more, *last)) + "\n")
+        stream.write(",".join((*self._columns, *self._status, *more, *last, *drives)) + "\n")
 
     def write(
         self,
@@ -266,6 +274,7 @@ class PoseWriter:
         more: Sequence[float] = (),
         status: Sequence[int] = (),
         violated: Sequence[str] = (),
+        drives: Sequence[float] = (),
     ) -> None:
         """Write one pose.
 
@@ -275,12 +284,13 @@ class PoseWriter:
             more: Values of the further columns, mm and degrees.
             status: Pose status and turn.
             violated: Names of the limits that are violated.
+            drives: Values of the drives, mm and degrees.
         """
         values = self._values(T) | dict(shown or {})
         fields = [self._field(name, values[name]) for name in self._columns]
         fields += [*map(str, status), *map(number_field, more)]
         last = [names_field(violated)] if self._violations else []
-        self._stream.write(",".join([*fields, *last]) + "\n")
+        self._stream.write(",".join([*fields, *last, *(number_field(value) for value in drives)]) + "\n")
 
     def _values(self, T: Matrix) -> dict[str, float]:
         """Return what a pose alone determines, by column."""

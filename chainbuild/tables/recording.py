@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
 from chainbuild.chain.elements import Chain, Task
 from chainbuild.chain.poses import pose
+from chainbuild.chain.programmed.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
 from chainbuild.errors import Span, TableError
 from chainbuild.kinematics.displayed import plane_angle
 from chainbuild.shown import fields_shown

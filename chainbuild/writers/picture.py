@@ -106,10 +106,11 @@ def _runs(intervals: Sequence[FreeInterval]) -> list[list[FreeInterval]]:
 
 def measure_picture(smallest: Vector, title: str, threshold: float) -> str:
     """Return the smallest singular value along the rows of a path as SVG."""
-    rows = list(range(1, len(smallest) + 1))
-    top = max(float(smallest.max()), threshold) * 1.05
-    chart = Chart(title, "row", "smallest singular value, scaled", (1.0, float(max(rows))), (0.0, top))
-    chart.line(rows, smallest.tolist(), _BLUE)
+    known = np.flatnonzero(~np.isnan(smallest))  # the others have no pose
+    rows = (known + 1).tolist()
+    top = max(float(smallest[known].max(initial=0.0)), threshold) * 1.05
+    chart = Chart(title, "row", "smallest singular value, scaled", (1.0, float(len(smallest))), (0.0, top))
+    chart.line(rows, smallest[known].tolist(), _BLUE)
     chart.line((1.0, float(max(rows))), (threshold, threshold), _ORANGE, dashed=True)
     return chart.text()
 

@@ -154,3 +154,23 @@ def test_judgements_of_the_control() -> None:
     assert product.value < found[2].value
     with pytest.raises(ChainbuildError, match="quantity"):
         assess(robot, at(2.0), limits, "sum")  # type: ignore[arg-type]
+
+
+def test_speeds_are_compared_at_the_drives() -> None:
+    """28 geared 2:1 with half of C: the drive turns by 2·A + C/2, whatever the axes may."""
+    chain = chainbuild.Robot.load("geared_head_kin28").chain
+    robot = chainbuild.Robot(chain.with_drive_limits((chainbuild.DriveLimit(4, max_speed=20.0),)))
+    axes, along = [0.0, 0.0, 0.0, 20.0, 40.0], [1.0, 0.5, 0.0]
+    found = speeds(robot, axes, 30.0, along, motion="turn")
+    plain = speeds(chainbuild.Robot(chain), axes, 30.0, along, motion="turn")
+    assert [row.needed for row in found.axes] == pytest.approx([row.needed for row in plain.axes])
+    (drive,) = found.drives
+    assert (drive.name, drive.limit) == ("A_drive", 20.0)
+    # The task leaves the spin about the tool free: five rows, five axes.
+    rates = np.linalg.solve(robot.jacobian(axes)[:5], [0.0, 0.0, 0.0, *np.array(along[:2]) / np.linalg.norm(along)])
+    assert drive.needed == pytest.approx(30.0 * abs(2.0 * rates[4] + 0.5 * rates[3]), rel=1e-9)
+    assert drive.excessive == (drive.needed > 20.0)
+    assert found.possible is not None
+    assert found.possible <= 30.0 * 20.0 / drive.needed * (1.0 + 1e-12)
+    worst = speeds(robot, axes, 30.0, motion="turn").drives[0].needed
+    assert worst >= drive.needed

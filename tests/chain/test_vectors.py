@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix
-from chainbuild.chain.vectors import (
+from chainbuild.chain.programmed.vectors import (
     FIXED_AXIS_INDEX,
     VectorProgramming,
     check_condition,

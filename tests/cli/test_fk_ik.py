@@ -294,3 +294,42 @@ def test_a_mill_may_cut_a_part_of_a_few_millimetres(run: Run) -> None:
     missed = run("ik", "ac_table_kin58", "--poses", "small.csv", "--tool-length", "900")
     assert missed.code == 3
     assert missed.err.splitlines()[-1] == "small.csv: no coordinate is above 3 mm: are these metres?"
+
+
+def test_fk_with_drives(run: Run) -> None:
+    """Columns of the drives stand behind all others, and ik reads the table all the same."""
+    outcome = run("fk", "cardan_head_kin59", "--at", "1,2,3,40,85", "--drives", "-o", "poses.csv")
+    assert outcome.code == 0
+    header = Path("poses.csv").read_text("utf-8").splitlines()[0].split(",")
+    assert header[-5:] == ["X_drive", "Y_drive", "Z_drive", "C_drive", "A_drive"]
+    (row,) = rows_of(Path("poses.csv").read_text("utf-8"))
+    assert float(row["A_drive"]) == pytest.approx(145.658, abs=5e-4)
+    assert float(row["X_drive"]) == 1.0
+    assert run("ik", "cardan_head_kin59", "--poses", "poses.csv").code == 0
+    equal = run("fk", ARM, "--at", "1,2,3,4,5,6", "--drives").out.splitlines()
+    assert [float(value) for value in equal[1].split(",")[-6:]] == [1, 2, 3, 4, 5, 6]
+
+
+def test_limits_of_drives_are_counted_and_named(run: Run) -> None:
+    write("head.lis", "trafo[0].id 59\ntrafo[0].param[6] 450000\nEnde\n")
+    write("head.chainbuild.toml", "[limits.drives]\nA = [-100, 100]\n")
+    outcome = run("fk", "head.lis", "--at", "0,0,0,0,80", "-o", "poses.csv")
+    assert "1 row outside the limits of A_drive" in outcome.err
+    assert rows_of(Path("poses.csv").read_text("utf-8"))[0]["violations"] == "A_drive"
+    refused = run("ik", "head.lis", "--poses", "poses.csv")
+    assert refused.code == 3
+    assert "A_drive is " in refused.err
+    shown = run("info", "head.lis")
+    assert "A_drive" in shown.out
+    (data,) = json.loads(run("info", "head.lis", "--json").out)["drives"]
+    assert data == {"name": "A_drive", "lower": -100.0, "upper": 100.0, "max_speed": None}
+
+
+def test_rows_beyond_the_reach_are_left_out_of_measures(run: Run) -> None:
+    write("head.lis", "trafo[0].id 60\ntrafo[0].param[6] 450000\nEnde\n")
+    write("axes.csv", "X,Y,Z,C,B\n0,0,0,0,30\n0,0,0,0,120\n0,0,0,0,0\n")
+    outcome = run("singularity", "head.lis", "--axes", "axes.csv", "--picture", "path.svg")
+    assert outcome.code == 0
+    assert "1 rows have no pose and are left out" in outcome.out
+    assert json.loads(run("singularity", "head.lis", "--axes", "axes.csv", "--json").out)["smallest"][1] is None
+    assert run("singularity", "head.lis", "--at", "0,0,0,0,120").code == 1

@@ -19,8 +19,8 @@ from chainbuild.errors import (
     UnsupportedKinematicError,
 )
 from chainbuild.findings import Collector
+from chainbuild.formats.load import find_overlay
 from chainbuild.formats.machine import Machine
-from chainbuild.formats.overlay import find_overlay
 from chainbuild.formats.sinumerik import machine as robx_machine
 from chainbuild.formats.text import read_source
 from chainbuild.formats.twincat import files as twincat_files

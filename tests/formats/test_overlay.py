@@ -95,3 +95,29 @@ def test_robx_overlays_point_at_their_line(tmp_path: Path) -> None:
         assert says in str(caught.value)
         assert (caught.value.file, caught.value.line) == (str(path), line)
         assert [finding for finding in chainbuild.check("irb2600", overlay=path) if finding.severity == "error"]
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "parameter", "says"),
+    [
+        ("[limits.drives]\nC = [20, 10]", 2, "limits.drives.C", "leave no range"),
+        ("[limits]\nX = [0, 1]\n[limits.drives]\nX = [2, 3]", 4, "limits.drives.X", "no value in common"),
+        ("[limits.drives]\nQ = [0, 1]", 2, "limits.drives.Q", "the kinematic has no axis 'Q'"),
+        ("[speeds.drives]\nC = -1", 2, "speeds.drives.C", "is -1"),
+        ("[speeds]\nX = 1\n[speeds.drives]\nQ = 1", 4, "speeds.drives.Q", "the kinematic has no axis 'Q'"),
+    ],
+)
+def test_errors_of_drives_point_at_their_line(tmp_path: Path, text: str, line: int, parameter: str, says: str) -> None:
+    with pytest.raises(ChainbuildError) as caught:
+        load(tmp_path, text).chain()
+    error = caught.value
+    assert error.span is not None
+    assert (error.span.line, error.parameter) == (line, parameter)
+    assert says in str(error)
+
+
+def test_limits_of_a_drive_at_its_axis_value_are_limits_of_the_axis(tmp_path: Path) -> None:
+    overlay = "[limits]\nC = [-90, 90]\n[limits.drives]\nC = [-50, 200]\nA = [-70, 70]\n"
+    axes = load(tmp_path, overlay + "[speeds]\nC = 100\n[speeds.drives]\nC = 80\nA = 30\n").chain().axes
+    assert (axes[3].lower, axes[3].upper, axes[3].max_speed) == (-50.0, 90.0, 80.0)
+    assert (axes[4].lower, axes[4].upper, axes[4].assumed, axes[4].max_speed) == (-70.0, 70.0, False, 30.0)

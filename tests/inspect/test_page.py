@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import chainbuild
 from chainbuild import frames
-from chainbuild.chain.display import Display
+from chainbuild.chain.programmed.display import Display
 from chainbuild.errors import FileAccessError, Span
 from chainbuild.findings import Finding
 from chainbuild.inspect.export import export_page, page_html

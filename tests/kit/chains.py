@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from chainbuild.chain.assemble import Element, assemble
 from chainbuild.chain.axismap import AxisMap
-from chainbuild.chain.display import POSE_ANGLES, Display
 from chainbuild.chain.elements import Axis, Chain, Task
+from chainbuild.chain.programmed.display import POSE_ANGLES, Display
 
 
 def chain_from(

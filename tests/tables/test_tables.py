@@ -12,8 +12,8 @@ import pytest
 
 import chainbuild
 from chainbuild import frames
-from chainbuild.chain.display import Display
 from chainbuild.chain.elements import Axis, Task
+from chainbuild.chain.programmed.display import Display
 from chainbuild.errors import FileAccessError, TableError
 from chainbuild.tables import AxisTable, IkWriter, PoseForm, PoseTable, PoseWriter
 

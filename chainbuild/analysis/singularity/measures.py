@@ -159,11 +159,16 @@ def measure(robot: Mechanism, axes: ArrayLike, length: float | None = None) -> M
 
 
 def smallest_value(robot: Mechanism, axes: ArrayLike) -> float:
-    """Return the smallest scaled singular value at axis values (n_axes,): the quick form of `measure`."""
+    """Return the smallest scaled singular value at axis values (n_axes,): the quick form of `measure`.
+
+    Not a number where there is no pose.
+    """
     values = np.asarray(axes, dtype=float)
     if values.shape != robot.kinematics.si_factors.shape or not math.isfinite(values.sum()):
         values = robot.axis_values(axes)  # raises if the values are wrong
     J = scaling_of(robot).apply(robot.kinematics.pose_and_jacobian(values * robot.kinematics.si_factors)[1])
+    if not math.isfinite(J.sum()):
+        return math.nan
     return float(np.linalg.svd(J, compute_uv=False)[-1])
 
 
@@ -173,7 +178,7 @@ class MeasureTable:
 
     Attributes:
         positions: (N, 3) tool in the workpiece frame [m].
-        smallest: (N,) smallest scaled singular value.
+        smallest: (N,) smallest scaled singular value; like the other columns not a number where a row has no pose.
         manipulability: (N,) product of the scaled singular values.
         condition: (N,) largest over smallest; inf at a singularity.
     """
@@ -202,7 +207,11 @@ def measure_batch(robot: Mechanism, axes: ArrayLike, *, length: float | None = N
     count = len(values)
     table = MeasureTable(np.empty((count, 3)), np.empty(count), np.empty(count), np.empty(count))
     for part, positions, J in pose_jacobians(robot, values):
-        singular = np.linalg.svd(scaling.apply(J), compute_uv=False)
+        scaled = scaling.apply(J)
+        without = ~np.isfinite(scaled.reshape(len(scaled), -1)).all(axis=1)
+        scaled[without] = 0.0
+        singular = np.linalg.svd(scaled, compute_uv=False)
+        singular[without], positions[without] = np.nan, np.nan
         table.positions[part] = positions
         table.smallest[part] = singular[:, -1]
         table.manipulability[part] = singular.prod(axis=1)

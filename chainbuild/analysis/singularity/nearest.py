@@ -6,6 +6,7 @@ along it, −σ·g/(g·g), lands on the singular set up to second order.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -68,7 +69,9 @@ def nearest_singularity(robot: Mechanism, axes: ArrayLike, *, length: float | No
 
     Raises:
         AxisValueError: wrong number of values, or a non-finite value.
+        ChainbuildError: the kinematic has no pose there.
     """
+    robot.jacobian(axes)
     descent = _Descent(robot, scaling_of(robot, length), robot.axis_values(axes))
     return descent.run()
 
@@ -116,6 +119,8 @@ class _Descent:
             h = np.zeros(len(z))
             h[n] = _DIFFERENCE
             change = self.jacobian(z + h) - self.jacobian(z - h)
+            if not np.isfinite(change).all():  # on the edge of what has a pose
+                return None
             gradient[n] = float(u @ change @ v) / (2.0 * _DIFFERENCE)
         squared = float(gradient @ gradient)
         if squared < _FLAT:
@@ -135,5 +140,7 @@ class _Descent:
 
 
 def _smallest(J: Matrix) -> tuple[Vector, float, Vector]:
+    if not np.isfinite(J).all():  # no pose: farther than any singularity
+        return np.zeros(len(J)), math.inf, np.zeros(J.shape[1])
     U, values, Vt = np.linalg.svd(J, full_matrices=False)
     return U[:, -1], float(values[-1]), Vt[-1]

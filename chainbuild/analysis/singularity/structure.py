@@ -7,6 +7,7 @@ joints are parallel and which meet in a wrist point, and from that follow the fu
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import islice
 from typing import Final, Literal
 
 import numpy as np
@@ -22,6 +23,7 @@ SingularityKind = Literal["wrist", "elbow", "shoulder", "pole", "tilt_end", "oth
 
 _SAME: Final = 1e-9  # sines and shares of the length below this are 0: data carry 1e-4 mm at best
 _PROBES: Final = 2  # two: what lines up in one position by chance does not in the other
+_TRIES: Final = 50  # positions drawn for each of them: enough where a tenth of the range has poses
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,7 +122,10 @@ def _probe_positions(robot: Mechanism) -> list[Vector]:
     rng = np.random.default_rng(7)
     lower = np.array([max(axis.lower, -170.0) for axis in robot.axes])
     upper = np.array([min(axis.upper, 170.0) for axis in robot.axes])
-    return [lower + (upper - lower) * rng.uniform(0.1, 0.9, len(lower)) for _ in range(_PROBES)]
+    drawn = (lower + (upper - lower) * rng.uniform(0.1, 0.9, len(lower)) for _ in range(_TRIES * _PROBES))
+    # Limits may be wider than what the axis map has joint values for.
+    having_a_pose = (axes for axes in drawn if np.isfinite(robot.chain.axis_map.q(axes)).all())
+    return list(islice(having_a_pose, _PROBES))
 
 
 def _form(chain: Chain, probes: list[Lines], length: float) -> Form:

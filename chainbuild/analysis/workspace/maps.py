@@ -246,7 +246,9 @@ class _Worker:
             cells = self.grid.cells_of(points)
             edge = self.grid.edges[0]
             cells[~in_slab(self.spec.kind, table.positions, float(edge[1] - edge[0]))] = -1
-        inside = cells >= 0
+        inside = (cells >= 0) & np.isfinite(smallest)
+        if self.robot.limits.drives:
+            inside &= [not self.robot.limits.broken_drives(row) for row in axes]
         collided = 0
         if self.bodies is not None:
             for n in np.flatnonzero(inside).tolist():

@@ -82,7 +82,9 @@ class Grid:
         inside = np.ones(len(points), dtype=bool)
         for n, edge in enumerate(self.edges):
             count = len(edge) - 1
-            place = np.floor((points[:, n] - edge[0]) / (edge[-1] - edge[0]) * count).astype(np.int64)
+            share = (points[:, n] - edge[0]) / (edge[-1] - edge[0])
+            # Not a number, where there is no pose, is outside.
+            place = np.floor(np.where(np.isfinite(share), share, -1.0) * count).astype(np.int64)
             inside &= (place >= 0) & (place < count)
             flat = flat * count + place
         flat[~inside] = -1
@@ -123,6 +125,9 @@ def grid_of(robot: Mechanism, spec: MapSpec) -> Grid:
         return Grid(labels, tuple(np.linspace(lower[n], upper[n], spec.cells + 1) for n in chosen))
     probes = random_axes(robot, np.random.default_rng(spec.seed), _PROBES)
     positions = measure_batch(robot, probes).positions
+    positions = positions[np.isfinite(positions).all(axis=1)]
+    if not len(positions):
+        raise ChainbuildError("no position within the limits has a pose")
     points = directions(spec.kind, positions)
     low, high = points.min(axis=0), points.max(axis=0)
     margin = _MARGIN * max(float((high - low).max()), 1e-3)

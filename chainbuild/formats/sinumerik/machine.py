@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Final
 
 from chainbuild.chain.assemble import assemble
-from chainbuild.chain.display import POSE_ANGLES, Display
 from chainbuild.chain.elements import Chain
 from chainbuild.chain.names import generic_name, renamed
+from chainbuild.chain.programmed.display import POSE_ANGLES, Display
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, MachineDataError, Span
 from chainbuild.findings import Collector, refuse_errors

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from chainbuild import frames
-from chainbuild.chain.vectors import FIXED_AXIS_INDEX
+from chainbuild.chain.programmed.vectors import FIXED_AXIS_INDEX
 from chainbuild.errors import ChainbuildError
 from chainbuild.findings import Collector
 from chainbuild.formats.machine import ParameterRow

@@ -6,10 +6,11 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Final
 
+from chainbuild.chain.drives import DriveLimit
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.chain.names import channel_names, renamed
 from chainbuild.convention import Choices
-from chainbuild.errors import ChainbuildError, UnsupportedKinematicError
+from chainbuild.errors import ChainbuildError, MachineDataError, UnsupportedKinematicError
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.axis_offsets import with_axis_offsets
 from chainbuild.formats.twincat.coupling.coupling import coupling_draft
@@ -27,6 +28,7 @@ from chainbuild.formats.twincat.lists.config import Trafo
 from chainbuild.formats.twincat.lists.source import Source
 from chainbuild.formats.twincat.types.draft import serial_draft
 from chainbuild.formats.twincat.universal.universal import UNIVERSAL, universal_draft
+from chainbuild.kinematics.ranges import with_ranges, within_reach
 
 _TABLE_SENSE: Final = "table_rotary_sense"
 
@@ -54,8 +56,7 @@ def translate(source: Source, name: str, title: str, choose: Choices, collector:
         chain = two_steps(chain, source.trafo, above, source.second, collector)
         axes = (*axes, *above.axes)
     _tell_table_sense(axes, source, choose, collector)
-    axes = _limited(chain.axes, ahead, source, collector)
-    return replace(chain.with_axes(axes), name=name, title=title)
+    return replace(_limited(chain, ahead, source, collector), name=name, title=title)
 
 
 def _tell_table_sense(axes: Iterable[Axis], source: Source, choose: Choices, collector: Collector) -> None:
@@ -140,16 +141,66 @@ def _named(chain: Chain, ahead: int, source: Source, collector: Collector) -> Ch
     return renamed(chain, names)
 
 
-def _limited(axes: tuple[Axis, ...], ahead: int, source: Source, collector: Collector) -> tuple[Axis, ...]:
-    """Return the axes with the limits of axis lists and overlay.
+def _limited(chain: Chain, ahead: int, source: Source, collector: Collector) -> Chain:
+    """Return the chain with the limits of axis lists and overlay.
+
+    Those of a list belong to the drive: where it stands at the axis value, to the axis, too.
 
     Args:
-        axes: Axes in channel order.
-        ahead: How many axes of the channel come before them.
+        chain: The chain.
+        ahead: How many axes of the channel come before its own.
         source: Lists and overlay.
         collector: Takes findings.
     """
-    listed = with_limits(axes, source.channel.axes, source.axis_lists, collector, ahead)
+    behind = chain.drives.differing if chain.drives is not None else ()
+    unknown = tuple(Axis.unlimited(axis.name, axis.kind) if n in behind else axis for n, axis in enumerate(chain.axes))
+    listed = with_limits(unknown, source.channel.axes, source.axis_lists, collector, ahead)
     # For a kinematic that the overlay is not written for, it may name axes that only others have.
-    overlay = source.overlay if source.main else source.overlay.for_axes(axes)
-    return overlay.apply_limits(listed)
+    overlay = source.overlay if source.main else source.overlay.for_axes(chain.axes)
+    axes = tuple(
+        replace(axis, endless=listed[n].endless) if n in behind else listed[n] for n, axis in enumerate(chain.axes)
+    )
+    axes = overlay.apply_limits(axes, behind)
+    limits = []
+    for n in behind:
+        limit = DriveLimit(n)
+        if (listed[n].lower, listed[n].upper) != (unknown[n].lower, unknown[n].upper) and not listed[n].endless:
+            limit = DriveLimit(n, listed[n].lower, listed[n].upper)
+        limit = overlay.drive_limit(axes, limit)
+        if limit.bounded or limit.max_speed is not None:
+            limits.append(limit)
+    return _ranged(chain.with_axes(axes).with_drive_limits(tuple(limits)), source, collector)
+
+
+def _ranged(chain: Chain, source: Source, collector: Collector) -> Chain:
+    """Return the chain with the ranges that its limits leave, with findings where they leave little.
+
+    Raises:
+        MachineDataError: they leave nothing.
+    """
+    reached, narrowed = within_reach(chain)
+    for n in narrowed:
+        axis, (least, most) = chain.axes[n], (reached.axes[n].lower, reached.axes[n].upper)
+        if chain.drives is not None:
+            least, most = chain.drives.reach[n]
+        text = f"the limits of axis {axis.name}, {axis.lower:g} to {axis.upper:g} deg, go beyond what the head reaches"
+        span = source.overlay.span("limits", axis.name) if axis.name in source.overlay.limits else source.trafo.span
+        reach = f"{least:.6g} to {most:.6g} deg"
+        if axis.lower >= most or axis.upper <= least:
+            collector.add(
+                "CB433", f"the limits of axis {axis.name} leave nothing of what the head reaches", span=span,
+                parameter=axis.name, permitted=reach, error=MachineDataError,
+            )  # fmt: skip
+        else:
+            collector.add("CB432", text, span=span, parameter=axis.name, permitted=reach)
+    ranged, lost = with_ranges(reached)
+    for axis in (axis for axis in ranged.axes if axis.name in lost):
+        span = source.overlay.span("limits", "drives", axis.name) or source.trafo.span
+        if axis.widest is None:
+            text = f"the limits of axis {axis.name} and those of the drives have no value in common"
+            permitted = "ranges that overlap"
+            collector.add("CB433", text, span=span, parameter=axis.name, permitted=permitted, error=MachineDataError)
+        else:
+            text = f"with the other axes in the middle the limits of the drives leave nothing of axis {axis.name}"
+            collector.add("CB434", text, span=span, parameter=axis.name)
+    return ranged

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from chainbuild.arrays import Vector
-from chainbuild.chain.status import HAND_AXIS, HAND_NEGATIVE, check_status_turn
+from chainbuild.chain.programmed.status import HAND_AXIS, HAND_NEGATIVE, check_status_turn
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.status_turn import require_status, status_turn
 from chainbuild.kinematics.mechanism import Mechanism

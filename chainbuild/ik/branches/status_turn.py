@@ -14,7 +14,7 @@ from chainbuild.arrays import Integers, Matrix, Vector
 from chainbuild.chain.axismap import AffineMap, joint_values
 from chainbuild.chain.elements import Joint
 from chainbuild.chain.poses import link_placements
-from chainbuild.chain.status import HAND_AXIS, HAND_NEGATIVE, WRIST_BEHIND, WRIST_IN_FRONT
+from chainbuild.chain.programmed.status import HAND_AXIS, HAND_NEGATIVE, WRIST_BEHIND, WRIST_IN_FRONT
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.arms.arms import wrist_centre
 from chainbuild.ik.branches.core.serial import Screw

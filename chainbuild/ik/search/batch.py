@@ -115,9 +115,24 @@ def _compiled(
         bad = np.flatnonzero(rows[1][:, 0] == rules.NOT_RIGID)
         if len(bad):
             raise at_row(refusal(targets[begin + bad[0]]), begin + int(bad[0]))
+        if problem.rechecked:
+            _recheck(problem, targets[part], own if first is not None else None, rows, options)
         if problem.held_beyond:
             rows[1][rows[1][:, 0] == rules.OK, 0] = rules.LIMITS
         advance(len(rows[0]))
+
+
+def _recheck(
+    problem: Problem, targets: Matrix, starts: Matrix | None, rows: tuple[Any, ...], options: IkOptions
+) -> None:
+    """Solve rows again that compiled code left beyond limits of sums or drives that it does not know."""
+    y, counts, misses = rows
+    for n in np.flatnonzero((counts[:, 0] == rules.OK) | (counts[:, 0] == rules.LIMITS)).tolist():
+        if counts[n, 0] == rules.OK and problem.keeps(y[n]):
+            continue
+        found = find(problem, targets[n], None if starts is None else starts[n % len(starts)], options)
+        y[n], misses[n] = found.y, (found.distance, found.angle)
+        counts[n] = found.outcome, found.iterations, found.restarts
 
 
 def _one_by_one(

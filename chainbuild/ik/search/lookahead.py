@@ -115,4 +115,4 @@ def _turned(problem: Problem, found: list[Vector]) -> list[Vector]:
             turns = (-math.tau, 0.0, math.tau) if box.periodic[n] else (0.0,)
             choices.append([y[n] + turn for turn in turns if box.lower[n] <= y[n] + turn <= box.upper[n]])
         result += [np.array(values) for values in itertools.islice(itertools.product(*choices), _MAX_BRANCHES)]
-    return [y for y in result if box.inside(y)]
+    return [y for y in result if box.inside(y) and problem.keeps(y)]

@@ -123,7 +123,8 @@ def _track_rows(problem: Problem, targets: Matrix, last: Vector, columns: Column
     if packed is not None:
         rows = (columns.y[part], columns.counts[part], columns.misses[part])
         done: int = compiled.entries().track_many(*packed.arrays, targets, last, options.accuracy, _MAX_STEP, *rows)
-        return done
+        broken = (n for n in range(done if problem.curved else 0) if not problem.keeps(columns.y[row + n]))
+        return next(broken, done)
     one_descent = replace(options, max_restarts=0)
     for n, target in enumerate(targets):
         guess = last if n < 2 else 2.0 * columns.y[row + n - 1] - columns.y[row + n - 2]
@@ -143,6 +144,8 @@ def _nearest_branch(problem: Problem, target: Matrix, last: Vector | None, optio
     for y in branches(problem, target, last, options):
         if best.outcome != rules.OK or _largest(y - last) < _largest(best.y - last):
             best = find(problem, target, y, replace(options, max_restarts=0))
+    if best.outcome != rules.OK and problem.rechecked:  # whole turns away there may be one inside the common limits
+        return find(problem, target, None, options)
     return best
 
 

@@ -48,7 +48,7 @@ class _Search:
         self.problem, self.box, self.target, self.wanted = problem, problem.box, target, wanted
         self.task = task_of(problem)
         self.error, self.damping = self.task.error_of(target), self.task.damping
-        self.coupled = len(self.box.sums) > 0
+        self.coupled, self.rechecked = len(self.box.sums) > 0, problem.rechecked
         self.goal, self.position_tolerance, self.rotation_tolerance, _ = options.accuracy.tolist()
         self.close_enough = min(self.position_tolerance, self.rotation_tolerance) ** 2
         self.iterations = 0
@@ -68,14 +68,14 @@ class _Search:
             inside = attempt % rules.FREE_EVERY != rules.FREE_EVERY - 1
             met, y, squared = self.descend(y, inside, rules.MAX_STEPS, rules.STALL_SHARE)
             if met:
-                found, y = y, self.box.into(y)
+                found, y = y, self.wound(self.box.into(y))
                 beyond = 0.0 if y is found and not self.coupled and inside else self.box.excess(y)
                 if beyond <= rules.INSIDE_SLACK:
                     # To the last digit: a start, or a free descent, may be beyond a limit by rounding.
-                    y = self.box.nearest(self.box.onto_limits(y) if beyond > 0.0 else y, self.wanted)
+                    y = self.wound(self.box.nearest(self.box.onto_limits(y) if beyond > 0.0 else y, self.wanted))
                     # The last step was forward kinematics at `found`; what whole turns moved is checked again.
                     distance, angle = self.task.misses(y, self.target, self.last if y is found else None)
-                    if self.verified(distance, angle):
+                    if self.verified(distance, angle) and self.problem.keeps(y):
                         return SearchEnd(rules.OK, self.iterations, attempt, distance, angle, y, y)
                 if beyond < least:
                     least, outside = beyond, y
@@ -95,6 +95,10 @@ class _Search:
         if least < math.inf:
             outcome = rules.LIMITS
         return SearchEnd(outcome, self.iterations, attempt, *self.task.misses(best, self.target, None), best, outside)
+
+    def wound(self, y: Vector) -> Vector:
+        """Return y by the whole turns that limits of sums and drives ask for."""
+        return self.problem.wound(y, self.wanted) if self.rechecked else y
 
     def descend(self, y: Vector, inside: bool, steps: int, stall_share: float) -> tuple[bool, Vector, float]:
         """Iterate from one start; return whether the pose is met, where, and the squared error."""

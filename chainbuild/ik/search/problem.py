@@ -5,6 +5,8 @@ Everything here is prepared once for a robot, its held axes and the options, and
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final, TypeVar
@@ -24,6 +26,7 @@ from chainbuild.kinematics.product import Product
 
 _T = TypeVar("_T")
 
+_MOST_TURNS: Final = 256  # combinations of whole turns tried: more than the rotary axes of a head have
 MAX_PREPARED: Final = 16  # problems kept per mechanism: additional axes may take another value with every pose
 
 
@@ -52,6 +55,8 @@ class Problem:
         starts: Configurations to start from.
         turns: Whether the task includes any rotation.
         held_beyond: Text for each held axis outside its limits: every pose then fails.
+        winding: Indices into the free axes of those whose whole turns decide about limits of sums or drives.
+        curved: Whether drives have limits that only their map knows: what a search finds is then checked by it.
         seed: Seed of the tables.
     """
 
@@ -74,7 +79,31 @@ class Problem:
     starts: Starts
     turns: bool
     held_beyond: tuple[str, ...]
+    winding: tuple[int, ...] = ()
+    curved: bool = False
     seed: int = 0
+
+    @property
+    def rechecked(self) -> bool:
+        """Whether the limits of the free axes and their sums are not all that a search has to know."""
+        return self.curved or bool(self.winding)
+
+    def keeps(self, y: Vector) -> bool:
+        """Return whether the drives are inside limits that only their map knows."""
+        return not self.curved or not self.mechanism.limits.broken_drives(self.shown(y))
+
+    def wound(self, y: Vector, wanted: Vector) -> Vector:
+        """Return y (n_free,) by whole turns inside all limits, as near as possible to another place; y if none is."""
+        if self.box.inside(y) and self.keeps(y):
+            return y
+        choices = []
+        for n, value in enumerate(y.tolist()):
+            low, high = float(self.box.lower[n]), float(self.box.upper[n])
+            turns = range(math.ceil((low - value) / math.tau), math.floor((high - value) / math.tau) + 1)
+            choices.append([value + k * math.tau for k in turns] if n in self.winding else [value])
+        places = [np.array(place) for place in itertools.islice(itertools.product(*choices), _MOST_TURNS)]
+        places.sort(key=lambda place: float(np.abs(place - wanted).max()))
+        return next((place for place in places if self.box.inside(place) and self.keeps(place)), y)
 
     def prepared(self, kind: str, make: Callable[[], _T]) -> _T:
         """Return what was made once for this problem; see `Mechanism.prepared`."""
@@ -191,8 +220,16 @@ def _prepare(mechanism: Mechanism, held: tuple[Vector, NDArray[np.bool_]] | None
         starts=starts,
         turns=bool(weights[3:].any()),
         held_beyond=tuple(_held_beyond(mechanism, x / freedoms.si_factors, fixed)) if fixed.any() else (),
+        winding=_winding(mechanism, box, free),
+        curved=mechanism.limits.curved,
         seed=options.seed,
     )
+
+
+def _winding(mechanism: Mechanism, box: Box, free: NDArray[np.intp]) -> tuple[int, ...]:
+    """Return which free axes have whole turns within their limits and a part in sums or drives."""
+    wide = box.periodic & (box.upper - box.lower >= math.tau) & np.isfinite(box.upper - box.lower)
+    return tuple(n for n, axis in enumerate(free.tolist()) if wide[n] and axis in mechanism.limits.together)
 
 
 def _whole(weights: Vector, axis: int) -> bool:

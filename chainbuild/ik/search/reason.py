@@ -69,11 +69,11 @@ def _arm_too_short(problem: Problem, target: Matrix) -> str:
 def _violations(problem: Problem, y: Vector) -> list[str]:
     limits, values = problem.mechanism.limits, problem.shown(y)
     words = []
-    for n in limits.outside(values):
+    for n in limits.own_outside(values):
         axis, value = limits.axes[n], float(values[n])
-        bound = axis.lower if value < axis.lower else axis.upper
+        bound = float(limits.lower[n] if value < limits.lower[n] else limits.upper[n])
         words.append(f"{axis.name} at {value:.3f} {axis.unit} (limit {bound:.3f})")
-    return words + [limit.label for limit in limits.broken_sums(values)]
+    return words + [text for _, text in limits.joint_violations(values)]
 
 
 def _gap(found: SearchEnd) -> str:

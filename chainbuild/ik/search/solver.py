@@ -68,10 +68,25 @@ def find(problem: Problem, target: Matrix, start: Vector | None, options: IkOpti
             found = compiled.compiled_search(packed, target, start, wanted, options)
             if found.outcome == rules.NOT_RIGID:
                 raise refusal(target)
+            if problem.rechecked:
+                found = _with_drives(problem, target, found, start, wanted, options)
             return _held_inside(problem, found)
     if not is_rigid(target):
         raise refusal(target)
     return _held_inside(problem, plain.plain_search(problem, target, start, wanted, options))
+
+
+def _with_drives(
+    problem: Problem, target: Matrix, found: SearchEnd, start: Vector | None, wanted: Vector, options: IkOptions
+) -> SearchEnd:
+    """Return an outcome of compiled code, or a better one where limits of sums or drives ask for other whole turns."""
+    if found.outcome not in {rules.OK, rules.LIMITS} or (found.outcome == rules.OK and problem.keeps(found.y)):
+        return found
+    if problem.curved:
+        return plain.plain_search(problem, target, start, wanted, options)
+    wound = problem.wound(problem.box.into(found.outside), wanted)
+    ended = plain.plain_search(problem, target, wound, wanted, replace(options, max_restarts=0))
+    return ended if ended.outcome == rules.OK else found
 
 
 def certainly_unreachable(request: IkRequest) -> bool:

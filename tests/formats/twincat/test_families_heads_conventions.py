@@ -210,6 +210,7 @@ def test_every_convention_of_the_heads_has_a_test() -> None:
         "kin25_length", "kin28_axis_values", "gear_flag_place", "spatial_angle_offsets", "kin59_zero_offset",
         "kin59_saw_tcp", "kin59_saw_angle", "kin59_underfloor", "kin70_offset_place", "kin70_hd14_sign", "kin70_cv",
         "kin207_programmed_point", "kin207_z0",
+        "kin59_drive_offset", "kin76_machine_axes", "kin76_hd6_sign",  # test_drives
     }  # fmt: skip
     concerned = {c.name for c in conventions().values() if {f"KIN {kin}" for kin in HEADS} & set(c.applies)}
     assert here | elsewhere == concerned

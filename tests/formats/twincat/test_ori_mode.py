@@ -10,7 +10,7 @@ import pytest
 import chainbuild
 from chainbuild.chain.compose import stack
 from chainbuild.chain.elements import Chain
-from chainbuild.chain.vectors import VectorProgramming, rotation_from_vector, vector_of
+from chainbuild.chain.programmed.vectors import VectorProgramming, rotation_from_vector, vector_of
 from chainbuild.errors import ChainbuildError
 from chainbuild.findings import Collector, Finding
 from chainbuild.formats.text import is_twincat

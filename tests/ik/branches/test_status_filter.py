@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild.chain.status import parse_status, parse_turn
+from chainbuild.chain.programmed.status import parse_status, parse_turn
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot import Robot
 from tests.kit.arms45 import bent_arm, limited, status_by_frames

@@ -15,10 +15,10 @@ import numpy as np
 from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AxisMap, refusal_of
-from chainbuild.chain.display import POSE_ANGLES, Display
 from chainbuild.chain.elements import Chain
 from chainbuild.chain.fold import reach
 from chainbuild.chain.poses import angle_rates, pose, pose_jacobian
+from chainbuild.chain.programmed.display import POSE_ANGLES, Display
 from chainbuild.errors import ChainbuildError, UnsupportedKinematicError
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.coupling.coupling import is_rtcp
@@ -62,6 +62,7 @@ def two_steps(first: Chain, first_trafo: Trafo, second: Chain, second_trafo: Tra
         axes=first.axes,
         axis_map=TwoStepMap(coordinates, second.axis_map, len(wanted), len(second.joints)),
         display=_outer(coordinates, second),
+        drives=first.drives,
     )
 
 

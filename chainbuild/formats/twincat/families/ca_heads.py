@@ -17,7 +17,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+import numpy as np
+
 from chainbuild.chain.assemble import Element, Move, linear, rotary, shift, turn
+from chainbuild.chain.drives import AffineDrives
 from chainbuild.convention import Choices
 from chainbuild.formats.twincat.maps.length import NozzleLaw, TiltLengthMap
 from chainbuild.formats.twincat.recipes.head_parts import direction_sign, slides, towards_slide, zero_deg
@@ -61,14 +64,15 @@ def kin_28(p: Params, choose: Choices) -> Recipe:
     before = min(signs) < 0 and choose["gear_flag_place"] == "before_gear"
     matters = gear.couples() or before
     drives = matters and choose["kin28_axis_values"] == "drives"
+    behind = gear.drives(signs if before else (1.0, 1.0)) if matters and not drives else None
     if before:
         c, a = (Drive(1.0, -zero_deg(p, choose, key)) for key in ("offset_c", "offset_a"))
-        return Recipe(tool=_fork(p, choose, *gear.joints(c, a, signs) if drives else _direct(c, a)))
+        return Recipe(tool=_fork(p, choose, *gear.joints(c, a, signs) if drives else _direct(c, a)), drives=behind)
     c, a = (
         zero_and_sign(choose, sign, zero_deg(p, choose, key), printed="outside")
         for sign, key in zip(signs, ("offset_c", "offset_a"), strict=True)
     )
-    return Recipe(tool=_fork(p, choose, *gear.joints(c, a) if drives else _direct(c, a)))
+    return Recipe(tool=_fork(p, choose, *gear.joints(c, a) if drives else _direct(c, a)), drives=behind)
 
 
 def kin_7(p: Params, choose: Choices) -> Recipe:
@@ -126,6 +130,14 @@ class _Gear:
     def couples(self) -> bool:
         """Return whether drives and head angles differ."""
         return (self.ratio, self.coupling, self.offset_deg) != (1.0, 0.0, 0.0)
+
+    def drives(self, signs: Sequence[float]) -> AffineDrives:
+        """Return the drives of head angles X, Y, Z, C, A; before the gear, each has a sign."""
+        sign_c, sign_a = signs
+        A, b = np.eye(5), np.zeros(5)
+        A[3, 3], A[4, 3:] = sign_c, (sign_a * self.coupling, sign_a * self.ratio)
+        b[4] = sign_a * self.offset_deg
+        return AffineDrives(A + 0.0, b + 0.0)
 
     def joints(self, c: Drive, a: Drive, drive_signs: Sequence[float] = (1.0, 1.0)) -> tuple[Move, Move]:
         """Return the joints C and A of drive values.

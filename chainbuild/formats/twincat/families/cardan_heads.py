@@ -22,7 +22,9 @@ from typing import Final
 
 from chainbuild import tolerances
 from chainbuild.chain.assemble import Element, Move, shift, turn
+from chainbuild.chain.drives import AffineDrives, DriveMap
 from chainbuild.convention import Choices
+from chainbuild.formats.twincat.maps.drives import SpatialDrives
 from chainbuild.formats.twincat.maps.heads import SpatialAnglesMap
 from chainbuild.formats.twincat.recipes.head_parts import flip, slides, towards_slide, zero_deg
 from chainbuild.formats.twincat.recipes.parts import asked_sign, tool_end
@@ -65,17 +67,24 @@ class _Head:
 
 @dataclass(frozen=True, slots=True)
 class _Offsets:
-    """Names of the zero offsets of C and of the inner axis that the pose of given axis values contains."""
+    """Names of the zero offsets of C and of the inner axis.
+
+    Attributes:
+        c: Those of C that the pose of given axis values contains.
+        inner: Those of the inner axis.
+        acting: Those that act like a zero offset on the drives, of C and of the inner axis; empty: none.
+    """
 
     c: tuple[str, ...]
     inner: tuple[str, ...]
+    acting: tuple[str, ...] = ()
 
 
 def _offsets_59(p: Params, choose: Choices) -> _Offsets:
     internal, acting = ("internal_offset_c", "internal_offset_a"), ("offset_c", "offset_a")
     if flip(choose, "kin59_zero_offset", "not_in_pose", *(p.deg(key) for key in acting)) < 0:
-        return _Offsets(internal[:1], internal[1:])
-    return _Offsets((internal[0], acting[0]), (internal[1], acting[1]))
+        return _Offsets(internal[:1], internal[1:], acting)
+    return _Offsets((internal[0], acting[0]), (internal[1], acting[1]), acting)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,25 +94,48 @@ class _Angles:
     Attributes:
         zero_deg: Offsets of C and of the inner axis, taken off machine angles.
         spatial: The map of programmed spatial angles, None where machine angles are programmed.
+        drives: What the drives stand at, None where at the axis values.
     """
 
     zero_deg: tuple[float, float]
     spatial: SpatialAnglesMap | None
+    drives: DriveMap | None = None
 
 
 def _angles(p: Params, choose: Choices, offsets: _Offsets, side: float = 1.0, axis: str = "A") -> _Angles:
     c = math.fsum(zero_deg(p, choose, key) for key in offsets.c)
     inner = math.fsum(zero_deg(p, choose, key) for key in offsets.inner)
+    acting = [zero_deg(p, choose, key) for key in offsets.acting] or [0.0, 0.0]
     tilt = p.deg("tilt_angle")
     if p.flag("machine_angles"):
-        return _Angles((c, inner), None)
+        # Where the pose does not contain them, the axis values are programmed ones and the drives contain them.
+        contained = not offsets.acting or offsets.acting[0] in offsets.c
+        return _Angles((c, inner), None, None if contained else _shifted(*acting))
     if abs(cos_sin_deg(tilt)[1]) < tolerances.ZERO_VECTOR:
         text = f"with HD7 = {tilt:g} degrees the inner axis is parallel to C: the head cannot tilt the tool"
         p.refuse("tilt_angle", text, "an angle other than 0 and 180 degrees, typically 30 to 60")
         return _Angles((c, inner), None)
     exact = flip(choose, "spatial_angle_offsets", "direction_exact", c, inner) < 0
     taken = (0.0, 0.0) if exact else (c, inner)
-    return _Angles((c, inner), SpatialAnglesMap.of(tilt, taken, side, axis))
+    spatial = SpatialAnglesMap.of(tilt, taken, side, axis)
+    return _Angles((c, inner), spatial, SpatialDrives(spatial, _drive_zeros(p, choose, offsets, taken, acting, exact)))
+
+
+def _drive_zeros(
+    p: Params, choose: Choices, offsets: _Offsets, taken: tuple[float, float], acting: Sequence[float], exact: bool
+) -> tuple[float, float]:
+    """Return what the drives C and the inner one stand beyond the angles of their joints [deg]."""
+    if exact:  # the model takes all of them off the drives
+        keys = (("internal_offset_c",), (offsets.inner[0],))
+        own = [math.fsum(zero_deg(p, choose, key) for key in group) for group in keys]
+        return own[0] + acting[0], own[1] + acting[1]
+    moved = flip(choose, "kin59_drive_offset", "contained", *acting) > 0
+    return (taken[0] + acting[0], taken[1] + acting[1]) if moved else taken
+
+
+def _shifted(c: float, inner: float) -> AffineDrives | None:
+    """Return drives that stand beyond their axis values by constants, None where these are 0."""
+    return AffineDrives.shifted(5, {3: c, 4: inner}) if c or inner else None
 
 
 def _recipe(
@@ -128,14 +160,14 @@ def _recipe(
         *after,
     ]
     if angles.spatial is None:
-        return Recipe(tool=tool)
+        return Recipe(tool=tool, drives=angles.drives)
     text = (
         f"C and {head.inner} are spatial angles (HD21 = 0): a URDF file holds the machine angles that follow from them"
     )
     p.note("CB421", "machine_angles", text)
     lean = deg_from_rad(angles.spatial.largest_tilt)
     axes = tuple(replace(axis, lower=-lean, upper=lean) if axis.name == head.inner else axis for axis in p.axes)
-    return Recipe(tool=tool, axes=axes, axis_map=angles.spatial)
+    return Recipe(tool=tool, axes=axes, axis_map=angles.spatial, drives=angles.drives)
 
 
 def _joints(head: _Head, angles: _Angles) -> tuple[Move, Move]:

@@ -17,8 +17,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
+from chainbuild import tolerances
 from chainbuild.chain.assemble import linear, mark, shift
 from chainbuild.convention import Choices
+from chainbuild.formats.twincat.maps.drives import BevelAxes, BevelDrives
 from chainbuild.formats.twincat.recipes.head_parts import slides
 from chainbuild.formats.twincat.recipes.parts import asked_sign, tool_end
 from chainbuild.formats.twincat.recipes.recipe import Drive, Params, Recipe, RecipeFunction, driven, table_rotary
@@ -26,6 +28,8 @@ from chainbuild.frames import cos_sin_deg
 
 # Direction of the inclined axis of 33 as (x, y) share of the sine of the tilt.
 _TILT: Final = {"xz_plus": (1.0, 0.0), "xz_minus": (-1.0, 0.0), "yz_plus": (0.0, 1.0), "yz_minus": (0.0, -1.0)}
+
+_BEVEL: Final[Mapping[str, BevelAxes]] = {"b_outside": "b_outside", "a_outside": "a_outside", "upright": "upright"}
 
 
 def kin_11(p: Params, choose: Choices) -> Recipe:
@@ -81,7 +85,17 @@ def kin_76(p: Params, choose: Choices) -> Recipe:
             driven("A", "x", Drive()),
             *tool_end(p, z=-p.mm("tool_z")),
         ],
+        drives=_bevel_drives(p, choose),
     )
+
+
+def _bevel_drives(p: Params, choose: Choices) -> BevelDrives | None:
+    """Return the machine axes of 76; None where HD7 is 0 or 180 degrees: the head could not lean."""
+    tilt, mounting = p.deg("tilt_angle"), p.deg("mounting_angle")
+    if abs(cos_sin_deg(tilt)[1]) < tolerances.ZERO_VECTOR:
+        return None
+    sign = asked_sign(choose, "kin76_hd6_sign", mounting)
+    return BevelDrives(tilt, sign * mounting, _BEVEL[choose["kin76_machine_axes"]])
 
 
 RECIPES: Final[Mapping[int, RecipeFunction]] = {11: kin_11, 33: kin_33, 76: kin_76}

@@ -15,19 +15,25 @@ from collections.abc import Mapping
 from typing import Final
 
 from chainbuild.chain.assemble import Element, shift, turn
+from chainbuild.chain.drives import AffineDrives
 from chainbuild.convention import Choices
 from chainbuild.formats.twincat.recipes.head_parts import flip, slides, towards_slide
 from chainbuild.formats.twincat.recipes.parts import asked_sign, tool_end
 from chainbuild.formats.twincat.recipes.recipe import Drive, Params, Recipe, RecipeFunction, driven
 from chainbuild.frames import cos_sin_deg, rot_x
 
+_B: Final = 3  # index of B in X, Y, Z, B
+
 
 def kin_3(p: Params, choose: Choices) -> Recipe:
     """Build the double spindle head with the upper spindle: its tool points down at B = 180."""
-    offset = -180.0 if choose["kin3_b_value"] == "drive" else 0.0
+    of_drive = choose["kin3_b_value"] == "drive"
     x = p.mm("tool_x")
     reversed_x = flip(choose, "kin3_offset_zero", "tool_up", x)
-    return Recipe(tool=_double_spindle(p, choose, Drive(1.0, offset), reversed_x * x))
+    return Recipe(
+        tool=_double_spindle(p, choose, Drive(1.0, -180.0 if of_drive else 0.0), reversed_x * x),
+        drives=None if of_drive else AffineDrives.shifted(len(p.axes), {_B: 180.0}),
+    )
 
 
 def kin_4(p: Params, choose: Choices) -> Recipe:

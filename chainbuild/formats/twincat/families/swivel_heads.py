@@ -23,6 +23,7 @@ from chainbuild.chain.assemble import Element, linear, shift, turn
 from chainbuild.chain.axismap import AffineMap, AxisMap
 from chainbuild.chain.elements import Axis
 from chainbuild.convention import Choices
+from chainbuild.formats.twincat.maps.drives import VirtualTurnDrives
 from chainbuild.formats.twincat.maps.heads import VirtualTurnMap
 from chainbuild.formats.twincat.recipes.head_parts import direction_sign, flip, slides, towards_slide, zero_deg
 from chainbuild.formats.twincat.recipes.parts import asked_sign, coded_sign, tool_end
@@ -117,6 +118,7 @@ def kin_70(p: Params, choose: Choices) -> Recipe:
         ],
         axes=tuple(_limited(axis) for axis in p.axes),
         axis_map=axis_map,
+        drives=VirtualTurnDrives(axis_map) if isinstance(axis_map, VirtualTurnMap) else None,
     )
 
 

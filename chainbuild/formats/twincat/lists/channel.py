@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, TypeVar, get_args
 
-from chainbuild.chain.vectors import BOTH_SET_ALARM, FIXED_AXIS_INDEX, AngleLetter, OriMode, ToolPlane
+from chainbuild.chain.programmed.vectors import BOTH_SET_ALARM, FIXED_AXIS_INDEX, AngleLetter, OriMode, ToolPlane
 from chainbuild.closest import closest
 from chainbuild.errors import MachineDataError, Span
 from chainbuild.findings import Collector

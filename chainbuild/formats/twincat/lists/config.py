@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from chainbuild.chain.names import name_fault
-from chainbuild.chain.vectors import AngleLetter, OriMode, ToolPlane
+from chainbuild.chain.programmed.vectors import AngleLetter, OriMode, ToolPlane
 from chainbuild.errors import ChainbuildError, MachineDataError, ParseError, Span
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.reader import Assignment

@@ -1,4 +1,4 @@
-"""Nonlinear axis maps.
+"""Nonlinear axis maps, and maps to the drives.
 
-In reading order: `heads`, `length`.
+In reading order: `heads`, `drives`, `length`.
 """

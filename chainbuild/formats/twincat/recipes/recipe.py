@@ -8,6 +8,7 @@ from typing import Literal
 
 from chainbuild.chain.assemble import Element, Move, rotary
 from chainbuild.chain.axismap import AxisMap
+from chainbuild.chain.drives import DriveMap
 from chainbuild.chain.elements import Axis, Task
 from chainbuild.convention import Choices
 from chainbuild.errors import MachineDataError, Span
@@ -29,6 +30,7 @@ class Recipe:
             of its joints that one axis alone drives are drawn with that drive, the others without.
         angle_mode: Name in `frames.ANGLE_MODES`; None: by P-CHAN-00112 of the channel.
         task: What inverse kinematics solves for.
+        drives: What the drives stand at; None: at the axis values.
     """
 
     tool: Sequence[Element]
@@ -37,6 +39,7 @@ class Recipe:
     axis_map: AxisMap | None = None
     angle_mode: str | None = None
     task: Task = "auto"
+    drives: DriveMap | None = None
 
 
 @dataclass(slots=True)

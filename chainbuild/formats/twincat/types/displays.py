@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from chainbuild.chain.display import POSE_ANGLES, Display
 from chainbuild.chain.elements import Axis
+from chainbuild.chain.programmed.display import POSE_ANGLES, Display
 from chainbuild.convention import Choices
 from chainbuild.formats.twincat.recipes.recipe import Params
 

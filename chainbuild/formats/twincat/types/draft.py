@@ -7,7 +7,7 @@ from typing import Final
 from chainbuild import frames
 from chainbuild.chain.assemble import assemble
 from chainbuild.chain.elements import Chain
-from chainbuild.chain.vectors import VectorProgramming, check_condition
+from chainbuild.chain.programmed.vectors import VectorProgramming, check_condition
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError
 from chainbuild.findings import Collector
@@ -84,6 +84,7 @@ def serial_draft(source: Source, choose: Choices, collector: Collector) -> Chain
         task=recipe.task,
         display=display_of(params, axes, mode, choose),
         vectors=vectors,
+        drives=recipe.drives,
     )
 
 

@@ -19,8 +19,8 @@ import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.assemble import Element, Fixed, Move, assemble, mark, shift, turn
-from chainbuild.chain.display import TOOL_COLUMNS, Display
 from chainbuild.chain.elements import Axis, Chain
+from chainbuild.chain.programmed.display import TOOL_COLUMNS, Display
 from chainbuild.convention import Choices
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.source import DIALECT, Source

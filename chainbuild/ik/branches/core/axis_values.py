@@ -133,11 +133,26 @@ def _newton_on_map(query: BranchQuery, joints: Indices, values: Vector, columns:
 
 
 def turned_axes(query: BranchQuery, x: Vector, columns: Indices) -> Iterator[Vector]:
-    """Yield x moved by whole turns of single axes, nearest first: all within limits, or the nearest only."""
-    choices = []
+    """Yield x moved by whole turns of single axes, nearest first: all within limits, or the nearest only.
+
+    Of axes with a common limit, a sum or a drive, the nearest that keeps it.
+    """
+    limits = query.mechanism.limits
+    choices, open_choices = [], False
     for n in columns:
         places = _whole_turns(query, float(x[n]), int(n)) if query.periodic[n] else [float(x[n])]
-        choices.append(places if query.windings else places[:1])
+        several = query.windings or int(n) in limits.together
+        open_choices = open_choices or (several and len(places) > 1)
+        choices.append(places if several else places[:1])
+    turned = _combined(x, columns, choices)
+    if query.windings or not open_choices:
+        yield from turned
+        return
+    nearest = sorted(turned, key=query.distance)
+    yield next((one for one in nearest if not limits.breaks_together(query.shown(one))), nearest[0])
+
+
+def _combined(x: Vector, columns: Indices, choices: Sequence[Sequence[float]]) -> Iterator[Vector]:
     for combination in itertools.islice(itertools.product(*choices), _MAX_TURNS):
         turned = x.copy()
         turned[columns] = combination

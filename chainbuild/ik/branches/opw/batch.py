@@ -65,7 +65,7 @@ def ik_all_batch(
     else:
         _write_branches(targets, constants, axes, doubtful)
     _refuse_what_is_not_rigid(targets, np.flatnonzero(doubtful))
-    if limits and robot.chain.constraints:
+    if limits and robot.limits.sums:
         for chunk in _chunks(len(targets)):
             _keep_sums(robot, axes[chunk])
     return axes if units == "controller" else axes * factors
@@ -102,7 +102,7 @@ def _write_branches(targets: Array, constants: Array, axes: Array, doubtful: NDA
 
 def _keep_sums(mechanism: Mechanism, axes: Array) -> None:
     """Leave out branches (m, 8, 6) that break a limit on a sum of axes."""
-    for constraint in mechanism.chain.constraints:
+    for constraint in mechanism.limits.sums:
         total = axes @ np.array(constraint.sum.coefficients) + constraint.sum.offset
         kept = (total >= constraint.lower - LIMIT_SLACK) & (total <= constraint.upper + LIMIT_SLACK)
         axes[~kept] = np.nan
