@@ -55,7 +55,7 @@ def test_rows_of_nothing_and_of_a_zero_that_was_rounded(kuka: Robot) -> None:
 def test_status_and_turn_lead_back_to_the_axes(make: str) -> None:
     """At these random poses, none nearer to a singular one than 0.01 degrees, they name one solution."""
     robot = bent_arm() if make == "bent" else Robot.load(make)
-    rows = drawn(robot, 1000, 2)
+    rows = drawn(robot, 300, 2)
     seen = set()
     for T, wanted, (status, turn) in zip(
         robot.fk_batch(rows), rows, chainbuild.status_turn_rows(robot, rows).tolist(), strict=True
@@ -90,7 +90,7 @@ def test_the_filter_is_the_filter(make: str) -> None:
         limited(Robot.load("kr6r900_2"), B2=(-200.0, 330.0), A2=(-800.0, 800.0)) if make == "wide" else Robot.load(make)
     )
     rng, some = np.random.default_rng(4), 0
-    for wanted in drawn(robot, 5 if make == "wide" else 12, 3):
+    for wanted in drawn(robot, 3 if make == "wide" else 4, 3):
         T, start = robot.fk(wanted), random_axes(robot, rng)
         every = robot.ik_all(T, start, windings=True)
         for status, turn in {*zip(every.status_bits.tolist(), every.turn_bits.tolist(), strict=True), (3, 3)}:
@@ -106,7 +106,7 @@ def test_the_filter_is_the_filter(make: str) -> None:
                     np.testing.assert_allclose(
                         robot.ik(T, start, status=status, turn=asked).axes, every.axes[match][0], atol=1e-9
                     )
-    assert some > 70
+    assert some > 20
 
 
 def test_the_program_of_the_manual() -> None:
@@ -126,7 +126,7 @@ def test_a_stretched_wrist_leaves_axis_4_to_the_turn() -> None:
     """At A5 = 0 only the sum of axes 4 and 6 counts: `ik` divides it as the turn wants."""
     for name in SHIPPED:
         robot, rng = Robot.load(name), np.random.default_rng(5)
-        for wanted in drawn(robot, 150, 6):
+        for wanted in drawn(robot, 40, 6):
             wanted[4] = 0.0
             wanted[3] = rng.choice([wanted[3], 0.0])
             status, turn = chainbuild.status_turn(robot, wanted)
