@@ -26,6 +26,7 @@ test-slow: $(INSTALLED_TEST) $(INSTALLED_BENCH) chromium
 
 bench: $(INSTALLED_BENCH)
 	$(BIN)/python -m tests.bench
+	$(BIN)/python -m tests.bench.displayed
 	$(BIN)/python docs/generate.py
 
 mutants: $(INSTALLED_TEST)
