@@ -230,7 +230,9 @@ def ik(
         table = stack.enter_context(PoseTable(poses, PoseForm.of(robot.chain, robot.task)))
         report = _Report(table.file, contradiction(table), all(axis.kind == "rotary" for axis in robot.axes))
         starts = stack.enter_context(AxisTable(start, robot.axes)) if start else None
-        report.tell_held([name for name in table.form.held if name not in table.held and not starts])
+        report.tell_held(
+            [axis.name for axis in robot.axes if axis.held and axis.name not in table.names and not starts]
+        )
         coupled = bool(robot.limits.sums or robot.limits.drives)
         writer = IkWriter(stack.enter_context(output(output_file)), robot.axes, violations=coupled)
         for row, result in with_progress(solutions(robot, table, starts, solver, follow=follow), table, "axis values"):

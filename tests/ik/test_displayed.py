@@ -206,6 +206,24 @@ def test_a_full_orientation_asks_for_all_axes() -> None:
     assert np.abs(found.axes - axes).max() < 1e-5
 
 
+def test_two_steps_show_the_rotary_axes_of_the_machine(tmp_path: Path) -> None:
+    """As the outer step: its rotary axes are those that the inner one passes on."""
+    path = tmp_path / "steps.lis"
+    lines = [
+        "kin_step[0].trafo[0].id 9",
+        "kin_step[0].trafo[0].param[0] 1000000",
+        "kin_step[0].trafo[0].param[5] 300000",
+    ]
+    lines += ["kin_step[1].trafo[0].id 58", "kin_step[1].trafo[0].param[6] 500000", "Ende", ""]
+    path.write_text("\n".join(lines), "utf-8")
+    robot = chainbuild.Robot.load(path, kinematic=(9, 58))
+    rows = np.random.default_rng(0).uniform(-100.0, 100.0, (50, 5))
+    shown = shown_of(robot, rows)
+    assert list(shown) == ["x_mm", "y_mm", "z_mm", "C", "A"]
+    assert np.array_equal(shown["C"], rows[:, 3])
+    assert np.abs(robot.from_display_batch(shown).axes - rows).max() < 1e-9
+
+
 def test_input_axes_are_part_of_the_display() -> None:
     robot = SHIPPED["irb2600_track"]
     axes = np.array([10.0, 20.0, -30.0, 40.0, 50.0, 60.0, 700.0])
