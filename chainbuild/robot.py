@@ -257,7 +257,7 @@ class Robot(Mechanism):
 
         Raises:
             AxisValueError: wrong count or not finite.
-            ChainbuildError: the kinematic has no pose there.
+            ChainbuildError: the kinematic has no pose there, or `near` lacks an angle that is needed.
         """
         from chainbuild.kinematics.displayed import displayed
 

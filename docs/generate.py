@@ -75,7 +75,7 @@ def displays() -> str:
             solved = "the linear axes alone, exactly"
         else:
             solved = ", ".join(names[n] for n in display.solved) or "all axes"
-        shown += ", without y" if display.plane_xz else ""
+        shown += "; y_mm may be left out" if display.plane_xz else ""
         groups.setdefault((shown, solved, "the side of the start" if display.keeps_side else ""), []).append(number)
     rows = [(", ".join(map(str, numbers)), *words) for words, numbers in groups.items()]
     return table(("KIN_TYP", "beside x_mm, y_mm, z_mm", "`ik` solves for", "keeps"), rows)

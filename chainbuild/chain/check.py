@@ -14,6 +14,7 @@ import numpy as np
 
 from chainbuild import tolerances
 from chainbuild.chain.elements import BASE_LINK, FRAME_NAMES, Chain
+from chainbuild.chain.names import reserved_fault
 from chainbuild.errors import ChainError, Span
 from chainbuild.findings import Collector
 from chainbuild.frames import is_rigid
@@ -25,13 +26,14 @@ def check_chain(chain: Chain) -> None:
     """Refuse a chain that contradicts itself.
 
     Raises:
-        ChainError: a duplicate name, a link with no or two parents, a missing frame, a placement that is not a rigid
-            transform, a direction not of length 1, or an axis map of the wrong shape.
+        ChainError: a duplicate or reserved name, a link with no or two parents, a missing frame, a placement that is
+            not a rigid transform, a direction not of length 1, or an axis map of the wrong shape.
     """
     _unique("link", (link.name for link in chain.links))
     _unique("joint", (joint.name for joint in chain.joints))
     _unique("frame", (frame.name for frame in chain.frames))
     _unique("axis", (axis.name for axis in chain.axes))
+    _check_names(chain)
     _check_tree(chain)
     _check_placements(chain)
     _check_axes(chain)
@@ -41,6 +43,13 @@ def _unique(what: str, names: Iterable[str]) -> None:
     for name, count in Counter(names).items():
         if count > 1:
             raise ChainError(f"{what} {name} occurs {count} times in the chain")
+
+
+def _check_names(chain: Chain) -> None:
+    """Refuse names of axes that tables have for other columns: what they write could not be read."""
+    for axis in chain.axes:
+        if (fault := reserved_fault(axis.name)) is not None:
+            raise ChainError(fault[0], parameter=axis.name, permitted=fault[1])
 
 
 def _check_tree(chain: Chain) -> None:

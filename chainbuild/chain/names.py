@@ -14,12 +14,19 @@ from typing import Final
 
 from chainbuild.chain.axismap import named_map
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Partial
-from chainbuild.chain.programmed.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
+from chainbuild.chain.programmed.display import (
+    ANGLE_COLUMNS,
+    POSITION_COLUMNS,
+    QUATERNION_COLUMNS,
+    STATUS_COLUMNS,
+    TOOL_COLUMNS,
+)
+from chainbuild.chain.programmed.vectors import VECTOR_COLUMNS
 
 # Columns that tables have beside the axes; an axis of such a name could not have a column of its own.
 RESERVED_COLUMNS: Final = (
-    *POSITION_COLUMNS, *("qx", "qy", "qz", "qw"), *TOOL_COLUMNS, *("ori_x", "ori_y", "ori_z"), *ANGLE_COLUMNS,
-    *("is", "it", "row", "status", "position_error_mm", "rotation_error_deg", "violations"),
+    *POSITION_COLUMNS, *QUATERNION_COLUMNS, *TOOL_COLUMNS, *VECTOR_COLUMNS, *ANGLE_COLUMNS,
+    *(*STATUS_COLUMNS, "row", "status", "position_error_mm", "rotation_error_deg", "violations"),
 )  # fmt: skip
 DRIVE_SUFFIX: Final = "_drive"  # of a column that holds what a drive stands at
 # What CSV, JSON, XML, HTML and `PARTIAL.AXIS` on the command line leave as it is.
@@ -60,15 +67,21 @@ def name_fault(name: str) -> tuple[str, str] | None:
     >>> name_fault("X_LIN"), name_fault("Status")
     (None, ("the axis is called 'Status' like a column of the tables", 'another name than status'))
     """
-    folded = name.casefold()
-    shown = repr(name[:40])
+    if (fault := reserved_fault(name)) is not None:
+        return fault
+    if not _SAFE.fullmatch(name):
+        return f"the axis is called {name[:40]!r}", "a letter, then letters, digits, _ and -"
+    return None
+
+
+def reserved_fault(name: str) -> tuple[str, str] | None:
+    """Return what is wrong with a name that tables have for other columns, and what is permitted; None if nothing."""
+    folded, shown = name.casefold(), repr(name[:40])
     if folded in RESERVED_COLUMNS:
         return f"the axis is called {shown} like a column of the tables", f"another name than {folded}"
     if folded.endswith(DRIVE_SUFFIX):
         text = f"the axis is called {shown} like the column of a drive in tables"
         return text, f"a name that does not end with {DRIVE_SUFFIX}"
-    if not _SAFE.fullmatch(name):
-        return f"the axis is called {shown}", "a letter, then letters, digits, _ and -"
     return None
 
 

@@ -70,10 +70,11 @@ def crosscheck(
 ) -> int:
     """Compare the model with another solver, or with poses recorded on the controller, and name what differs.
 
-    A recording has one column per axis and x_mm, y_mm, z_mm with qx, qy, qz, qw, or a_deg, b_deg, c_deg, or tool_x,
-    tool_y, tool_z. If poses differ, the command looks for a systematic cause (a constant offset, a reversed axis, two
-    swapped axes, a wrong zero, another angle convention), tries every choice of the machine's conventions, and ends
-    with exit code 3.
+    A recording has one column per axis and x_mm, y_mm, z_mm; on complete kinematics also the pose angles, or qx, qy,
+    qz, qw, or tool_x, tool_y, tool_z. On RTCP kinematics the rotary axes are there already, and a full orientation may
+    be added. If poses differ, the command looks for a systematic cause (a constant offset, a reversed axis, two swapped
+    axes, a wrong zero, another angle convention), tries every choice of the machine's conventions, and ends with exit
+    code 3.
 
     Example: `chainbuild crosscheck kr6r900 --recording poses.csv --html crosscheck.html`
 

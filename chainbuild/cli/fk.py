@@ -53,9 +53,9 @@ def fk(
         axes: CSV table of axis values.
         at: Axis values in channel order, mm and degrees, separated by commas; may be repeated. They come before the
             rows of the table.
-        quaternion: With qx, qy, qz, qw on RTCP kinematics, too.
-        angles: With all of a_deg, b_deg, c_deg, in an angle mode such as ypr; "own": the machine's. A complete
-            kinematic has its own only.
+        quaternion: Also write qx, qy, qz, qw on RTCP kinematics.
+        angles: Also write all of a_deg, b_deg, c_deg; "own": in the machine's angle mode, the only one of a complete
+            kinematic; else ypr, cba, cab, cba_std, abc, euler_c_first, euler_a_first, orirpy, orirpy2, ab or ba.
         drives: Add what each drive stands at, mm and degrees, in columns NAME_drive behind all others.
         output_file: CSV table of poses to write. Default: stdout.
         options: Which kinematic.
@@ -83,10 +83,11 @@ def fk(
         for span, values in _rows(given, table):
             violated = robot.violated_limits(values)
             try:
-                shown = displayed(robot, values, near=shown)
+                T = robot.fk(values)
+                shown = displayed(robot, values, near=shown, at=T)
                 status = status_turn(robot, values) if form.status else ()
                 inputs, behind = [shown[name] for name in form.held], robot.drives(values).tolist() if drives else ()
-                writer.write(robot.fk(values).homogeneous, shown, inputs, status, violated, behind)
+                writer.write(T.homogeneous, shown, inputs, status, violated, behind)
             except ChainbuildError as error:
                 error.span = error.span or span
                 raise
@@ -103,13 +104,19 @@ def _angle_mode(robot: Robot, name: str | None) -> str | None:
         UsageError: no such mode, or one that would give columns two meanings.
     """
     from chainbuild import frames
+    from chainbuild.chain.programmed.display import ANGLE_COLUMNS
 
-    own = robot.chain.angle_mode
-    if name is None or name in ("own", own):
-        return None if name is None else own
+    own, display = robot.chain.angle_mode, robot.chain.display
+    if name is None:
+        return None
+    other = [column for column in robot.chain.display_columns if column in ANGLE_COLUMNS and display.kind != "angles"]
+    if other:
+        raise UsageError(f"--angles: this kinematic displays {', '.join(other)}, which are no pose angles")
+    if name in ("own", own):
+        return own
     if name not in frames.ANGLE_MODES:
         raise UsageError(f"--angles {name}: expected own, {', '.join(frames.ANGLE_MODES)}")
-    if not robot.chain.display.rtcp:
+    if not display.rtcp:
         raise UsageError(f"--angles {name}: the angles of this kinematic are {own}")
     return name
 

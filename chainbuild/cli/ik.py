@@ -92,7 +92,7 @@ def _followed(robot: Robot, table: PoseTable, last: Vector | None, solver: Solve
         results: Iterator[IkResult]
         first = part[0]
         alone = first.c_deg is not None or first.shown is not None or first.status is not None
-        alone = alone or len(part) == 1 or solver not in ("auto", "damped")
+        alone = alone or first.turn is not None or len(part) == 1 or solver not in ("auto", "damped")
         told: Mapping[int, str] = {}
         if alone:
             results = (_solved(robot, table, row, last, solver) for row in part)
@@ -140,9 +140,9 @@ def contradicts(robot: Robot, table: PoseTable, row: PoseRow, result: IkResult) 
     """Return whether another orientation stands in a row beside the one that is used."""
     if row.contradictory or row.beside is None or not result.success:
         return row.contradictory
+    from chainbuild.chain.programmed.display import QUATERNION_COLUMNS
     from chainbuild.comparison.comparison import pose_errors
     from chainbuild.frames import transform
-    from chainbuild.tables.form import QUATERNION_COLUMNS
 
     ours, theirs = robot.fk(result.axes).homogeneous[None], transform(row.beside)[None]
     compared: Task = "pose" if len(table.beside) == len(QUATERNION_COLUMNS) else "direction"
@@ -230,6 +230,9 @@ def ik(
         table = stack.enter_context(PoseTable(poses, PoseForm.of(robot.chain, robot.task)))
         report = _Report(table.file, contradiction(table), all(axis.kind == "rotary" for axis in robot.axes))
         starts = stack.enter_context(AxisTable(start, robot.axes)) if start else None
+        if table.unused:
+            used = ", ".join(table.orientation.columns) or "the position alone"
+            note(f"{table.file}: {', '.join(table.unused)} not used: {used} counts")
         report.tell_held(
             [axis.name for axis in robot.axes if axis.held and axis.name not in table.names and not starts]
         )

@@ -162,7 +162,7 @@ class _Shown:
         shown.add_row("characteristic length", f"{mm_from_m(measures.length):.6g} mm")
         assessment = self.assessments.get(0)
         if assessment is not None and self.limits is not None:
-            level = _LEVELS[assessment.level] + (", A5 within ITERLIMIT" if assessment.hand_limit else "")
+            level = _LEVELS[assessment.level] + (", axis 5 within ITERLIMIT" if assessment.hand_limit else "")
             shown.add_row("for the control", f"{level} ({_thresholds(self.limits)})")
         out.print(shown)
         self._print_speeds(report)

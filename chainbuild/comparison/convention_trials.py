@@ -19,6 +19,7 @@ from chainbuild.shown import fields_shown
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain, Task
     from chainbuild.formats.machine import Machine
+    from chainbuild.tables.recording import Recording
 
 
 _MAX_PAIRS: Final = 400  # bound on the time: a trial builds a chain
@@ -63,6 +64,7 @@ def try_conventions(
     theirs: NDArray[np.float64],
     compared: Task,
     tolerance: tuple[float, float],
+    recording: Recording | None = None,
 ) -> tuple[Trial, ...]:
     """Return the errors for each other choice of the machine's conventions, the best first.
 
@@ -76,9 +78,10 @@ def try_conventions(
         theirs: (n, 4, 4) poses [m].
         compared: Part of the poses that is compared.
         tolerance: Metres and radians within which poses agree.
+        recording: Where the poses come from: a choice may give its columns another meaning.
     """
     some = np.unique(np.linspace(0, len(axes) - 1, min(len(axes), _MAX_POSES)).astype(int))
-    bench = _TrialRun(machine, selection, chosen, axes[some], theirs[some], compared, tolerance)
+    bench = _TrialRun(machine, selection, chosen, axes[some], theirs[some], compared, tolerance, recording, some)
     singles = [bench.trial(dict([choice])) for choice in bench.alternatives()]
     if not any(trial.agrees for trial in singles):
         singles += [bench.trial(dict(pair)) for pair in itertools.islice(bench.pairs(), _MAX_PAIRS)]
@@ -97,6 +100,8 @@ class _TrialRun:
     theirs: NDArray[np.float64]
     compared: Task
     tolerance: tuple[float, float]
+    recording: Recording | None
+    some: NDArray[np.int_]
 
     def score(self, trial: Trial) -> float:
         return max(trial.position_error / self.tolerance[0], trial.rotation_error / self.tolerance[1])
@@ -123,10 +128,11 @@ class _TrialRun:
         try:
             robot = Mechanism(self._chain(choices))
             ours = forward_poses(robot, self.axes)
+            theirs = self.theirs if self.recording is None else self.recording.read_for(robot.chain)[self.some]
         except ChainbuildError:
             return Trial(choices, np.inf, np.inf, False)
         column = robot.chain.tool_column
-        distance, angle = pose_errors(ours, self.theirs, self.compared, column)
+        distance, angle = pose_errors(ours, theirs, self.compared, column)
         worst = [float(np.where(np.isfinite(e), e, np.inf).max()) for e in (distance, angle)]
         agrees = worst[0] <= self.tolerance[0] and worst[1] <= self.tolerance[1]
         return Trial(choices, worst[0], worst[1], agrees)

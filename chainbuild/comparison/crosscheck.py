@@ -163,7 +163,7 @@ def crosscheck(
         tolerance = options.tolerance(recorded=True)
         samples = _recorded_samples(robot, solver)
         forward = compare_forward(robot, samples, solver.poses, solver.compared, tolerance)
-        return _result(robot, solver.name, "recorded", forward, None, machine, selection, conventions)
+        return _result(robot, solver.name, "recorded", forward, None, machine, selection, conventions, solver)
     reference = (
         other_solver_by_name(robot, solver, options.kind)
         if isinstance(solver, str)
@@ -209,6 +209,7 @@ def _result(
     machine: Machine | None,
     selection: Selection | None,
     conventions: Mapping[str, str] | None,
+    recording: Recording | None = None,
 ) -> CrossCheck:
     """Return the result with the diagnosis of differences, and the conventions that would resolve them."""
     evidence = _evidence(robot, forward, inverse)
@@ -219,7 +220,7 @@ def _result(
         explanation = explain(robot, axes, theirs, compared, tolerance)
         if machine is not None:
             tried = try_conventions(
-                machine, selection or Selection(), conventions or {}, axes, theirs, compared, tolerance
+                machine, selection or Selection(), conventions or {}, axes, theirs, compared, tolerance, recording
             )
             agreeing = [trial for trial in tried if trial.agrees]
             trials = tuple(agreeing or tried[:_MAX_TRIALS])

@@ -13,7 +13,7 @@ from chainbuild.chain.bodies.geometry_table import geometry_from_table
 from chainbuild.chain.bodies.rods import with_rods
 from chainbuild.chain.drives import DriveLimit
 from chainbuild.chain.elements import Axis, Chain, Link
-from chainbuild.chain.names import axis_index, link_names
+from chainbuild.chain.names import DRIVE_SUFFIX, axis_index, link_names
 from chainbuild.convention import check_choice
 from chainbuild.errors import ChainError, FileAccessError, MachineDataError, OverlayError, Span
 from chainbuild.formats.text import parsed_toml, read_source, toml_line
@@ -223,11 +223,11 @@ def read_overlay(path: Path) -> Overlay:
     for key, value in data.items():
         reader = _READERS.get(key)
         if reader is None:
-            raise OverlayError(
-                f"unknown key '{key}'", span=_span(path, key), parameter=key, permitted=", ".join(_READERS)
-            )
+            known = ", ".join(_READERS)
+            raise OverlayError(f"unknown key '{key}'", span=_span(path, key), parameter=key, permitted=known)
         if key in ("limits", "speeds") and isinstance(value, dict) and isinstance(value.get(_DRIVES), dict):
-            values[f"drive_{key}"] = reader(path, f"{key}.{_DRIVES}", value[_DRIVES])
+            given = {name.removesuffix(DRIVE_SUFFIX): one for name, one in value[_DRIVES].items()}
+            values[f"drive_{key}"] = reader(path, f"{key}.{_DRIVES}", given)
             value = {name: one for name, one in value.items() if name != _DRIVES}  # noqa: PLW2901
         values[key] = reader(path, key, value)
     return Overlay(path=path, **values)

@@ -6,31 +6,34 @@ the linear axes of RTCP kinematics, the axes that a position determines, angles 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Task
-from chainbuild.chain.names import axis_index
-from chainbuild.chain.programmed.display import POSITION_COLUMNS
+from chainbuild.chain.programmed.display import ANGLE_COLUMNS, POSITION_COLUMNS, QUATERNION_COLUMNS, STATUS_COLUMNS
+from chainbuild.chain.programmed.status import parse_status, parse_turn
 from chainbuild.chain.programmed.vectors import rotation_from_vector
-from chainbuild.errors import ChainbuildError
+from chainbuild.errors import ChainbuildError, TableError
 from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.policies.four_axis import PitchAndTurn, PoseAngles, with_reachable_orientation
-from chainbuild.ik.request import Held, IkRequest, start_point
+from chainbuild.ik.request import Held, IkOptions, IkRequest, held_by_name, start_point
 from chainbuild.ik.result import IkResult
 from chainbuild.ik.rtcp import linear_axes, linear_axes_batch
+from chainbuild.ik.search.batch import solve_batch
 from chainbuild.ik.search.table import IkTable, table_of
 from chainbuild.ik.solve import solve
 from chainbuild.kinematics.displayed import plane_angle, vector_of_angles
 from chainbuild.kinematics.inputs import real_numbers
 from chainbuild.kinematics.mechanism import Mechanism
-from chainbuild.tables.form import C_COLUMN, PoseColumns, PoseForm
+from chainbuild.tables.form import C_COLUMN, PoseColumns, PoseForm, length_fault
+from chainbuild.tables.reader import canonical_columns
 from chainbuild.units import M_PER_MM, m_from_mm
 
 _ABOUT_Z: Final = 5  # row of a Jacobian in the workpiece frame: the angular velocity about z
@@ -41,11 +44,12 @@ def from_display(
 ) -> IkResult:
     """Return axis values for what the controller displays; see `Robot.from_display`."""
     asked = _Asked.of(mechanism, shown)
-    values = {name: float(asked.column(name)) for name in asked.shown}
+    values = {name: asked.number(name) for name in asked.shown}
     place = [m_from_mm(values.get(name, 0.0)) for name in POSITION_COLUMNS]
     given = [values[name] for name in asked.orientation.columns]
+    asked.check_length(given)
     own = {name: values[name] for name in asked.form.held if name in values}
-    inputs = {**(held if isinstance(held, Mapping) else {}), **own} if own else held
+    inputs = {**held_by_name(mechanism, held), **own} if own else held
     if asked.orientation.source == "vector" and asked.form.vectors is not None:
         before = np.eye(3) if start is None else mechanism.fk(start).rotation
         R: Matrix | None = rotation_from_vector(asked.form.vectors, asked.form.angle_mode, given, before)
@@ -58,15 +62,16 @@ def from_display(
     return solve(mechanism, frames.transform(R, place), start, inputs, absolute_c_deg=running, status_turn=bits)
 
 
-def _own_name(mechanism: Mechanism, form: PoseForm, name: str) -> str:
-    """Return the name of a column, of an axis that in the channel."""
-    n = None if name in form.permitted() else axis_index(mechanism.axes, str(name))
-    return name if n is None else mechanism.axes[n].name
+def _fault(_place: int, text: str, permitted: str) -> TableError:
+    """Return the error of a column whose name is wrong."""
+    return TableError(text, parameter="shown", permitted=permitted)
 
 
 def _bits(value: float | None) -> int | None:
     """Return status or turn as an integer; what is no whole number is refused as such where it is used."""
-    return int(value) if value is not None and value == int(value) else value  # type: ignore[return-value]
+    if value is None or math.isnan(value):
+        return None
+    return int(value) if value == int(value) else value  # type: ignore[return-value]
 
 
 def from_display_batch(
@@ -90,8 +95,19 @@ def from_display_batch(
             axes[:, mechanism.labels.names.index(name)] = columns.get(name, 0.0)
         places = np.column_stack([columns[name] for name in POSITION_COLUMNS]) * M_PER_MM
         return linear_axes_batch(mechanism, places, axes, compiled=compiled)
-    rows = ({name: column[n] for name, column in columns.items()} for n in range(count))
-    return table_of([from_display(mechanism, row, start) for row in rows], mechanism.task, mechanism.labels)
+    if (poses := asked.poses(columns)) is not None and not mechanism.chain.display.keeps_side:
+        return solve_batch(mechanism, poses, start, options=IkOptions(compiled=compiled))
+    return _row_by_row(mechanism, columns, start)
+
+
+def _row_by_row(mechanism: Mechanism, columns: Mapping[str, Vector], start: ArrayLike | None) -> IkTable:
+    """Solve row by row; without a start from the row before, except where the side of a start would be kept."""
+    begin, found = start, list[IkResult]()
+    for values in zip(*(column.tolist() for column in columns.values()), strict=True):
+        found.append(from_display(mechanism, dict(zip(columns, values, strict=True)), begin))
+        if start is None and found[-1].success and not mechanism.chain.display.keeps_side:
+            begin = found[-1].axes
+    return table_of(found, mechanism.task, mechanism.labels)
 
 
 class _Asked(NamedTuple):
@@ -111,7 +127,8 @@ class _Asked(NamedTuple):
         form = PoseForm.of(mechanism.chain, mechanism.task)
         if not isinstance(shown, Mapping):
             raise ChainbuildError("displayed values must be a mapping of column to value", parameter="shown")
-        shown = {_own_name(mechanism, form, name): value for name, value in shown.items()}
+        names = canonical_columns([str(name) for name in shown], mechanism.axes, _fault)
+        shown = dict(zip(names, shown.values(), strict=True))
         orientation = form.orientation(shown)
         wanted, permitted = (*form.position(shown), *orientation.columns), form.permitted()
         for name in [*(name for name in shown if name not in permitted), *(n for n in wanted if n not in shown)]:
@@ -119,6 +136,49 @@ class _Asked(NamedTuple):
             text, hint = f"{what} column {name!r:.60}", form.programmed_by()
             raise ChainbuildError(text, parameter="shown", permitted=", ".join(permitted), hint=hint)
         return cls(form, orientation, shown)
+
+    def poses(self, columns: Mapping[str, Vector]) -> NDArray[np.float64] | None:
+        """Return the poses (N, 4, 4) that N rows describe by themselves, None where more than a pose is programmed."""
+        more = {*STATUS_COLUMNS, *self.form.held, *((C_COLUMN,) if self.form.running_c else ())}
+        partial = self.form.task == "pose" and self.orientation.columns not in {ANGLE_COLUMNS, QUATERNION_COLUMNS}
+        if partial or self.orientation.source == "vector" or more & set(columns):
+            return None
+        place = np.column_stack([columns[name] for name in POSITION_COLUMNS if name in columns]) * M_PER_MM
+        given = zip(*(columns[name].tolist() for name in self.orientation.columns), strict=True)
+        rotations = list[Matrix]()
+        for values in given if self.orientation.columns else [()] * len(place):
+            self.check_length(values)
+            rotation = self.form.rotation(self.orientation, values)
+            if rotation is None or place.shape[1] != len(POSITION_COLUMNS):
+                return None
+            rotations.append(rotation)
+        poses = np.tile(np.eye(4), (len(place), 1, 1))
+        poses[:, :3, :3], poses[:, :3, 3] = rotations, place
+        return poses
+
+    def check_length(self, given: Sequence[float]) -> None:
+        """Refuse the zero vector and a quaternion or tool vector whose length is not 1.
+
+        Raises:
+            ChainbuildError: it is one.
+        """
+        if fault := length_fault(self.orientation.columns, given):
+            raise ChainbuildError(fault[0], parameter="shown", permitted=fault[1])
+
+    def number(self, name: str) -> float:
+        """Return a column as one finite number; status and turn also from a text, as in tables.
+
+        Raises:
+            ChainbuildError: it holds anything else.
+        """
+        given = self.shown[name]
+        if name in STATUS_COLUMNS and isinstance(given, str):
+            bits = parse_status(given) if name == "is" else parse_turn(given)
+            return math.nan if bits is None else float(bits)
+        values = self.column(name)
+        if values.ndim:
+            raise ChainbuildError(f"{name} has the shape {values.shape}", parameter=name, permitted="one number")
+        return float(values)
 
     def column(self, name: str) -> Vector:
         """Return a column as an array of finite numbers.
@@ -189,9 +249,8 @@ def _by_axes(
         axes[mechanism.labels.names.index(name)] = value
     if mechanism.chain.solves_linear_axes:
         return linear_axes(mechanism, position, mechanism.axis_values(axes))
-    named = dict(held) if isinstance(held, Mapping) else {}
     T = frames.transform(None, position)
-    return _on_side(as_task(mechanism, "position"), T, start, {**named, **given}, solver)
+    return _on_side(as_task(mechanism, "position"), T, start, {**held_by_name(mechanism, held), **given}, solver)
 
 
 def _by_angles(

@@ -157,19 +157,37 @@ def start_point(mechanism: Mechanism, start: ArrayLike | None, held: Held | None
         values[fixed] = 0.0
     else:
         values = mechanism.axis_values(start).copy()
-    told: dict[int, str] = {}
+    for name, value in held_by_name(mechanism, held).items():
+        n = mechanism.labels.names.index(name)
+        values[n], fixed[n] = _number(name, value), True
+    if held is not None:
+        values = mechanism.axis_values(values)
+    return values * freedoms.si_factors, fixed
+
+
+def held_by_name(mechanism: Mechanism, held: Held | None) -> dict[str, float]:
+    """Return held values by the names of their axes.
+
+    Args:
+        mechanism: The mechanism.
+        held: Axis name → value to hold, or one value for each input axis in order; None: none.
+
+    Raises:
+        AxisValueError: held has a wrong number of values, an unknown name, or names an axis twice.
+    """
+    told: dict[str, str] = {}
+    values: dict[str, float] = {}
     for name, value in _by_name(mechanism, held).items():
         n = axis_index(mechanism.axes, name) if isinstance(name, str) else None
         if n is None:
             names = ", ".join(mechanism.labels.names)
             raise AxisValueError(f"there is no axis '{name}' to hold", parameter="held", permitted=names)
-        if n in told:
-            text = f"'{told[n]}' and '{name}' are the same axis {mechanism.axes[n].name}"
+        axis = mechanism.labels.names[n]
+        if axis in told:
+            text = f"'{told[axis]}' and '{name}' are the same axis {axis}"
             raise AxisValueError(text, parameter="held", permitted="one of the two")
-        values[n], fixed[n], told[n] = _number(name, value), True, name
-    if held is not None:
-        values = mechanism.axis_values(values)
-    return values * freedoms.si_factors, fixed
+        values[axis], told[axis] = value, name
+    return values
 
 
 def in_controller_units(

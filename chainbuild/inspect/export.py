@@ -113,7 +113,7 @@ def _display(robot: Mechanism) -> dict[str, Any]:
         "tool": chain.tool_column,
         "zero": display.zero_deg,
         # The normals of an arm's plane with the first axis at 0 and 90 degrees: between them it turns evenly.
-        "normals": [arm_normal(robot, still + at * np.eye(len(still))[0]).tolist() for at in (0.0, 90.0)]
+        "normals": [arm_normal(robot.chain, still + at * np.eye(len(still))[0]).tolist() for at in (0.0, 90.0)]
         if display.kind == "pitch"
         else [],
     }

@@ -153,7 +153,7 @@ def _finding(finding: Finding) -> str:
 
 
 def _number(value: float) -> str:
-    return f"{value:.10g}".replace("-", "\u2212")
+    return f"{round(value, 3):.10g}".replace("-", "\u2212")  # more digits than a display has would widen the table
 
 
 def _length(value: float) -> str:

@@ -10,12 +10,17 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.axismap import joint_values
+from chainbuild.chain.elements import Chain
 from chainbuild.chain.poses import link_placements
 from chainbuild.chain.programmed.display import ANGLE_COLUMNS, POSITION_COLUMNS, Display
+from chainbuild.errors import ChainbuildError
+from chainbuild.kinematics.inputs import real_numbers
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.units import deg_from_rad, mm_from_m
 
@@ -23,16 +28,19 @@ _ROTATIONS: Final = {"A": frames.rot_x, "B": frames.rot_y, "C": frames.rot_z}
 _QUARTER_DEG: Final = 90.0  # the first of two answers has its first angle within this
 
 
-def displayed(mechanism: Mechanism, axes: ArrayLike, near: Mapping[str, float] | None = None) -> dict[str, float]:
+def displayed(
+    mechanism: Mechanism, axes: ArrayLike, near: Mapping[str, float] | None = None, at: pin.SE3 | None = None
+) -> dict[str, float]:
     """Return what the controller displays at axis values; see `Robot.display`.
 
     Args:
         mechanism: The mechanism.
         axes: (n_axes,) axis values, mm and degrees.
         near: What was displayed before: of two answers of a tool vector the nearer one is taken.
+        at: The pose there, where it is known already.
     """
     values = mechanism.axis_values(axes)
-    T = mechanism.fk(values)
+    T = mechanism.fk(values) if at is None else at
     shown = dict(zip(POSITION_COLUMNS, map(mm_from_m, T.translation.tolist()), strict=True))
     columns = mechanism.chain.display_columns
     shown |= zip(columns, orientation_shown(mechanism, values, T.rotation, near), strict=True)
@@ -61,13 +69,25 @@ def orientation_shown(
         return tuple(angles[column] for column in display.columns)
     tool = rotation[:, chain.tool_column]
     if display.kind == "direction":
-        before = tuple(near[column] for column in display.columns) if near else None
-        return two_angles(display, tool, before)
+        return two_angles(display, tool, _before(display, near) if near else None)
     if display.kind == "plane":
         return (plane_angle(display, rotation),)
     if display.kind == "pitch":
         return pitch_and_turn(mechanism, values, rotation)
     return tuple(tool.tolist()) if display.kind == "vector" else ()
+
+
+def _before(display: Display, near: Mapping[str, float]) -> tuple[float, ...]:
+    """Return the two angles displayed before.
+
+    Raises:
+        ChainbuildError: one is missing or no finite number.
+    """
+    values = real_numbers([near.get(column, math.nan) for column in display.columns])
+    if values is None or not (np.abs(values) < tolerances.HUGE_AXIS_VALUE).all():
+        permitted = f"what was displayed before, with {', '.join(display.columns)}"
+        raise ChainbuildError("near is no such display", parameter="near", permitted=permitted)
+    return tuple(values.tolist())
 
 
 def plane_angle(display: Display, rotation: Matrix) -> float:
@@ -78,18 +98,26 @@ def plane_angle(display: Display, rotation: Matrix) -> float:
 
 def pitch_and_turn(mechanism: Mechanism, values: Vector, rotation: Matrix) -> tuple[float, float]:
     """Return B and C [deg] of R = Rz(a)·Ry(B)·Rz(C - a), a being the turn of the first joint, which bears the arm."""
-    across = arm_normal(mechanism, values)
+    across = arm_normal(mechanism.chain, values)
     ahead = np.array([across[1], -across[0], 0.0])
     pitch = math.atan2(float(ahead @ rotation[:, 2]), float(rotation[2, 2]))
     turn = math.atan2(rotation[1, 0] - rotation[0, 1], rotation[0, 0] + rotation[1, 1])
     return wrapped(deg_from_rad(pitch)), wrapped(deg_from_rad(turn))
 
 
-def arm_normal(mechanism: Mechanism, values: Vector) -> Vector:
+def arm_normal(chain: Chain, values: Vector) -> Vector:
     """Return the normal (3,) of the arm's plane at axis values: the y axis that the first joint turns about z."""
-    links = link_placements(mechanism.chain, mechanism.q(values))
-    normal: Vector = links[mechanism.chain.joints[0].child][:3, 1]
+    links = link_placements(chain, joint_values(chain.axis_map, values))
+    normal: Vector = links[chain.joints[0].child][:3, 1]
     return normal
+
+
+def raised_and_turned(chain: Chain, values: Vector, pitch_deg: float, turn_deg: float) -> Matrix:
+    """Return the rotation (3, 3) of the B and C [deg] that `pitch_and_turn` gives, at axis values (n_axes,)."""
+    across = arm_normal(chain, values)
+    arm_deg = deg_from_rad(math.atan2(-across[0], across[1]))
+    R: Matrix = frames.rot_z(arm_deg) @ frames.rot_y(pitch_deg) @ frames.rot_z(turn_deg - arm_deg)
+    return R
 
 
 def wrapped(angle_deg: float) -> float:

@@ -28,7 +28,8 @@ def axis_vector(axes: Sequence[Axis], given: ArrayLike) -> Vector:
     if values is None:
         raise AxisValueError("axis values must be real numbers", permitted=_names(axes))
     if values.shape != (len(axes),):
-        message = f"expected {len(axes)} axis values, got an array of shape {values.shape}"
+        got = len(values) if values.ndim == 1 else f"an array of shape {values.shape}"
+        message = f"expected {len(axes)} axis values, got {got}"
         raise AxisValueError(message, permitted=_names(axes))
     if values.dot(values) < tolerances.HUGE_AXIS_VALUE**2:  # then each of them is small, and none is not a number
         return values

@@ -9,18 +9,25 @@ from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
-from chainbuild import frames
+from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix
 from chainbuild.chain.elements import Axis, Chain, Task
-from chainbuild.chain.programmed.display import ANGLE_COLUMNS, POSE_ANGLES, POSITION_COLUMNS, TOOL_COLUMNS, Display
+from chainbuild.chain.programmed.display import (
+    ANGLE_COLUMNS,
+    POSE_ANGLES,
+    POSITION_COLUMNS,
+    QUATERNION_COLUMNS,
+    STATUS_COLUMNS,
+    TOOL_COLUMNS,
+    Display,
+)
 from chainbuild.chain.programmed.vectors import VECTOR_COLUMNS, VectorProgramming
 from chainbuild.kinematics.displayed import vector_of_angles
 from chainbuild.shown import fields_shown
 from chainbuild.units import deg_from_rad
 
-QUATERNION_COLUMNS: Final = ("qx", "qy", "qz", "qw")
-STATUS_COLUMNS: Final = ("is", "it")
 C_COLUMN: Final = "c_deg"
+UNIT_COLUMNS: Final = frozenset((*QUATERNION_COLUMNS, *TOOL_COLUMNS, *VECTOR_COLUMNS))
 
 OrientationSource = Literal["shown", "angles", "quaternion", "tool", "vector", "none"]
 
@@ -92,6 +99,11 @@ class PoseForm:
         return (*quaternion, *(name for name in TOOL_COLUMNS if name not in self.columns), *self.columns)
 
     @property
+    def whole(self) -> bool:
+        """Whether the displayed columns describe a rotation, or a direction, without the kinematic."""
+        return self.display.kind in {"direction", "vector"} or (self.shows_angles and len(self.columns) == 3)
+
+    @property
     def shows_angles(self) -> bool:
         """Whether the displayed columns are pose angles of `angle_mode`."""
         return self.display.kind == "angles"
@@ -134,7 +146,8 @@ class PoseForm:
     def programmed_by(self) -> str:
         """Return in words what a pose is programmed by, for messages."""
         if self.display.kind == "axes" and self.columns:
-            return f"this kinematic is programmed by position and its rotary axes {', '.join(self.columns)}"
+            axes = "axes" if len(self.columns) > 1 else "axis"
+            return f"this kinematic is programmed by position and its rotary {axes} {', '.join(self.columns)}"
         listed = ", ".join(self.columns)
         return f"this kinematic is programmed by position{f' and {listed}' if listed else ' alone'}"
 
@@ -165,3 +178,15 @@ class PoseForm:
         tilt, turn = math.atan2(math.hypot(x, y), z), math.atan2(y, x)
         R: Matrix = frames.rot_z(deg_from_rad(turn)) @ frames.rot_y(deg_from_rad(tilt))
         return R if self.tool_axis == "z" else R @ frames.rot_y(-90.0)
+
+
+def length_fault(columns: tuple[str, ...], values: Sequence[float]) -> tuple[str, str] | None:
+    """Return what is wrong with the length of a quaternion or a vector, and what is permitted; None if nothing is."""
+    if not columns or not set(columns) <= UNIT_COLUMNS:
+        return None
+    norm = math.hypot(*values)
+    if columns == VECTOR_COLUMNS:
+        zero = f"({', '.join(columns)}) is the zero vector", "any other vector"
+        return zero if norm < tolerances.ZERO_VECTOR else None
+    length = f"({', '.join(columns)}) has the length {norm:.6g}", f"1 ± {tolerances.QUATERNION_NORM:g}"
+    return None if abs(norm - 1.0) <= tolerances.QUATERNION_NORM else length

@@ -12,18 +12,22 @@ import numpy as np
 
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix
-from chainbuild.chain.names import DRIVE_SUFFIX
-from chainbuild.chain.programmed.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
+from chainbuild.chain.programmed.display import (
+    ANGLE_COLUMNS,
+    POSITION_COLUMNS,
+    QUATERNION_COLUMNS,
+    STATUS_COLUMNS,
+    TOOL_COLUMNS,
+)
 from chainbuild.chain.programmed.status import parse_status, parse_turn
 from chainbuild.chain.programmed.vectors import VECTOR_COLUMNS, kept_angle, rotation_from_vector
 from chainbuild.errors import ChainbuildError, Span
 from chainbuild.tables.axes import DECIMALS, UNIT_DECIMALS, VIOLATIONS_COLUMN, names_field, number_field
-from chainbuild.tables.form import C_COLUMN, QUATERNION_COLUMNS, STATUS_COLUMNS, PoseForm
+from chainbuild.tables.form import C_COLUMN, UNIT_COLUMNS, PoseForm, length_fault
 from chainbuild.tables.reader import Choice, Table
 from chainbuild.units import m_from_mm, mm_from_m, rad_from_deg
 
 _NOT_GIVEN: Final = "-1"  # a status or turn that a row leaves out: its bits are no negative number
-UNIT_COLUMNS: Final = frozenset((*QUATERNION_COLUMNS, *TOOL_COLUMNS, *VECTOR_COLUMNS))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,19 +108,25 @@ class PoseTable(Table):
         beside = (C_COLUMN,) if form.running_c and C_COLUMN in names and C_COLUMN not in columns else ()
         more = (name for name in (*STATUS_COLUMNS, *form.held) if name in names and name in form.permitted())
         wanted = (*form.position(names), *columns, *beside, *more)
-        return wanted, (*self._permitted(names), VIOLATIONS_COLUMN, *_drives_among(names))
+        return wanted, (*self._permitted(names), VIOLATIONS_COLUMN)
 
     def _permitted(self, names: Sequence[str]) -> tuple[str, ...]:
         permitted = self.form.permitted()
-        # What `fk --angles` adds for RTCP kinematics may stand beside the columns that count; it is not read.
-        aside = self.form.display.rtcp and set(self.form.columns) & set(names)
+        # What `fk --angles` adds where no angles are displayed may stand beside the columns that count; it is not read.
+        aside = not self.form.shows_angles and (not self.form.columns or set(self.form.columns) & set(names))
         return (*permitted, *(name for name in ANGLE_COLUMNS if aside and name not in permitted))
 
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """Columns of another orientation that are neither used nor compared."""
+        others = {*ANGLE_COLUMNS, *QUATERNION_COLUMNS, *VECTOR_COLUMNS} - {*self.wanted, *self.beside}
+        return tuple(name for name in self.names if name in others)
+
     def _shown_columns(self, permitted: Sequence[str]) -> Sequence[str]:
-        return [name for name in permitted if name != VIOLATIONS_COLUMN]
+        return self.form.permitted()
 
     def _hint(self, name: str) -> str | None:
-        return self.form.programmed_by() if name in ANGLE_COLUMNS else None
+        return self.form.programmed_by() if self.form.display.rtcp or name in ANGLE_COLUMNS else None
 
     def _beside_columns(self) -> tuple[str, ...]:
         # Read for comparison only. Where C runs on over whole turns c_deg is an input of its own.
@@ -217,21 +227,8 @@ class PoseTable(Table):
         return self.form.rotation(self.orientation._replace(source="tool"), beside)
 
     def _check_vector(self, line: int, values: Sequence[float], columns: tuple[str, ...]) -> None:
-        if not columns or not set(columns) <= UNIT_COLUMNS:
-            return
-        norm = math.hypot(*values)
-        if columns == VECTOR_COLUMNS:
-            if norm < tolerances.ZERO_VECTOR:
-                raise self.error_at(line, f"({', '.join(columns)}) is the zero vector", "any other vector")
-        elif not abs(norm - 1.0) <= tolerances.QUATERNION_NORM:
-            raise self.error_at(
-                line, f"({', '.join(columns)}) has the length {norm:.6g}", f"1 ± {tolerances.QUATERNION_NORM:g}"
-            )
-
-
-def _drives_among(names: Sequence[str]) -> list[str]:
-    """Return the columns of drives, which fk writes and nobody reads."""
-    return [name for name in names if name.endswith(DRIVE_SUFFIX)]
+        if fault := length_fault(columns, values):
+            raise self.error_at(line, *fault)
 
 
 class PoseWriter:

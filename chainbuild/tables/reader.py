@@ -6,7 +6,7 @@ import csv
 import io
 import math
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -88,7 +88,7 @@ class Table:
             self.names = canonical_columns(self.written, axes, self._header_fault)
             self.wanted, permitted = choose(self.names)
             self.beside = self._beside_columns()
-            self._check_header(permitted)
+            self._check_header(permitted, {f"{axis.name}{DRIVE_SUFFIX}" for axis in axes})
         except BaseException:
             self._stream.close()
             raise
@@ -176,11 +176,12 @@ class Table:
         """Return what to say of a column that is not permitted, where there is more to say than its name."""
         return None
 
-    def _check_header(self, permitted: Sequence[str]) -> None:
+    def _check_header(self, permitted: Sequence[str], drives: Collection[str]) -> None:
+        """Refuse wrong columns; those of drives, which fk writes and no command reads, may stand in every table."""
         shown = self._shown_columns(permitted)
         listed = ", ".join(shown)
         for place, (name, known) in enumerate(zip(self.written, self.names, strict=True)):
-            if known not in permitted:
+            if known not in permitted and known not in drives:
                 text = f"unknown column '{name}'" if name else f"column {place + 1} has no name"
                 near = closest(name, shown)
                 hint = f"did you mean {near}?" if near else None
@@ -192,7 +193,8 @@ class Table:
         missing = [name for name in self.wanted if name not in self.names]
         if missing:
             text = f"missing column{'s' * (len(missing) > 1)} {', '.join(missing)}{self._alternatives(missing)}"
-            raise TableError(text, span=self.header_span, parameter=missing[0], permitted=listed)
+            hint = self._hint(missing[0])
+            raise TableError(text, span=self.header_span, parameter=missing[0], permitted=listed, hint=hint)
 
     def _header_fault(self, place: int, text: str, permitted: str) -> TableError:
         name = self.written[place]

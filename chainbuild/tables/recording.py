@@ -14,12 +14,12 @@ from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Chain, Task
 from chainbuild.chain.poses import pose
-from chainbuild.chain.programmed.display import ANGLE_COLUMNS, POSITION_COLUMNS, TOOL_COLUMNS
+from chainbuild.chain.programmed.display import ANGLE_COLUMNS, POSITION_COLUMNS, QUATERNION_COLUMNS, TOOL_COLUMNS
 from chainbuild.errors import Span, TableError
-from chainbuild.kinematics.displayed import plane_angle
+from chainbuild.kinematics.displayed import plane_angle, raised_and_turned
 from chainbuild.shown import fields_shown
 from chainbuild.tables.axes import RESULT_COLUMNS, VIOLATIONS_COLUMN
-from chainbuild.tables.form import QUATERNION_COLUMNS, STATUS_COLUMNS, OrientationSource, PoseColumns, PoseForm
+from chainbuild.tables.form import OrientationSource, PoseColumns, PoseForm
 from chainbuild.tables.reader import Choice, Table
 from chainbuild.units import m_from_mm
 
@@ -33,6 +33,7 @@ class Recording:
         poses: (n, 4, 4) tool in the workpiece frame [m].
         compared: What of the poses was recorded.
         name: File name.
+        form: How the poses were read, where that depends on the chain; None: they are poses as they are.
     """
 
     __repr__ = fields_shown
@@ -41,6 +42,18 @@ class Recording:
     poses: NDArray[np.float64]
     compared: Task = "pose"
     name: str = "recording"
+    form: PoseForm | None = None
+
+    def read_for(self, chain: Chain) -> NDArray[np.float64]:
+        """Return the poses (n, 4, 4) as another chain of the same machine, with other conventions, means them.
+
+        Raises:
+            ChainbuildError: its poses have other columns.
+        """
+        if self.form is None or (self.form.whole and PoseForm.of(chain, "direction") == self.form):
+            return self.poses
+        poses = read_recording(self.name, chain).poses if Path(self.name).is_file() else self.poses
+        return poses if len(poses) == len(self.poses) else self.poses
 
 
 def read_recording(path: Path | str, chain: Chain) -> Recording:
@@ -71,7 +84,8 @@ def read_recording(path: Path | str, chain: Chain) -> Recording:
         poses[:, POSITION_COLUMNS.index(name), 3] = [m_from_mm(value) for value in rows[:, column].tolist()]
     for n, given in enumerate(rows[:, first:].tolist()):
         poses[n, :3, :3] = table.rotation(axes[n], given)
-    return Recording(axes, poses, table.compared, str(path))
+    depends = table.orientation.source not in {"quaternion", "none"}
+    return Recording(axes, poses, table.compared, str(path), table.form if depends else None)
 
 
 class _RecordingTable(Table):
@@ -99,11 +113,11 @@ class _RecordingTable(Table):
 
     def _choose(self, names: Sequence[str]) -> Choice:
         axes = tuple(axis.name for axis in self._chain.axes)
-        permitted = (*axes, *self.form.permitted(), *STATUS_COLUMNS, *RESULT_COLUMNS, VIOLATIONS_COLUMN)
+        permitted = (*axes, *self.form.permitted(), *RESULT_COLUMNS, VIOLATIONS_COLUMN)
         return (*axes, *self.form.position(names), *self._orientation(names).columns), tuple(dict.fromkeys(permitted))
 
     def _hint(self, name: str) -> str | None:
-        return self.form.programmed_by() if name in ANGLE_COLUMNS else None
+        return self.form.programmed_by() if self.form.display.rtcp or name in ANGLE_COLUMNS else None
 
     @property
     def compared(self) -> Task:
@@ -120,15 +134,26 @@ class _RecordingTable(Table):
         if unit and not math.hypot(*given) > 0.0:
             text = f"({', '.join(self.orientation.columns)}) is zero"
             raise TableError(text, span=Span(self.file), permitted="length 1")
-        if self.orientation.source == "shown" and self.form.display.kind in {"angles", "plane"}:
-            return self._completed(pose(self._chain, axes)[:3, :3], given)
-        found = self.form.rotation(self.orientation, given)
-        assert found is not None  # only displayed columns describe none alone
-        return found
+        found = None if self._in_part else self.form.rotation(self.orientation, given)
+        return self._completed(axes, given) if found is None else found
 
-    def _completed(self, ours: Matrix, given: Sequence[float]) -> Matrix:
-        if self.form.display.kind == "plane":
-            turned: Matrix = frames.rot_z(given[0] - plane_angle(self.form.display, ours)) @ ours
+    @property
+    def _in_part(self) -> bool:
+        return self.orientation.source == "shown" and self.form.display.kind == "angles"
+
+    def _completed(self, axes: Vector, given: Sequence[float]) -> Matrix:
+        """Return the rotation of displayed columns that describe one only together with what follows from the axes."""
+        display = self.form.display
+        if display.kind == "axes":  # what is displayed are values of axes
+            shown = axes.copy()
+            shown[list(display.axes)] = given
+            R: Matrix = pose(self._chain, shown)[:3, :3]
+            return R
+        if display.kind == "pitch":
+            return raised_and_turned(self._chain, axes, *given)
+        ours = pose(self._chain, axes)[:3, :3]
+        if display.kind == "plane":
+            turned: Matrix = frames.rot_z(given[0] - plane_angle(display, ours)) @ ours
             return turned
         mode = self._chain.angle_mode
         own = dict(zip(ANGLE_COLUMNS, frames.angles_from_matrix(mode, ours), strict=True))

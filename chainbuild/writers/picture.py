@@ -111,7 +111,7 @@ def measure_picture(smallest: Vector, title: str, threshold: float) -> str:
     top = max(float(smallest[known].max(initial=0.0)), threshold) * 1.05
     chart = Chart(title, "row", "smallest singular value, scaled", (1.0, float(len(smallest))), (0.0, top))
     chart.line(rows, smallest[known].tolist(), _BLUE)
-    chart.line((1.0, float(max(rows))), (threshold, threshold), _ORANGE, dashed=True)
+    chart.line((1.0, float(len(smallest))), (threshold, threshold), _ORANGE, dashed=True)
     return chart.text()
 
 

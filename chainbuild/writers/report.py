@@ -41,8 +41,8 @@ def _forward_lines(forward: Forward, axes: Sequence[str]) -> list[str]:
     lines = [
         f"Forward: {agree} of {total} poses agree within {within}"
         f" ({', '.join(f'{count} {kind}' for kind, count in kinds.items())}); compared: {forward.compared}",
-        f"  worst: {distance_text(float(forward.position_error[worst]))},"
-        f" {degrees_text(float(forward.rotation_error[worst]))}"
+        f"  worst: {distance_text(float(forward.position_error[worst]))}"
+        f"{'' if forward.compared == 'position' else f', {degrees_text(float(forward.rotation_error[worst]))}'}"
         f" at {'row ' + str(worst + 1) + ': ' if _recorded(forward) else ''}"
         f"{axes_text(axes, forward.samples.axes[worst].tolist())}",
     ]

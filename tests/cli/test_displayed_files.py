@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import chainbuild
+from tests.kit.random_types import channel_list, random_machine
 
 RTCP = [name for name in chainbuild.shipped() if chainbuild.Robot.load(name).chain.display.rtcp]
 
@@ -144,3 +145,116 @@ def test_a_perfect_recording_of_a_table_machine_agrees(run: Any) -> None:
     Path("recorded.csv").write_text("\n".join(lines) + "\n", "utf-8")
     told = run("crosscheck", "ac_table_kin58", "--recording", "recorded.csv")
     assert (told.code, "agrees" in told.out) == (0, True)
+
+
+def test_an_orientation_that_is_not_used_is_told(run: Any) -> None:
+    Path("poses.csv").write_text("x_mm,y_mm,z_mm,A,C,a_deg,b_deg,c_deg\n1,2,3,10,40,-10,0,-40\n", "utf-8")
+    told = run("ik", "ac_table_kin58", "--poses", "poses.csv")
+    assert "a_deg, b_deg, c_deg not used: A, C counts" in told.err
+
+
+@pytest.mark.parametrize("name", chainbuild.shipped())
+def test_angles_that_fk_adds_are_read_or_refused_at_once(name: str, run: Any, tmp_path: Path) -> None:
+    robot = chainbuild.Robot.load(name)
+    write_axes(tmp_path / "axes.csv", robot, 2)
+    written = run("fk", name, "--axes", "axes.csv", "--angles", "own", "--quaternion", "--drives", "-o", "poses.csv")
+    other = robot.chain.display.kind != "angles" and {"a_deg", "b_deg", "c_deg"} & set(robot.chain.display_columns)
+    assert written.code == (2 if other else 0), written.err
+    if other:
+        assert "which are no pose angles" in written.err
+        return
+    told = run("ik", name, "--poses", "poses.csv", "--start", "axes.csv")
+    assert told.code == 0, told.err
+    assert robot.chain.display.kind == "angles" or "a_deg, b_deg, c_deg not used" in told.err
+
+
+@pytest.mark.parametrize("choice", ["pose_angles", "pitch_and_turn"])
+def test_a_palletiser_recorded_by_pitch_and_turn(choice: str, run: Any) -> None:
+    words = ("--convention", f"kin213_angles={choice}")
+    robot = chainbuild.Robot.load("palletiser_kin213", conventions={"kin213_angles": choice})
+    rows = [[10.0, 20.0, -30.0, 15.0, 40.0], [-40.0, 10.0, -20.0, -25.0, 60.0], [25.0, 15.0, -40.0, 5.0, -70.0]]
+    rows = [row[: len(robot.axes)] for row in rows]
+    shown = [robot.display(row) for row in rows]
+    lines = [",".join([*(axis.name for axis in robot.axes), *shown[0]])]
+    lines += [",".join(map(repr, [*row, *one.values()])) for row, one in zip(rows, shown, strict=True)]
+    Path("recorded.csv").write_text("\n".join(lines) + "\n", "utf-8")
+    told = run("crosscheck", "palletiser_kin213", "--recording", "recorded.csv", *words)
+    assert (told.code, "agrees" in told.out) == (0, True), told.out + told.err
+    shown[1]["b_deg"] += 1.0
+    lines[2] = ",".join(map(repr, [*rows[1], *shown[1].values()]))
+    Path("recorded.csv").write_text("\n".join(lines) + "\n", "utf-8")
+    assert run("crosscheck", "palletiser_kin213", "--recording", "recorded.csv", *words).code == 3
+
+
+def test_a_turn_without_a_status_is_refused_on_paths_too(run: Any) -> None:
+    Path("poses.csv").write_text("x_mm,y_mm,z_mm,qx,qy,qz,qw,it\n500,0,800,0,1,0,0,63\n510,0,800,0,1,0,0,63\n", "utf-8")
+    told = [run("ik", "kr6r900_2", "--poses", "poses.csv", *words) for words in ((), ("--follow",))]
+    assert [one.code for one in told] == [1, 1]
+    assert all("a turn (IT) needs" in one.err for one in told)
+
+
+def test_columns_of_drives_are_those_of_axes(run: Any) -> None:
+    Path("poses.csv").write_text("x_mm,y_mm,z_mm,A,C,C_drive\n1,2,3,10,40,40\n", "utf-8")
+    assert run("ik", "ac_table_kin58", "--poses", "poses.csv").out.count("\n") == 2
+    Path("poses.csv").write_text("x_mm,y_mm,z_mm,A,C,Q_drive\n1,2,3,10,40,40\n", "utf-8")
+    told = run("ik", "ac_table_kin58", "--poses", "poses.csv")
+    assert told.code == 1
+    assert "unknown column 'Q_drive'" in told.err
+    lines = "X,Y,Z,A,C,x_mm,y_mm,z_mm,C_drive\n100,20,-300,10,40,94.846,-42.540,105.767,40\n"
+    Path("recorded.csv").write_text(lines, "utf-8")
+    assert run("crosscheck", "ac_table_kin58", "--recording", "recorded.csv").code == 0
+
+
+def test_a_picture_of_a_path_without_poses(run: Any) -> None:
+    Path("axes.csv").write_text("X,Y,Z,C,A\n0,0,0,0,90\n1,0,0,0,90\n", "utf-8")
+    told = run("singularity", "plasma_head_kin25", "--axes", "axes.csv", "--picture", "out.svg")
+    assert "Traceback" not in told.err
+    assert told.code in (0, 1, 3)
+
+
+def recorded(name: str, robot: chainbuild.Robot, rows: np.ndarray) -> None:
+    """Write axis values with everything that is displayed at them."""
+    shown = [robot.display(row) for row in rows]
+    columns = [column for column in shown[0] if column not in [axis.name for axis in robot.axes]]
+    lines = [",".join([*(axis.name for axis in robot.axes), *columns])]
+    lines += [
+        ",".join(map(repr, [*row.tolist(), *(one[c] for c in columns)])) for row, one in zip(rows, shown, strict=True)
+    ]
+    Path(name).write_text("\n".join(lines) + "\n", "utf-8")
+
+
+def test_displayed_axes_of_a_complete_kinematic_are_compared(run: Any) -> None:
+    robot = chainbuild.Robot.load("bevel_head_kin76")
+    rows = np.random.default_rng(2).uniform(-20.0, 20.0, (5, 5))
+    recorded("recorded.csv", robot, rows)
+    assert run("crosscheck", "bevel_head_kin76", "--recording", "recorded.csv").code == 0
+    lines = Path("recorded.csv").read_text("utf-8").splitlines()
+    c_deg = lines[0].split(",").index("c_deg")
+    fields = lines[3].split(",")
+    fields[c_deg] = repr(float(fields[c_deg]) + 1.0)
+    Path("recorded.csv").write_text("\n".join([*lines[:3], ",".join(fields), *lines[4:]]) + "\n", "utf-8")
+    told = run("crosscheck", "bevel_head_kin76", "--recording", "recorded.csv")
+    assert (told.code, "4 of 5 poses agree" in told.out) == (3, True), told.out
+
+
+@pytest.mark.parametrize(
+    ("kin", "more", "convention", "choice"),
+    [
+        (213, "", "kin213_angles", "pitch_and_turn"),
+        (208, "", "kin208_angles", "pose_angles"),
+        (202, "", "kin202_c", "tool_vector"),
+        (45, "ori_rotation_angle 1\n", "euler_letters", "a_first"),
+    ],
+)
+def test_conventions_of_what_is_displayed_are_found(
+    kin: int, more: str, convention: str, choice: str, run: Any
+) -> None:
+    """The recording is read anew for every choice: it decides what the columns mean."""
+    heads = random_machine(kin, np.random.default_rng(1)) | ({9: 1.0} if kin == 202 else {})  # HD10: RIGHT
+    Path("machine.lis").write_text(more + channel_list(kin, heads), "utf-8")
+    robot = chainbuild.Robot.load("machine.lis", conventions={convention: choice})
+    recorded("recorded.csv", robot, np.random.default_rng(4).uniform(5.0, 40.0, (8, len(robot.axes))))
+    told = run("crosscheck", "machine.lis", "--recording", "recorded.csv")
+    assert told.code == 3, told.out
+    assert f"{convention}={choice}" in told.out
+    assert "none agrees" not in told.out, told.out

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
+import sys
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -135,3 +136,9 @@ def test_a_missing_value_in_a_good_row_is_still_called_so(run: Run) -> None:
     Path("axes.csv").write_text(f"{AXES.strip()},status\n0,,90,0,0,0,limits\n", "utf-8")
     outcome = run("fk", ARM, "--axes", "axes.csv")
     assert (outcome.code, "column B1: no value" in outcome.err) == (1, True)
+
+
+@pytest.mark.parametrize(("words", "code"), [(("types",), 0), (("info", "missing.lis"), 1), (("--nothing",), 2)])
+def test_the_module_ends_with_the_code_of_the_command(words: tuple[str, ...], code: int) -> None:
+    command = [sys.executable, "-m", "chainbuild", *words]
+    assert subprocess.run(command, capture_output=True, check=False).returncode == code

@@ -233,3 +233,66 @@ def test_input_axes_are_part_of_the_display() -> None:
     del shown["EX1"]
     assert robot.from_display(shown).axes[6] == 0.0
     assert robot.from_display(shown, held={"EX1": 500.0}).axes[6] == 500.0
+
+
+def test_columns_may_be_written_as_in_tables() -> None:
+    robot = SHIPPED["ac_table_kin58"]
+    plain = robot.from_display({"x_mm": 1.0, "y_mm": 2.0, "z_mm": 3.0, "A": 10.0, "C": 40.0}).axes
+    for name in ("c", "C [deg]", "c [degrees]"):
+        shown = {"X_MM": 1.0, "Y_mm": 2.0, "z_mm": 3.0, "A": 10.0, name: 40.0}
+        assert np.array_equal(robot.from_display(shown).axes, plain)
+    with pytest.raises(ChainbuildError, match="the same: C"):
+        robot.from_display({"x_mm": 1.0, "y_mm": 2.0, "z_mm": 3.0, "A": 10.0, "C": 40.0, "c": 1.0})
+    with pytest.raises(ChainbuildError, match="shape"):
+        robot.from_display({"x_mm": [1.0, 2.0], "y_mm": 2.0, "z_mm": 3.0, "A": 10.0, "C": 40.0})  # type: ignore[dict-item]
+
+
+@pytest.mark.parametrize(("near", "good"), [({}, True), ({"x_mm": 1.0}, False), ({"B": 1.0}, False), (None, True)])
+def test_what_was_displayed_before_must_have_the_angles(
+    near: dict[str, float] | None, good: bool, tmp_path: Path
+) -> None:
+    path = tmp_path / "machine.lis"
+    path.write_text(channel_list(208, random_machine(208, np.random.default_rng(0))), "utf-8")
+    robot = chainbuild.Robot.load(path)
+    assert robot.chain.display.kind == "direction"
+    if good:
+        assert robot.display(np.zeros(len(robot.axes)), near=near)
+        return
+    with pytest.raises(ChainbuildError, match="near is no such display"):
+        robot.display(np.zeros(len(robot.axes)), near=near)
+
+
+@pytest.mark.parametrize("name", ["ca_head_kin9", "kr6r900_2"])
+def test_a_vector_without_a_direction_is_refused(name: str) -> None:
+    robot = SHIPPED[name]
+    columns = ("tool_x", "tool_y", "tool_z") if name == "ca_head_kin9" else ("qx", "qy", "qz", "qw")
+    place = {"x_mm": 100.0, "y_mm": 0.0, "z_mm": 0.0}
+    for call in (robot.from_display, robot.from_display_batch):
+        for value in (0.0, 2.0):
+            with pytest.raises(ChainbuildError, match="has the length"):
+                call({**place, **dict.fromkeys(columns, value)})  # type: ignore[operator]
+
+
+def test_held_values_in_order_remain_beside_displayed_ones() -> None:
+    robot = SHIPPED["irb2600_table"]
+    names = [axis.name for axis in robot.axes if axis.held]
+    axes = np.zeros(len(robot.axes)) + 20.0
+    shown = robot.display(axes)
+    del shown[names[1]]
+    for held in ([0.0, 25.0], {names[1]: 25.0}, {names[0].lower(): 99.0, names[1]: 25.0}):
+        found = robot.from_display(shown, held=held)
+        assert [found.axes[robot.labels.names.index(name)] for name in names] == [20.0, 25.0]
+
+
+@pytest.mark.parametrize("name", ["palletiser_kin213", "palletiser_nr4", "scara_kin36", "kr6r900"])
+def test_a_batch_gives_what_single_poses_give(name: str) -> None:
+    robot = SHIPPED[name]
+    rows = rows_inside(robot, 20)
+    table = robot.from_display_batch(shown_of(robot, rows))
+    for n, row in enumerate(rows):
+        assert table.success[n]
+        again, wanted = robot.display(table.axes[n]), robot.display(row)
+        assert all(abs(np.remainder(again[c] - wanted[c] + 180.0, 360.0) - 180.0) < 1e-3 for c in wanted), (
+            again,
+            wanted,
+        )

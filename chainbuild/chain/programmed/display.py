@@ -15,6 +15,8 @@ DisplayKind = Literal["axes", "angles", "direction", "pitch", "plane", "vector",
 POSITION_COLUMNS: Final = ("x_mm", "y_mm", "z_mm")
 ANGLE_COLUMNS: Final = ("a_deg", "b_deg", "c_deg")
 TOOL_COLUMNS: Final = ("tool_x", "tool_y", "tool_z")
+QUATERNION_COLUMNS: Final = ("qx", "qy", "qz", "qw")
+STATUS_COLUMNS: Final = ("is", "it")  # pose status and turn
 
 
 @dataclass(frozen=True, slots=True)

@@ -129,12 +129,6 @@ def check_condition(how: VectorProgramming, angle_mode: str) -> None:
         )  # fmt: skip
 
 
-def vector_of(how: VectorProgramming, R: Matrix) -> Vector:
-    """Return the programmed vector (…, 3) of rotations (…, 3, 3), of length 1: the columns ori_x, ori_y, ori_z."""
-    vector: Vector = R[..., :, "xyz".index(how.axis)]
-    return vector
-
-
 def kept_angle(how: VectorProgramming, angle_mode: str, R: Matrix) -> float:
     """Return the value [deg] in a rotation (3, 3) of the angle that vector programming keeps.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -130,6 +130,7 @@ def _named(chain: Chain, ahead: int, source: Source, collector: Collector) -> Ch
     """Return the chain with the channel's own names of its axes, as far as the list gives them."""
     listed = source.channel.axes
     given = [listed[n].name if n in listed else "" for n in range(ahead, ahead + len(chain.axes))]
+    _tell_swapped([axis.name for axis in chain.axes], given, ahead, source, collector)
     names, lost = channel_names(chain.axes, given)
     for n in lost:
         generic = chain.axes[n].name
@@ -139,6 +140,20 @@ def _named(chain: Chain, ahead: int, source: Source, collector: Collector) -> Ch
         hint = f"name all axes: gruppe[0].achse[{ahead + n}].bezeichnung is missing"
         collector.add("CB413", text, span=other.span, parameter=parameter, hint=hint)
     return renamed(chain, names)
+
+
+def _tell_swapped(
+    generic: Sequence[str], given: Sequence[str], ahead: int, source: Source, collector: Collector
+) -> None:
+    """Note where a channel gives its axes the names that the type has, in another order."""
+    written, known = [name.casefold() for name in given], [name.casefold() for name in generic]
+    if written == known or sorted(written) != sorted(known):
+        return
+    n = next(n for n, (name, own) in enumerate(zip(written, known, strict=True)) if name != own)
+    axis = source.channel.axes[ahead + n]
+    text = f"the axes are called {', '.join(given)}, in another order than those of the type: {', '.join(generic)}"
+    hint = "the order of the channel counts, not the names: check which drive is which"
+    collector.add("CB413", text, span=axis.span, parameter=f"gruppe[0].achse[{axis.index}].bezeichnung", hint=hint)
 
 
 def _limited(chain: Chain, ahead: int, source: Source, collector: Collector) -> Chain:

@@ -90,7 +90,7 @@ class PitchAndTurn:
         # The angular velocity is a'·z + B'·normal + (C' - a')·tool: normal and both others are at right angles.
         turning, level = R @ J[3:], 1.0 + float(R[2, 2])
         sum_of_turns = (np.array([0.0, 0.0, 1.0]) + R[:, 2]) @ turning / max(level, tolerances.GIMBAL_LOCK)
-        return np.array(missing), np.vstack((arm_normal(self.mechanism, values) @ turning, sum_of_turns))
+        return np.array(missing), np.vstack((arm_normal(self.mechanism.chain, values) @ turning, sum_of_turns))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

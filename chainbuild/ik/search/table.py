@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -195,13 +196,15 @@ class FailedRow(IkResult):
         return getattr(words, name)
 
 
+def _words_at(words: Sequence[FailureWords], row: int, _result: IkResult) -> FailureWords:
+    return words[row]
+
+
 def table_of(results: Sequence[IkResult], task: Task, labels: AxisLabels) -> IkTable:
     """Return single results as a table."""
     axes = np.array([one.axes for one in results]).reshape(-1, len(labels.names))
     counts = np.array([(STATUSES.index(one.status), one.iterations, one.restarts) for one in results], dtype=np.int64)
     misses = np.array([(one.position_error, one.rotation_error) for one in results]).reshape(-1, 2)
 
-    def explain(row: int, _result: IkResult) -> FailureWords:
-        return FailureWords(results[row].reason, results[row].violated)
-
-    return IkTable(axes, counts.reshape(-1, 3), misses, task, labels, explain)
+    words = [FailureWords(one.reason, one.violated) for one in results]
+    return IkTable(axes, counts.reshape(-1, 3), misses, task, labels, partial(_words_at, words))

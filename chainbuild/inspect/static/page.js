@@ -94,7 +94,7 @@
     });
   }
 
-  // What the controller displays beside the position, for axis values and a rotation R(row, column); see chain/display.py.
+  // What the controller displays beside the position, for axis values and a rotation R(row, column); see kinematics/displayed.py.
   function displayed(axes, R) {
     const { kind, along, letters } = page.pose.display;
     const column = (n) => [0, 1, 2].map((row) => R(row, n));

@@ -277,3 +277,14 @@ def test_two_steps_have_the_names_of_the_first() -> None:
     assert [axis.name for axis in named.axes] == ["X_BETT", "Y", "Z", "C_KOPF", "A_KOPF"]
     values = [100, 20, 30, 10, 20]
     assert np.array_equal(Robot(named).fk(values).homogeneous, Robot(plain).fk(values).homogeneous)
+
+
+def test_the_names_of_the_type_in_another_order_are_told() -> None:
+    found = machine("trafo[0].id 9\n" + bezeichnungen({0: "X", 1: "Y", 2: "Z", 3: "A", 4: "C"}))
+    told = next(finding for finding in found.chain().findings if finding.code == "CB413")
+    assert "called X, Y, Z, A, C, in another order than those of the type: X, Y, Z, C, A" in told.text
+    assert told.span is not None
+    assert told.span.line == 5
+    assert [axis.name for axis in found.chain().axes] == ["X", "Y", "Z", "A", "C"]
+    same = machine("trafo[0].id 9\n" + bezeichnungen({0: "x", 1: "Y", 2: "Z", 3: "C", 4: "A"}))
+    assert "CB413" not in codes(same.chain())

@@ -188,6 +188,8 @@ def list_text(chain: Chain, universal: Universal, lengthens: bool = True) -> str
         lines += _vector(f"axis[{n}].orientation", axis.orientation)
         if axis.kind == "rotary":
             lines += _vector(f"axis[{n}].point", _counts(axis.point))
+    if any(axis.generic for axis in chain.axes):  # the channel has names of its own for them
+        lines += [f"gruppe[0].achse[{n}].bezeichnung {axis.name}" for n, axis in enumerate(universal.axes)]
     lines += ["trafo[0].programming_mode 12", "trafo[0].rtcp 1", "Ende"]
     return "\n".join(lines) + "\n"
 
