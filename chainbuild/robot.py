@@ -273,7 +273,7 @@ class Robot(Mechanism):
         Args:
             shown: Values of the columns that `display` returns, or a full orientation in the columns of pose tables.
             start: As for `ik`; where the control keeps a side (a hand, the sign of X), it is that of the start.
-            held: As for `ik`; input axes in `shown` win.
+            held: As for `ik`; input axes in `shown` win, rotary axes cannot be held at other values than those shown.
 
         Raises:
             ChainbuildError: a column is missing or unknown, or a value is not finite.

@@ -28,6 +28,7 @@ RESERVED_COLUMNS: Final = (
     *POSITION_COLUMNS, *QUATERNION_COLUMNS, *TOOL_COLUMNS, *VECTOR_COLUMNS, *ANGLE_COLUMNS,
     *(*STATUS_COLUMNS, "row", "status", "position_error_mm", "rotation_error_deg", "violations"),
 )  # fmt: skip
+_FRAMES: Final = frozenset(("tool", "workpiece", "universe"))  # looked up by name where Pinocchio also has the joints
 DRIVE_SUFFIX: Final = "_drive"  # of a column that holds what a drive stands at
 # What CSV, JSON, XML, HTML and `PARTIAL.AXIS` on the command line leave as it is.
 _SAFE: Final = re.compile(r"[^\W\d][\w-]*")
@@ -75,13 +76,18 @@ def name_fault(name: str) -> tuple[str, str] | None:
 
 
 def reserved_fault(name: str) -> tuple[str, str] | None:
-    """Return what is wrong with a name that tables have for other columns, and what is permitted; None if nothing."""
+    """Return what is wrong with a name that means something else, and what is permitted; None if nothing is."""
     folded, shown = name.casefold(), repr(name[:40])
     if folded in RESERVED_COLUMNS:
         return f"the axis is called {shown} like a column of the tables", f"another name than {folded}"
     if folded.endswith(DRIVE_SUFFIX):
         text = f"the axis is called {shown} like the column of a drive in tables"
         return text, f"a name that does not end with {DRIVE_SUFFIX}"
+    if name in _FRAMES:
+        return (
+            f"the axis is called {shown} like a frame of the model",
+            f"another name than {', '.join(sorted(_FRAMES))}",
+        )
     return None
 
 

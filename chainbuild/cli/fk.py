@@ -43,8 +43,8 @@ def fk(
     position in mm, the tool vector and what the controller displays beside the position: on RTCP kinematics the rotary
     axes by name, on complete ones pose angles, with the quaternion. Where C counts whole turns, so does c_deg. Rows
     outside the limits are computed and counted; on a machine with limits on sums of axes, such as the angle of a
-    parallelogram, the column violations names what a row violates. Axes that `ik` holds, such as a track, follow in
-    columns of their own, where `ik` reads them.
+    parallelogram, or of drives, the column violations names what a row violates. Axes that `ik` holds, such as a track,
+    follow in columns of their own, where `ik` reads them.
 
     Example: `chainbuild fk kr6r900 --at 0,-90,90,0,0,0 -o poses.csv`
 

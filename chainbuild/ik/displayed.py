@@ -20,7 +20,7 @@ from chainbuild.chain.elements import Task
 from chainbuild.chain.programmed.display import ANGLE_COLUMNS, POSITION_COLUMNS, QUATERNION_COLUMNS, STATUS_COLUMNS
 from chainbuild.chain.programmed.status import parse_status, parse_turn
 from chainbuild.chain.programmed.vectors import rotation_from_vector
-from chainbuild.errors import ChainbuildError, TableError
+from chainbuild.errors import AxisValueError, ChainbuildError, TableError
 from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.policies.four_axis import PitchAndTurn, PoseAngles, with_reachable_orientation
 from chainbuild.ik.request import Held, IkOptions, IkRequest, held_by_name, start_point
@@ -247,10 +247,16 @@ def _by_axes(
     axes = start_point(mechanism, begin, held)[0] / mechanism.kinematics.si_factors
     for name, value in given.items():
         axes[mechanism.labels.names.index(name)] = value
-    if mechanism.chain.solves_linear_axes:
+    kept = held_by_name(mechanism, held)
+    for name in kept:
+        if name in given and kept[name] != given[name]:
+            text = f"axis {name} is held at {kept[name]:.10g} and programmed at {given[name]:.10g}"
+            raise AxisValueError(text, parameter="held", permitted="one of the two")
+    solved = {mechanism.axes[n].name for n in mechanism.chain.display.solved}
+    if mechanism.chain.solves_linear_axes and not solved & set(kept):
         return linear_axes(mechanism, position, mechanism.axis_values(axes))
     T = frames.transform(None, position)
-    return _on_side(as_task(mechanism, "position"), T, start, {**held_by_name(mechanism, held), **given}, solver)
+    return _on_side(as_task(mechanism, "position"), T, start, {**kept, **given}, solver)
 
 
 def _by_angles(

@@ -179,10 +179,10 @@ class Mechanism:
         return values if units == "controller" else values * self.labels.to(units).factors
 
     def pose_angles(self, axes: ArrayLike) -> tuple[float, float, float]:
-        """Return the pose angles A, B, C [deg] that the controller shows at axis values (n_axes,), mm and degrees.
+        """Return the pose angles A, B, C [deg] of the tool at axis values (n_axes,), mm and degrees.
 
         They are those of `Chain.angle_mode`, each in (-180, 180]; C may continue over whole turns
-        (`Chain.absolute_c`).
+        (`Chain.absolute_c`). What the controller shows beside the position is `Robot.display`.
 
         Raises:
             AxisValueError: wrong count or not finite.

@@ -1,9 +1,8 @@
 """CSV tables of axis values and poses, read and written row by row in constant memory.
 
 Comma, decimal point, one header line, columns by name in any order; lengths in mm and angles in degrees with 12
-decimals, unit vectors with 15, which is all that double precision keeps of a machine. An orientation is read from a
-quaternion, else from the angles A, B, C of the controller, else, for machines that cannot turn about the tool vector,
-from the tool vector alone.
+decimals, unit vectors with 15, which is all that double precision keeps of a machine. The orientation is what the
+controller displays (`form`): on RTCP kinematics the rotary axes, else pose angles; a full orientation may replace it.
 
 In reading order: `reader`, `axes`, `form`, `poses`, `recording`.
 """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +33,6 @@ class Recording:
         poses: (n, 4, 4) tool in the workpiece frame [m].
         compared: What of the poses was recorded.
         name: File name.
-        form: How the poses were read, where that depends on the chain; None: they are poses as they are.
     """
 
     __repr__ = fields_shown
@@ -42,7 +41,7 @@ class Recording:
     poses: NDArray[np.float64]
     compared: Task = "pose"
     name: str = "recording"
-    form: PoseForm | None = None
+    _form: PoseForm | None = field(default=None, repr=False)  # how they were read, where that depends on the chain
 
     def read_for(self, chain: Chain) -> NDArray[np.float64]:
         """Return the poses (n, 4, 4) as another chain of the same machine, with other conventions, means them.
@@ -50,7 +49,7 @@ class Recording:
         Raises:
             ChainbuildError: its poses have other columns.
         """
-        if self.form is None or (self.form.whole and PoseForm.of(chain, "direction") == self.form):
+        if self._form is None or (self._form.whole and PoseForm.of(chain, "direction") == self._form):
             return self.poses
         poses = read_recording(self.name, chain).poses if Path(self.name).is_file() else self.poses
         return poses if len(poses) == len(self.poses) else self.poses

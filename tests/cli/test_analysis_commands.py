@@ -42,7 +42,7 @@ def test_singularity_of_one_position(run: Run) -> None:
     outcome = run("singularity", "kr6r900", "--at", NEAR_WRIST, "--nearest", "--picture", "one.svg")
     assert outcome.code == 0
     assert "wrist (alpha5): A4 and A6 are nearly parallel (A5 = 0.3°)" in outcome.out
-    assert "A5 within ITERLIMIT" in outcome.out
+    assert "axis 5 within ITERLIMIT" in outcome.out
     assert "nearest singularity at" in outcome.out
     assert "A5 -0.3°" in outcome.out
     assert is_picture("one.svg")

@@ -117,7 +117,7 @@ def test_wrong_usage_ends_with_2(run: Run, words: list[str], message: str) -> No
         (["info", ARM, "--convention", "no=x"], "chainbuild: unknown convention 'no'"),
         (["info", ARM, "--overlay", "missing.toml"], "missing.toml: no such file"),
         (["fk", ARM, "--axes", "missing.csv"], "missing.csv: the table cannot be read: No such file"),
-        (["fk", "kr6r900_2", "--at", "0,-90,90"], "chainbuild: expected 6 axis values, got an array of shape (3,)"),
+        (["fk", "kr6r900_2", "--at", "0,-90,90"], "chainbuild: expected 6 axis values, got 3"),
         (["check", "missing.lis"], "missing.lis: no such file"),
         (["inspect", ARM, "--export", "no/page.html"], "no/page.html: "),
         (["urdf", ARM, "-o", "/dev/null"], "/dev/null/kin45_kr6r900_2: the folder cannot be created"),

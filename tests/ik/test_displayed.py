@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 from pathlib import Path
 
@@ -296,3 +297,23 @@ def test_a_batch_gives_what_single_poses_give(name: str) -> None:
             again,
             wanted,
         )
+
+
+def test_axes_that_are_solved_for_may_be_held(tmp_path: Path) -> None:
+    robot = SHIPPED["ca_head_kin9"]
+    shown = robot.display([10.0, 20.0, -300.0, 10.0, 20.0])
+    assert robot.from_display(shown, held={"X": 10.0}).success
+    found = robot.from_display(shown, held={"X": 33.0})
+    assert (found.success, found.axes[0]) == (False, 33.0)
+    assert robot.from_display(shown, held={"A": 20.0}).success
+    with pytest.raises(ChainbuildError, match="held at 50 and programmed at 20"):
+        robot.from_display(shown, held={"A": 50.0})
+
+
+@pytest.mark.parametrize("name", ["scara_kin36", "ca_head_kin9", "kr6r900_2"])
+def test_tables_can_be_pickled(name: str) -> None:
+    robot = SHIPPED[name]
+    table = robot.from_display_batch(shown_of(robot, rows_inside(robot, 8)[:3]))
+    again = pickle.loads(pickle.dumps(table))
+    assert np.array_equal(again.axes, table.axes)
+    assert [again[n].reason for n in range(len(again.axes))] == [table[n].reason for n in range(len(table.axes))]

@@ -132,6 +132,8 @@ def test_some_names_only() -> None:
         ("x_mm", "like a column of the tables", "another name than x_mm"),
         ("C_DEG", "like a column of the tables", "another name than c_deg"),
         ("Y_Drive", "like the column of a drive", "a name that does not end with _drive"),
+        ("tool", "like a frame of the model", "another name than tool"),
+        ("universe", "like a frame of the model", "universe"),
         ("X,Y", "the axis is called 'X,Y'", "a letter, then letters, digits, _ and -"),
         ('"X 1"', "the axis is called 'X 1'", "a letter, then letters, digits, _ and -"),
         ("X<b>", "the axis is called", "a letter"),
