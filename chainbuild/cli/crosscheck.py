@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, get_args
@@ -72,8 +73,8 @@ def crosscheck(
 
     A recording has one column per axis and x_mm, y_mm, z_mm with qx, qy, qz, qw, or a_deg, b_deg, c_deg, or tool_x,
     tool_y, tool_z. If poses differ, the command looks for a systematic cause (a constant offset, a reversed axis, two
-    swapped axes, a wrong zero, another angle convention), tries every choice of the machine's conventions, and ends
-    with exit code 3.
+    swapped axes, a wrong zero, another angle convention), tries another sign and the best value of each number of the
+    machine data and every choice of the machine's conventions, and ends with exit code 3.
 
     Example: `chainbuild crosscheck kr6r900 --recording poses.csv --html crosscheck.html`
 
@@ -113,6 +114,7 @@ def _compare(file: str, other: Path | str, check_options: CheckOptions, options:
         machine=machine,
         selection=Selection(options.chosen_kinematic(machine), options.channel, options.tool_length),
         conventions=options.choices(),
+        progress=sys.stderr.isatty(),
     )
 
 

@@ -46,6 +46,16 @@ class OtherSolver:
     complete: bool = True
     note: str = ""
 
+    def pose(self, axes: Vector) -> Matrix:
+        """Return the pose of axis values; a copy on both ways, whatever the solver writes into or returns again."""
+        assert self.fk is not None  # the caller looks first
+        return np.array(self.fk(axes.copy()))
+
+    def answers(self, T: Matrix) -> list[Vector]:
+        """Return the answers to a pose; copies on both ways."""
+        assert self.ik is not None  # the caller looks first
+        return [np.array(answer) for answer in self.ik(T.copy())]
+
 
 def other_solver_by_name(robot: Mechanism, solver: str, kind: CallableKind = "auto") -> OtherSolver:
     """Return the solver of a name: "eaik", "opw", "roboticstoolbox" or "module:function".
@@ -111,14 +121,14 @@ def other_solver_from_function(
 
 def _guarded(function: Callable[..., Any], argument: Vector, name: str) -> Any:
     try:
-        return function(argument)
+        return function(argument.copy())
     except Exception as error:
         raise ChainbuildError(f"{name} fails: {type(error).__name__}: {error}", parameter="solver") from error
 
 
 def _returns_pose(function: Callable[..., Any], axes: Vector, *, strict: bool) -> bool:
     try:
-        shape: tuple[int, ...] = np.shape(_as_matrix(function(axes)))
+        shape: tuple[int, ...] = np.shape(_as_matrix(function(axes.copy())))
     except Exception:
         if strict:
             raise
@@ -145,7 +155,7 @@ def _pose(value: Any, name: str) -> Matrix:
 
 def _is_rows(value: Any, count: int) -> bool:
     try:
-        rows = np.atleast_2d(np.asarray(value, dtype=float))
+        rows = np.atleast_2d([np.array(row, dtype=float) for row in value])
     except (TypeError, ValueError):
         return False
     return rows.size == 0 or (rows.ndim == 2 and rows.shape[1] == count)
@@ -154,7 +164,8 @@ def _is_rows(value: Any, count: int) -> bool:
 def _rows(value: Iterable[Any] | None, count: int) -> list[Vector]:
     if value is None:
         return []
-    rows = np.atleast_2d(np.asarray(value, dtype=float))
+    # Row by row and copied: a generator may yield the same buffer each time.
+    rows = np.atleast_2d([np.array(row, dtype=float) for row in value])
     if rows.size == 0:
         return []
     return [row for row in rows if row.shape == (count,) and np.isfinite(row).all()]

@@ -85,7 +85,10 @@ def test_single_rows_that_differ_are_named(run: Run) -> None:
     assert lines[1].startswith("Forward: 28 of 30 poses agree")
     assert "at row 20: C1 " in lines[2]
     assert lines[3] == "differing: rows 7, 20"
-    assert lines[4] == "Structure: none found: most poses agree; check those that differ"
+    assert lines[4] == "theirs minus ours, in the workpiece frame:"
+    assert lines[5].split() == ["row", "dx_mm", "dy_mm", "dz_mm"]
+    assert [line.split()[0] for line in lines[6:8]] == ["7", "20"]
+    assert lines[8] == "Structure: none found; most poses agree: check those that differ"
     largest = Path("r.html").read_text("utf-8").partition("Largest errors")[2]
     assert largest.index("<td>20</td>") < largest.index("<td>7</td>")
 
