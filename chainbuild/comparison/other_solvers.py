@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -47,14 +48,35 @@ class OtherSolver:
     note: str = ""
 
     def pose(self, axes: Vector) -> Matrix:
-        """Return the pose of axis values; a copy on both ways, whatever the solver writes into or returns again."""
+        """Return the pose of axis values; a copy on both ways, whatever the solver writes into or returns again.
+
+        Raises:
+            ChainbuildError: the solver fails.
+        """
         assert self.fk is not None  # the caller looks first
-        return np.array(self.fk(axes.copy()))
+        with _failures_named(self.name):
+            return np.array(self.fk(axes.copy()))
 
     def answers(self, T: Matrix) -> list[Vector]:
-        """Return the answers to a pose; copies on both ways."""
+        """Return the answers to a pose; copies on both ways.
+
+        Raises:
+            ChainbuildError: the solver fails.
+        """
         assert self.ik is not None  # the caller looks first
-        return [np.array(answer) for answer in self.ik(T.copy())]
+        with _failures_named(self.name):
+            return [np.array(answer) for answer in self.ik(T.copy())]
+
+
+@contextmanager
+def _failures_named(name: str) -> Iterator[None]:
+    """Raise what a solver raises as an error that names it."""
+    try:
+        yield
+    except ChainbuildError:
+        raise
+    except Exception as error:
+        raise ChainbuildError(f"{name} fails: {type(error).__name__}: {error}", parameter="solver") from error
 
 
 def other_solver_by_name(robot: Mechanism, solver: str, kind: CallableKind = "auto") -> OtherSolver:
@@ -109,7 +131,8 @@ def other_solver_from_function(
     if kind in ("auto", "fk") and _returns_pose(function, middle, strict=kind == "fk"):
         return OtherSolver(name, fk=lambda axes: _pose(function(axes), name), note="forward kinematics")
     pose = robot.fk(middle).homogeneous
-    answers = _guarded(function, pose, name)
+    with _failures_named(name):
+        answers = function(pose.copy())
     if answers is not None and not _is_rows(answers, len(robot.axes)):
         raise ChainbuildError(
             f"{name} returns neither a pose nor a list of axis values",
@@ -117,13 +140,6 @@ def other_solver_from_function(
             permitted=f"axis values → (4, 4) in metres, or pose (4, 4) → rows of {len(robot.axes)} axis values",
         )
     return OtherSolver(name, ik=lambda T: _rows(function(T), len(robot.axes)), note="inverse kinematics")
-
-
-def _guarded(function: Callable[..., Any], argument: Vector, name: str) -> Any:
-    try:
-        return function(argument.copy())
-    except Exception as error:
-        raise ChainbuildError(f"{name} fails: {type(error).__name__}: {error}", parameter="solver") from error
 
 
 def _returns_pose(function: Callable[..., Any], axes: Vector, *, strict: bool) -> bool:

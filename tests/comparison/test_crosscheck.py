@@ -332,3 +332,15 @@ def test_differences_are_theirs_minus_ours(robot: Robot) -> None:
     found = crosscheck(robot, recorded(robot, lambda T: frames.translation(0.0, 0.4, -0.1) @ T)).forward
     assert found is not None
     np.testing.assert_allclose(found.difference, np.tile([0.0, 0.4, -0.1], (40, 1)), atol=1e-12)
+
+
+def test_an_inverse_that_fails_later_is_named(robot: Robot) -> None:
+    calls = iter(range(1000))
+
+    def sometimes(T: np.ndarray) -> list[np.ndarray]:
+        if next(calls) > 4:
+            raise ZeroDivisionError("by zero")
+        return [branch.axes for branch in robot.ik_all(T)]
+
+    with pytest.raises(ChainbuildError, match="sometimes fails: ZeroDivisionError: by zero"):
+        crosscheck(robot, sometimes, options=FEW)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import chainbuild
 from chainbuild.comparison.data_trials import DataTrial, Evidence, try_data
 from chainbuild.comparison.samples import make_samples
 from chainbuild.formats.machine import Datum, Machine
+from chainbuild.machines import shipped_path
 from chainbuild.tables.recording import Recording
 
 GANTRY = "trafo[0].id 9\ntrafo[0].param[0] 1800000\ntrafo[0].param[1] 3000000\ntrafo[0].param[4] -400000\nEnde\n"
@@ -171,3 +173,23 @@ def test_the_calibrated_arm_is_where_it_was_measured() -> None:
     assert np.abs(last.translation * 1e3 - [2418.558, -466.396, 2119.864]).max() < 1e-3
     R = [[0.895723, 0.075436, 0.438167], [-0.331583, 0.769876, 0.545293], [-0.296199, -0.63372, 0.714608]]
     assert np.abs(last.rotation - R).max() < 2e-5
+
+
+def test_data_of_the_older_package_and_of_the_second_step(tmp_path: Path) -> None:
+    shipped = shipped_path("kr6r900")
+    assert shipped is not None
+    text = re.sub(r"N62\d\d\d \$MC_ROBX_", "$MC_TRAFO6_", shipped.read_text("utf-8"))
+    older = tmp_path / "older.tea"
+    older.write_text(text.replace("TRAFO_TYPE_1=4100", "TRAFO_TYPE_1=4099"), "utf-8")
+    steps = tmp_path / "steps.lis"
+    upper = "kin_step[1].trafo[0].id 58\nkin_step[1].trafo[0].param[5] -600000\n"
+    steps.write_text(f"kin_step[0].trafo[0].id 9\nkin_step[0].trafo[0].param[1] 3000000\n{upper}Ende\n", "utf-8")
+    for path, kinematic, name in (
+        (older, None, "$MC_TRAFO6_TX3P3_POS[2]"),
+        (steps, (9, 58), "kin_step[1].trafo[0].param[5]"),
+    ):
+        machine = chainbuild.load(path)
+        one = next(one for one in machine.geometry(kinematic) if one.name == name)
+        robots = [chainbuild.Robot(m.chain(kinematic)) for m in (machine, machine.with_values({one: one.value + 50.0}))]
+        here, there = (robot.fk(np.zeros(len(robot.axes))).translation for robot in robots)
+        assert np.linalg.norm(there - here) == pytest.approx(0.05)
