@@ -60,7 +60,7 @@ def _forward_lines(forward: Forward, axes: Sequence[str]) -> list[str]:
 def _difference_lines(forward: Forward) -> list[str]:
     """Return theirs minus ours for the rows that differ: of a recording the first, else the worst."""
     rows = np.flatnonzero(~forward.agrees & np.isfinite(forward.difference).all(axis=1))
-    if not len(rows):
+    if not (forward.position_error[rows] > forward.position_tolerance).any():
         return []
     if not _recorded(forward):
         rows = rows[np.argsort(-forward.score[rows], kind="stable")]

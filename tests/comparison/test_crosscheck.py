@@ -14,6 +14,7 @@ from chainbuild.comparison.samples import make_samples
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot import Robot
 from chainbuild.tables.recording import Recording
+from chainbuild.writers.report import crosscheck_text
 from tests.kit.robots import arm, table_machine
 
 FEW = CheckOptions(count=60)
@@ -326,6 +327,11 @@ def test_a_result_does_not_share_a_recording(robot: Robot) -> None:
     recording.poses[:] = 7.0
     np.testing.assert_array_equal(found.samples.axes, axes)
     np.testing.assert_array_equal(found.theirs, poses)
+
+
+def test_differences_of_rotation_alone_have_no_table(robot: Robot) -> None:
+    found = crosscheck(robot, recorded(robot, lambda T: T @ frames.f_frame((0.0, 0.0, 0.0), (10.0, 0.0, 0.0))))
+    assert "dx_mm" not in crosscheck_text(found)
 
 
 def test_differences_are_theirs_minus_ours(robot: Robot) -> None:
