@@ -72,6 +72,7 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.comparison.crosscheck import CheckOptions as CheckOptions
     from chainbuild.comparison.crosscheck import CrossCheck as CrossCheck
     from chainbuild.comparison.crosscheck import crosscheck as crosscheck
+    from chainbuild.comparison.data_trials import DataTrial as DataTrial
     from chainbuild.comparison.diagnosis import Explanation as Explanation
     from chainbuild.comparison.samples import Samples as Samples
     from chainbuild.convention import Convention as Convention
@@ -96,6 +97,7 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.findings import Severity as Severity
     from chainbuild.formats.load import check as check
     from chainbuild.formats.load import load as load
+    from chainbuild.formats.machine import Datum as Datum
     from chainbuild.formats.machine import Machine as Machine
     from chainbuild.formats.machine import ParameterRow as ParameterRow
     from chainbuild.formats.selection import KinematicEntry as KinematicEntry
@@ -162,6 +164,7 @@ _HOMES = {
     "chainbuild.collision.model": "CollisionModel Distance",
     "chainbuild.comparison.comparison": "Forward Inverse",
     "chainbuild.comparison.convention_trials": "Selection Trial",
+    "chainbuild.comparison.data_trials": "DataTrial",
     "chainbuild.comparison.crosscheck": "CheckOptions CrossCheck crosscheck",
     "chainbuild.comparison.diagnosis": "Explanation",
     "chainbuild.comparison.samples": "Samples",
@@ -173,7 +176,7 @@ _HOMES = {
     ),
     "chainbuild.findings": "Finding Findings Severity",
     "chainbuild.formats.load": "check load",
-    "chainbuild.formats.machine": "Machine ParameterRow",
+    "chainbuild.formats.machine": "Datum Machine ParameterRow",
     "chainbuild.formats.selection": "KinematicEntry",
     "chainbuild.formats.twincat.lists.hdtable": "AxisRow HdRow TypeData",
     "chainbuild.formats.twincat.types.catalogue": "KinType catalogue",

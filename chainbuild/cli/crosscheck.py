@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, get_args
@@ -73,8 +74,8 @@ def crosscheck(
     A recording has one column per axis and x_mm, y_mm, z_mm; on complete kinematics also the pose angles, or qx, qy,
     qz, qw, or tool_x, tool_y, tool_z. On RTCP kinematics the rotary axes are there already, and a full orientation may
     be added. If poses differ, the command looks for a systematic cause (a constant offset, a reversed axis, two swapped
-    axes, a wrong zero, another angle convention), tries every choice of the machine's conventions, and ends with exit
-    code 3.
+    axes, a wrong zero, another angle convention), tries another sign and the best value of each number of the machine
+    data and every choice of the machine's conventions, and ends with exit code 3.
 
     Example: `chainbuild crosscheck kr6r900 --recording poses.csv --html crosscheck.html`
 
@@ -114,6 +115,7 @@ def _compare(file: str, other: Path | str, check_options: CheckOptions, options:
         machine=machine,
         selection=Selection(options.chosen_kinematic(machine), options.channel, options.tool_length),
         conventions=options.choices(),
+        progress=sys.stderr.isatty(),
     )
 
 

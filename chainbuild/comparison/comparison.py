@@ -96,6 +96,12 @@ class Forward:
         return np.maximum(self.position_error / self.position_tolerance, self.rotation_error / self.rotation_tolerance)
 
     @property
+    def difference(self) -> Vector:
+        """(n, 3) theirs minus ours [m], along x, y, z of the workpiece frame; NaN where the other solver gave none."""
+        moved: Vector = self.theirs[:, :3, 3] - self.ours[:, :3, 3]
+        return moved
+
+    @property
     def worst(self) -> int:
         """Index of the sample with the largest error."""
         return int(np.argmax(self.score))
@@ -202,7 +208,7 @@ def compare_inverse(
     right: list[tuple[Vector, Vector]] = []
     for row in samples.axes:
         target = robot.fk(row).homogeneous
-        answers = reference.ik(target)
+        answers = reference.answers(target)
         good = []
         for answer in answers:
             distance, angle = _miss(robot, answer, target)

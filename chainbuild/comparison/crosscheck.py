@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from chainbuild.arrays import Matrices, Vector
-from chainbuild.chain.elements import Task
 from chainbuild.comparison.comparison import (
     POSITION_TOLERANCE_M,
     ROTATION_TOLERANCE_RAD,
@@ -19,7 +17,8 @@ from chainbuild.comparison.comparison import (
     compare_inverse,
 )
 from chainbuild.comparison.convention_trials import Selection, Trial, try_conventions
-from chainbuild.comparison.diagnosis import Explanation, explain
+from chainbuild.comparison.data_trials import DataTrial, Evidence, try_data
+from chainbuild.comparison.diagnosis import Explanation, explain, tried_changes
 from chainbuild.comparison.other_solvers import (
     CallableKind,
     OtherSolver,
@@ -29,6 +28,7 @@ from chainbuild.comparison.other_solvers import (
 from chainbuild.comparison.samples import MADE_KINDS, SampleKind, Samples, make_samples
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.plan import plan_of
+from chainbuild.progress import Progress
 from chainbuild.shown import fields_shown, two_lines
 from chainbuild.tables.recording import Recording
 
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 _RECORDED_POSITION_M: Final = 1e-5  # controllers show micrometres or tenths
 _RECORDED_ROTATION_RAD: Final = 1e-4  # controllers show thousandths of a degree or hundredths
 _MAX_TRIALS: Final = 8  # of those that do not agree, in the result
+_MAX_DATA: Final = 3  # likewise of machine data: every one has a best value
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,7 +57,9 @@ class CrossCheck:
         inverse: Inverse kinematics compared, or None.
         complete: Whether chainbuild's own branches come from a closed form.
         explanation: Structure of the error, or None.
+        tried: The changes tried, as text; empty if nothing disagrees systematically.
         trials: Conventions tried, the best first; empty if none was open.
+        data: Machine data with another sign or value: all that would make the poses agree, else the best.
         conventions: Name → choice in force.
     """
 
@@ -69,7 +72,9 @@ class CrossCheck:
     inverse: Inverse | None = None
     complete: bool = True
     explanation: Explanation | None = None
+    tried: tuple[str, ...] = ()
     trials: tuple[Trial, ...] = ()
+    data: tuple[DataTrial, ...] = ()
     conventions: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -91,8 +96,13 @@ class CrossCheck:
 
     @property
     def deciding(self) -> tuple[Trial, ...]:
-        """The trials that would make everything agree."""
+        """The trials of conventions that would make everything agree."""
         return tuple(trial for trial in self.trials if trial.agrees)
+
+    @property
+    def deciding_data(self) -> tuple[DataTrial, ...]:
+        """The machine data that would make everything agree: one of them is wrong, and the poses do not tell which."""
+        return tuple(trial for trial in self.data if trial.agrees)
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,6 +153,7 @@ def crosscheck(
     machine: Machine | None = None,
     selection: Selection | None = None,
     conventions: Mapping[str, str] | None = None,
+    progress: Progress = False,
 ) -> CrossCheck:
     """Compare a robot with another solver or with a recording, and diagnose differences.
 
@@ -151,19 +162,23 @@ def crosscheck(
         solver: "eaik", "opw", "roboticstoolbox", "module:function", a function (axis values (n,) in mm and degrees →
             pose (4, 4) in metres, or pose → rows of axis values), or a `Recording`.
         options: Samples and tolerances.
-        machine: The machine the robot was built from; its conventions are tried if poses differ.
+        machine: The machine the robot was built from; its data and conventions are tried if poses differ.
         selection: Which kinematic of it.
         conventions: Choices made by the user when the robot was built.
+        progress: A bar for the trials of machine data, or a function of the data done and all data.
 
     Raises:
         ChainbuildError: the solver is unknown, not installed, unfit for this kinematic, or returns invalid values.
     """
     options = options or CheckOptions()
+    trials = _Trials(
+        machine, selection or Selection(), conventions or {}, progress, solver if isinstance(solver, Recording) else None
+    )
     if isinstance(solver, Recording):
         tolerance = options.tolerance(recorded=True)
         samples = _recorded_samples(robot, solver)
-        forward = compare_forward(robot, samples, solver.poses, solver.compared, tolerance)
-        return _result(robot, solver.name, "recorded", forward, None, machine, selection, conventions, solver)
+        forward = compare_forward(robot, samples, solver.poses.copy(), solver.compared, tolerance)
+        return _result(robot, OtherSolver(solver.name, note="recorded"), forward, None, trials)
     reference = (
         other_solver_by_name(robot, solver, options.kind)
         if isinstance(solver, str)
@@ -173,7 +188,35 @@ def crosscheck(
     samples = make_samples(robot, options.count, options.samples, options.seed)
     forward_or_none = _forward(robot, samples, reference, tolerance)
     inverse = compare_inverse(robot, samples, reference, tolerance) if reference.ik else None
-    return _result(robot, reference.name, reference.note, forward_or_none, inverse, machine, selection, conventions)
+    return _result(robot, reference, forward_or_none, inverse, trials)
+
+
+@dataclass(frozen=True, slots=True)
+class _Trials:
+    """What is tried where poses differ: other data and conventions of a machine; and who sees the progress."""
+
+    machine: Machine | None
+    selection: Selection
+    chosen: Mapping[str, str]
+    progress: Progress
+    recording: Recording | None
+
+    def conventions(self, evidence: Evidence) -> tuple[Trial, ...]:
+        """Return the conventions that would make the poses agree, else the best."""
+        if self.machine is None:
+            return ()
+        tried = try_conventions(
+            self.machine, self.selection, self.chosen, evidence.axes, evidence.theirs, evidence.compared,
+            evidence.tolerance, self.recording,
+        )  # fmt: skip
+        return tuple([trial for trial in tried if trial.agrees] or tried[:_MAX_TRIALS])
+
+    def data(self, evidence: Evidence) -> tuple[DataTrial, ...]:
+        """Return the machine data that would make the poses agree, else the best."""
+        if self.machine is None:
+            return ()
+        tried = try_data(self.machine, self.selection, self.chosen, evidence, self.progress)
+        return tuple([trial for trial in tried if trial.agrees] or tried[:_MAX_DATA])
 
 
 def _recorded_samples(robot: Mechanism, recording: Recording) -> Samples:
@@ -182,7 +225,7 @@ def _recorded_samples(robot: Mechanism, recording: Recording) -> Samples:
     for row in recording.axes:
         robot.axis_values(row)
     kinds: list[SampleKind] = ["recorded" for _ in recording.axes]
-    return Samples(recording.axes, tuple(kinds))
+    return Samples(recording.axes.copy(), tuple(kinds))
 
 
 def _forward(
@@ -190,66 +233,46 @@ def _forward(
 ) -> Forward | None:
     if reference.fk is None:
         return None
-    try:
-        theirs = np.array([reference.fk(row) for row in samples.axes])
-    except ChainbuildError:
-        raise
-    except Exception as error:
-        text = f"{reference.name} fails: {type(error).__name__}: {error}"
-        raise ChainbuildError(text, parameter="solver") from error
+    theirs = np.array([reference.pose(row) for row in samples.axes])
     return compare_forward(robot, samples, theirs, "pose", tolerance)
 
 
 def _result(
-    robot: Mechanism,
-    reference: str,
-    note: str,
-    forward: Forward | None,
-    inverse: Inverse | None,
-    machine: Machine | None,
-    selection: Selection | None,
-    conventions: Mapping[str, str] | None,
-    recording: Recording | None = None,
+    robot: Mechanism, reference: OtherSolver, forward: Forward | None, inverse: Inverse | None, trials: _Trials
 ) -> CrossCheck:
-    """Return the result with the diagnosis of differences, and the conventions that would resolve them."""
+    """Return the result with the diagnosis of differences, and the conventions and data that would resolve them."""
     evidence = _evidence(robot, forward, inverse)
     explanation: Explanation | None = None
-    trials: tuple[Trial, ...] = ()
+    tried: tuple[str, ...] = ()
     if evidence is not None:
-        axes, theirs, compared, tolerance = evidence
-        explanation = explain(robot, axes, theirs, compared, tolerance)
-        if machine is not None:
-            tried = try_conventions(
-                machine, selection or Selection(), conventions or {}, axes, theirs, compared, tolerance, recording
-            )
-            agreeing = [trial for trial in tried if trial.agrees]
-            trials = tuple(agreeing or tried[:_MAX_TRIALS])
+        explanation = explain(robot, evidence.axes, evidence.theirs, evidence.compared, evidence.tolerance)
+        tried = tried_changes(robot, evidence.compared)
     return CrossCheck(
         title=robot.chain.title,
         kinematic=robot.chain.kinematic,
         axes=tuple(axis.name for axis in robot.axes),
-        reference=reference,
-        note=note,
+        reference=reference.name,
+        note=reference.note,
         forward=forward,
         inverse=inverse,
         complete=inverse is None or plan_of(robot).complete,
         explanation=explanation,
-        trials=trials,
+        tried=tried,
+        trials=() if evidence is None else trials.conventions(evidence),
+        data=() if evidence is None else trials.data(evidence),
         conventions={used.convention.name: used.choice for used in robot.chain.conventions},
     )
 
 
-def _evidence(
-    robot: Mechanism, forward: Forward | None, inverse: Inverse | None
-) -> tuple[Vector, Matrices, Task, tuple[float, float]] | None:
+def _evidence(robot: Mechanism, forward: Forward | None, inverse: Inverse | None) -> Evidence | None:
     """Return axis values and poses of the other solver that disagree, or None if there are none."""
     if forward is not None:
         if forward.agrees.all():
             return None
         tolerance = (forward.position_tolerance, forward.rotation_tolerance)
-        return forward.samples.axes, forward.theirs, forward.compared, tolerance
+        return Evidence(forward.samples.axes, forward.theirs, forward.compared, tolerance)
     if inverse is None or not inverse.wrong:
         return None
     # Wrong answers come first; right ones would only hide their common error.
     axes, poses = (part[: inverse.wrong] for part in inverse.pairs)
-    return axes, poses, robot.task, (POSITION_TOLERANCE_M, ROTATION_TOLERANCE_RAD)
+    return Evidence(axes, poses, robot.task, (POSITION_TOLERANCE_M, ROTATION_TOLERANCE_RAD))

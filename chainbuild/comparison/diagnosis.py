@@ -34,6 +34,7 @@ _MAX_FLIPPED: Final = 3  # axes at a time: more would be another machine
 _MAX_OTHERS: Final = 4  # explanations named beside the best
 _ZERO_STEPS: Final = 8  # Gauss-Newton in one variable: converges in a few
 _ZERO_STARTS_DEG: Final = (0.0, 90.0, -90.0, 180.0)  # from one of them Gauss-Newton reaches any zero
+_TWIN: Final = 1e-9  # [m, 1]: rounding of two ways to the same pose
 _NOTHING: Final = 1e-9  # mm, degrees or slopes: rounding
 # Factor → mistake. A solver gives metres, a recording mm: they may be confused.
 _LENGTH_UNITS: Final = (
@@ -110,6 +111,24 @@ def explain(
     return _Diagnosis(robot, compared, tolerance).run(axes[chosen], theirs[chosen])
 
 
+def tried_changes(robot: Mechanism, compared: Task) -> tuple[str, ...]:
+    """Return which changes `explain` tries, as text.
+
+    Args:
+        robot: The robot.
+        compared: Part of the poses that is compared.
+    """
+    kinds = [axis.kind for axis in robot.axes]
+    several = [f"up to {min(_MAX_FLIPPED, len(kinds))} axes reversed"] if len(kinds) > 1 else ["the axis reversed"]
+    swapped = ["two axes swapped"] if any(kinds.count(kind) > 1 for kind in kinds) else []
+    units = ["degrees and radians confused"] if "rotary" in kinds else []
+    readings = ["mm, metres and inches confused"]
+    if compared == "pose":
+        readings += ["the rotation transposed", "the inverse pose", "other meanings of the pose angles"]
+    constants = ["a constant offset on the tool or workpiece side", "the zero of each axis"]
+    return (*several, *swapped, *units, *readings, *constants, "each of the axes' changes with each of the others")
+
+
 class _Diagnosis:
     """A search through readings and constants."""
 
@@ -133,10 +152,38 @@ class _Diagnosis:
         for level in levels:
             fitting = sorted((one for one in level() if self._left(one) <= limit), key=self._left)
             if fitting:
-                # Such as a linear axis' zero and an offset along it: equal residuals are equally plausible.
-                close = [one.text for one in fitting[1:] if self._left(one) <= max(1.0, self._left(fitting[0]))]
-                return replace(fitting[0], others=tuple(close[:_MAX_OTHERS]))
+                return self._with_others(fitting, axes)
         return None
+
+    def _with_others(self, fitting: list[Explanation], axes: Vector) -> Explanation:
+        """Return the simplest of the explanations that fit best, with the others that these poses do not exclude."""
+        # Such as a linear axis' zero and an offset along it: equal residuals are equally plausible.
+        close = [one for one in fitting if self._left(one) <= max(1.0, self._left(fitting[0]))]
+        best = min(close, key=lambda one: len(one.axes))
+        more = [one for one in close if one is not best]
+        if best.kind == "flipped axis":  # the same and further axes, whose sign the poses do not show
+            more = [one for one in more if not (one.kind == best.kind and set(one.axes) > set(best.axes))]
+        others = [*self._twins(best, axes), *(one.text for one in more)]
+        return replace(best, others=tuple(others[:_MAX_OTHERS]))
+
+    def _twins(self, found: Explanation, axes: Vector) -> Iterator[str]:
+        """Yield what is the same arm as a reversed axis of a central wrist: the zeros beside it turned over."""
+        kinds = found.kind.split(" + ")
+        if kinds[0] != "flipped axis":
+            return
+        names = [axis.name for axis in self.robot.axes]
+        reversed_ = found.axes[: -1 if kinds[-1] == "axis zero" else None]
+        flipped = axes * [-1.0 if name in reversed_ else 1.0 for name in names]
+        ours = forward_poses(self.robot, flipped)
+        for name in reversed_:
+            n = names.index(name)
+            if not 0 < n < len(names) - 1 or any(self.robot.axes[k].kind != "rotary" for k in (n - 1, n, n + 1)):
+                continue
+            turned = flipped + 180.0 * np.isin(np.arange(len(names)), (n - 1, n + 1))
+            turned[:, n] = axes[:, n]
+            if np.abs(forward_poses(self.robot, turned) - ours).max() < _TWIN:
+                zeros = f"the zeros of {names[n - 1]} and {names[n + 1]} off by 180 deg"
+                yield f"in place of {name} reversed {zeros}, which is the same arm"
 
     def _errors(self, ours: Matrices, theirs: Matrices) -> tuple[float, float]:
         distance, angle = pose_errors(ours, theirs, self.compared, self.column)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -45,6 +46,37 @@ class OtherSolver:
     ik: IkFunction | None = None
     complete: bool = True
     note: str = ""
+
+    def pose(self, axes: Vector) -> Matrix:
+        """Return the pose of axis values; a copy on both ways, whatever the solver writes into or returns again.
+
+        Raises:
+            ChainbuildError: the solver fails.
+        """
+        assert self.fk is not None  # the caller looks first
+        with _failures_named(self.name):
+            return np.array(self.fk(axes.copy()))
+
+    def answers(self, T: Matrix) -> list[Vector]:
+        """Return the answers to a pose; copies on both ways.
+
+        Raises:
+            ChainbuildError: the solver fails.
+        """
+        assert self.ik is not None  # the caller looks first
+        with _failures_named(self.name):
+            return [np.array(answer) for answer in self.ik(T.copy())]
+
+
+@contextmanager
+def _failures_named(name: str) -> Iterator[None]:
+    """Raise what a solver raises as an error that names it."""
+    try:
+        yield
+    except ChainbuildError:
+        raise
+    except Exception as error:
+        raise ChainbuildError(f"{name} fails: {type(error).__name__}: {error}", parameter="solver") from error
 
 
 def other_solver_by_name(robot: Mechanism, solver: str, kind: CallableKind = "auto") -> OtherSolver:
@@ -99,7 +131,8 @@ def other_solver_from_function(
     if kind in ("auto", "fk") and _returns_pose(function, middle, strict=kind == "fk"):
         return OtherSolver(name, fk=lambda axes: _pose(function(axes), name), note="forward kinematics")
     pose = robot.fk(middle).homogeneous
-    answers = _guarded(function, pose, name)
+    with _failures_named(name):
+        answers = function(pose.copy())
     if answers is not None and not _is_rows(answers, len(robot.axes)):
         raise ChainbuildError(
             f"{name} returns neither a pose nor a list of axis values",
@@ -109,16 +142,9 @@ def other_solver_from_function(
     return OtherSolver(name, ik=lambda T: _rows(function(T), len(robot.axes)), note="inverse kinematics")
 
 
-def _guarded(function: Callable[..., Any], argument: Vector, name: str) -> Any:
-    try:
-        return function(argument)
-    except Exception as error:
-        raise ChainbuildError(f"{name} fails: {type(error).__name__}: {error}", parameter="solver") from error
-
-
 def _returns_pose(function: Callable[..., Any], axes: Vector, *, strict: bool) -> bool:
     try:
-        shape: tuple[int, ...] = np.shape(_as_matrix(function(axes)))
+        shape: tuple[int, ...] = np.shape(_as_matrix(function(axes.copy())))
     except Exception:
         if strict:
             raise
@@ -145,7 +171,7 @@ def _pose(value: Any, name: str) -> Matrix:
 
 def _is_rows(value: Any, count: int) -> bool:
     try:
-        rows = np.atleast_2d(np.asarray(value, dtype=float))
+        rows = np.atleast_2d([np.array(row, dtype=float) for row in value])
     except (TypeError, ValueError):
         return False
     return rows.size == 0 or (rows.ndim == 2 and rows.shape[1] == count)
@@ -154,7 +180,8 @@ def _is_rows(value: Any, count: int) -> bool:
 def _rows(value: Iterable[Any] | None, count: int) -> list[Vector]:
     if value is None:
         return []
-    rows = np.atleast_2d(np.asarray(value, dtype=float))
+    # Row by row and copied: a generator may yield the same buffer each time.
+    rows = np.atleast_2d([np.array(row, dtype=float) for row in value])
     if rows.size == 0:
         return []
     return [row for row in rows if row.shape == (count,) and np.isfinite(row).all()]

@@ -60,6 +60,37 @@ class ParameterRow:
 
 
 @dataclass(frozen=True, slots=True)
+class Datum:
+    """One number of a file that places or directs something: a length, an angle, a direction.
+
+    Attributes:
+        name: Name in the file: "$MC_ROBX_AXES_DIR[2]", "trafo[0].param[4]".
+        symbol: Short name: "MD62918", "HD5"; empty where it has none.
+        value: Value in `unit`.
+        unit: "mm", "deg" or an empty string.
+        span: Where the file gives it; None for a default.
+        channel: Its channel.
+        key: How its machine finds it.
+        others: Values that a bare number may have besides.
+        counts: What the file counts for one unit.
+        twins: Names of two zeros: both 180 degrees on may be the same arm as this direction reversed.
+    """
+
+    __repr__ = fields_shown
+
+    name: str
+    symbol: str
+    value: float
+    unit: str
+    span: Span | None
+    channel: int
+    key: tuple[str, int | None]
+    others: tuple[float, ...] = ()
+    counts: float = 1.0
+    twins: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class _Outcome:
     """Result of a translation: a chain or an error, and its findings."""
 
@@ -128,6 +159,44 @@ class Machine(ABC):
         self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
     ) -> tuple[ParameterRow, ...]:
         """Return every parameter of a kinematic with value, meaning and source; of a pair, both steps in turn."""
+
+    @abstractmethod
+    def geometry(
+        self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
+    ) -> tuple[Datum, ...]:
+        """Return the numbers that place and direct a kinematic, given or default; those of the tool are not among them.
+
+        Raises:
+            MachineDataError: the kinematic or channel does not exist.
+        """
+
+    @abstractmethod
+    def with_values(self, values: Mapping[Datum, float]) -> Machine:
+        """Return the machine with other values of some data, which keep their places in the file.
+
+        Rules on a single value are those of reading and not asked again; rules of the geometry are, by `chain`.
+
+        Args:
+            values: Data of `geometry` → new values in their units.
+        """
+
+    def trial_chain(
+        self,
+        kinematic: int | str | tuple[int | str, int | str] | None = None,
+        channel: int | None = None,
+        tool_length_mm: float = 0.0,
+        conventions: Mapping[str, str] | None = None,
+    ) -> Chain:
+        """Translate a kinematic as `chain` does, but past the rules on its geometry and without bodies.
+
+        Raises:
+            ChainbuildError: nothing can be built.
+        """
+        collector = Collector(strict=False)
+        selected = self._select(checked_kinematic(kinematic), checked_channel(channel), collector)
+        choose = Choices(self.chosen_conventions(conventions))
+        length_mm = finite_length_mm(tool_length_mm) + self.overlay.tool_length_mm
+        return self._translate(selected, length_mm, choose, collector)
 
     def chain(
         self,

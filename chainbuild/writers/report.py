@@ -12,9 +12,12 @@ import numpy as np
 from chainbuild.comparison.comparison import Forward, Inverse
 from chainbuild.comparison.convention_trials import Trial
 from chainbuild.comparison.crosscheck import CrossCheck
+from chainbuild.comparison.data_trials import DataTrial
 from chainbuild.comparison.diagnosis import Explanation
 from chainbuild.units import deg_from_rad, mm_from_m
 
+DIFFERENCE_COLUMNS: Final = ("dx_mm", "dy_mm", "dz_mm")  # theirs minus ours
+_MM_DIGITS: Final = 9  # a picometre: the rest is rounding
 _SHOWN_ROWS: Final = 12  # fit on a line
 _LEAST_ROWS: Final = 3  # the diagnosis needs as many
 
@@ -51,7 +54,30 @@ def _forward_lines(forward: Forward, axes: Sequence[str]) -> list[str]:
     elif agree < total:
         failed = Counter(kind for kind, ok in zip(forward.samples.kinds, forward.agrees, strict=True) if not ok)
         lines.append("  differing: " + ", ".join(f"{count} {kind}" for kind, count in failed.items()))
-    return lines
+    return lines + _difference_lines(forward)
+
+
+def _difference_lines(forward: Forward) -> list[str]:
+    """Return theirs minus ours for the rows that differ: of a recording the first, else the worst."""
+    rows = np.flatnonzero(~forward.agrees & np.isfinite(forward.difference).all(axis=1))
+    if not (forward.position_error[rows] > forward.position_tolerance).any():
+        return []
+    if not _recorded(forward):
+        rows = rows[np.argsort(-forward.score[rows], kind="stable")]
+    head, moved = ("row", *DIFFERENCE_COLUMNS), difference_mm(forward)
+    table = [(str(n + 1), *(f"{round(value, 3) + 0.0:+.3f}" for value in moved[n])) for n in rows[:_SHOWN_ROWS]]
+    widths = [max(map(len, column)) for column in zip(head, *table, strict=True)]
+    more = f"; {len(table)} of {len(rows)} rows" if len(table) < len(rows) else ""
+    return [
+        f"  theirs minus ours, in the workpiece frame{more}:",
+        *("    " + "  ".join(f"{cell:>{w}}" for cell, w in zip(row, widths, strict=True)) for row in (head, *table)),
+    ]
+
+
+def difference_mm(forward: Forward) -> list[list[float]]:
+    """Return theirs minus ours in mm, row by row; NaN where the other solver gave no pose."""
+    rows: list[list[float]] = (np.round(mm_from_m(1.0) * forward.difference, _MM_DIGITS) + 0.0).tolist()
+    return rows
 
 
 def _recorded(forward: Forward) -> bool:
@@ -90,18 +116,47 @@ def _structure_lines(check: CrossCheck) -> list[str]:
         left = check.explanation
         rest = f"{distance_text(left.remaining_position_error)}, {degrees_text(left.remaining_rotation_error)}"
         lines.append(f"Structure: {left.kind}: {left.text} (leaves {rest})")
-        lines += [f"  not distinguishable at these poses: {other}" for other in left.others]
+        lines += [f"  or, not distinguishable at these poses: {other}" for other in left.others]
     elif check.forward is not None and len(check.forward.samples) < _LEAST_ROWS:
         lines.append(f"Structure: needs at least {_LEAST_ROWS} poses: record more")
-    elif check.forward is not None and 2 * int(check.forward.agrees.sum()) > len(check.forward.samples):
-        lines.append("Structure: none found: most poses agree; check those that differ")
-    elif check.forward is not None or (check.inverse is not None and check.inverse.wrong):
-        lines.append("Structure: none found: no single change, nor two, would make the poses agree")
+    elif check.tried:
+        most = check.forward is not None and 2 * int(check.forward.agrees.sum()) > len(check.forward.samples)
+        lines.append("Structure: none found" + ("; most poses agree: check those that differ" if most else ""))
+        lines.append(f"  tried: {'; '.join(check.tried)}")
+    lines = [*lines, *_data_lines(check)] if not _simpler(check) else [*_data_lines(check), *lines]
     if check.trials:
         deciding = check.deciding
         lines.append("Conventions that would make it agree:" if deciding else "Conventions tried, none agrees:")
         lines += [f"  {_trial_text(trial)}" for trial in (deciding or check.trials)]
     return lines
+
+
+def _simpler(check: CrossCheck) -> bool:
+    """Tell whether one number of the machine data does what takes two changes of axes and poses."""
+    return bool(check.explanation and " + " in check.explanation.kind and check.deciding_data)
+
+
+def _data_lines(check: CrossCheck) -> list[str]:
+    lines = []
+    if check.data:
+        agreeing = check.deciding_data
+        what = "would make it agree" if agreeing else "tried one by one, none agrees; the best"
+        lines.append(f"Machine data that {what}:" if agreeing else f"Machine data {what}:")
+        lines += [f"  {'or ' if n and agreeing else ''}{_data_text(one)}" for n, one in enumerate(check.data)]
+    return lines
+
+
+def _data_text(trial: DataTrial) -> str:
+    """Return the old and new values of data, where they stand, and what is left."""
+    parts = []
+    for datum, value in trial.values.items():
+        symbol = f"{datum.symbol} " if datum.symbol else ""
+        place = f"line {datum.span.line}" if datum.span is not None else "not given, default"
+        unit = f" {datum.unit}" if datum.unit else ""
+        counted = f", in the list {value * datum.counts:.10g}" if datum.counts != 1.0 else ""
+        parts.append(f"{symbol}{datum.name} ({place}): {datum.value:.10g} to {value:.10g}{unit}{counted}")
+    left = f"leaves {distance_text(trial.position_error)}, {degrees_text(trial.rotation_error)}"
+    return f"{' and '.join(parts)} ({left})"
 
 
 def _trial_text(trial: Trial) -> str:
@@ -139,6 +194,8 @@ def crosscheck_data(check: CrossCheck) -> dict[str, Any]:
         "forward": None if check.forward is None else _forward_data(check.forward),
         "inverse": None if check.inverse is None else _inverse_data(check.inverse, check.complete),
         "structure": None if check.explanation is None else _explanation_data(check.explanation),
+        "tried": list(check.tried),
+        "data": [_data_data(trial) for trial in check.data],
         "trials": [_trial_data(trial) for trial in check.trials],
     }
 
@@ -161,12 +218,14 @@ def _forward_data(forward: Forward) -> dict[str, Any]:
             {
                 "axes": axes,
                 "kind": kind,
+                **{name: _finite(value) for name, value in zip(DIFFERENCE_COLUMNS, moved, strict=True)},
                 "position_error_mm": _finite(mm_from_m(distance)),
                 "rotation_error_deg": _finite(deg_from_rad(angle)),
             }
-            for axes, kind, distance, angle in zip(
+            for axes, kind, moved, distance, angle in zip(
                 forward.samples.axes.tolist(),
                 forward.samples.kinds,
+                difference_mm(forward),
                 forward.position_error.tolist(),
                 forward.rotation_error.tolist(),
                 strict=True,
@@ -200,6 +259,25 @@ def _explanation_data(found: Explanation) -> dict[str, Any]:
         "others": list(found.others),
         "remaining_position_error_mm": _finite(mm_from_m(found.remaining_position_error)),
         "remaining_rotation_error_deg": _finite(deg_from_rad(found.remaining_rotation_error)),
+    }
+
+
+def _data_data(trial: DataTrial) -> dict[str, Any]:
+    return {
+        "values": [
+            {
+                "name": datum.name,
+                "symbol": datum.symbol,
+                "line": datum.span.line if datum.span is not None else None,
+                "unit": datum.unit,
+                "old": datum.value,
+                "new": value,
+            }
+            for datum, value in trial.values.items()
+        ],
+        "agrees": trial.agrees,
+        "position_error_mm": _finite(mm_from_m(trial.position_error)),
+        "rotation_error_deg": _finite(deg_from_rad(trial.rotation_error)),
     }
 
 

@@ -14,7 +14,7 @@ from chainbuild.arrays import Vector
 from chainbuild.comparison.crosscheck import CrossCheck
 from chainbuild.files import write_text
 from chainbuild.units import deg_from_rad, mm_from_m
-from chainbuild.writers.report import crosscheck_text
+from chainbuild.writers.report import DIFFERENCE_COLUMNS, crosscheck_text, difference_mm
 from chainbuild.writers.svg_plots import Points, histogram, scatter
 
 _SHOWN_ROWS: Final = 20  # fit on a page
@@ -93,16 +93,23 @@ def _add_worst_rows(body: ET.Element, check: CrossCheck) -> None:
         return
     order = np.argsort(-np.where(np.isfinite(forward.score), forward.score, np.inf))[:_SHOWN_ROWS]
     errors = _errors(check)
+    moved = difference_mm(forward)
     rows = [
         [
             str(n + 1),
             *(f"{value:.6g}" for value in forward.samples.axes[n]),
             forward.samples.kinds[n],
+            *(f"{value:+.3f}" if math.isfinite(value) else "no pose" for value in moved[n]),
             *(f"{values[n]:.3g}" if np.isfinite(values[n]) else "no pose" for _, values, _ in errors),
         ]
         for n in order
     ]
-    _add_table(body, "Largest errors", ("row", *check.axes, "drawn as", *(name for name, _, _ in errors)), rows)
+    _add_table(
+        body,
+        "Largest errors",
+        ("row", *check.axes, "drawn as", *DIFFERENCE_COLUMNS, *(name for name, _, _ in errors)),
+        rows,
+    )
 
 
 def _add_table(body: ET.Element, title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

@@ -143,7 +143,8 @@ def _add_body(parent: ET.Element, body: Body) -> None:
 
 def _drawn(values: Iterable[float]) -> str:
     """Return numbers of a drawing: rounded to micrometres."""
-    return numbers_text(round(value, 6) for value in values)
+    # Nanometres first: half of a length given to the micrometre would fall with its last bit.
+    return numbers_text(round(round(value, 9), 6) for value in values)
 
 
 def _add_joint(root: ET.Element, joint: Joint, lower: float, upper: float, speed: float) -> ET.Element:

@@ -11,9 +11,10 @@ import pytest
 
 import chainbuild
 from chainbuild.comparison.samples import make_samples
+from chainbuild.machines import shipped_path
 from chainbuild.tables import PoseForm, PoseWriter
 from tests.kit.command_line import Run
-from tests.kit.paths import REFERENCE
+from tests.kit.paths import REFERENCE, ROOT, TESTS
 
 ARM = "kr6r900_2"
 TABLE = REFERENCE / "kin58_trt_2.lis"
@@ -85,7 +86,10 @@ def test_single_rows_that_differ_are_named(run: Run) -> None:
     assert lines[1].startswith("Forward: 28 of 30 poses agree")
     assert "at row 20: C1 " in lines[2]
     assert lines[3] == "differing: rows 7, 20"
-    assert lines[4] == "Structure: none found: most poses agree; check those that differ"
+    assert lines[4] == "theirs minus ours, in the workpiece frame:"
+    assert lines[5].split() == ["row", "dx_mm", "dy_mm", "dz_mm"]
+    assert [line.split()[0] for line in lines[6:8]] == ["7", "20"]
+    assert lines[8] == "Structure: none found; most poses agree: check those that differ"
     largest = Path("r.html").read_text("utf-8").partition("Largest errors")[2]
     assert largest.index("<td>20</td>") < largest.index("<td>7</td>")
 
@@ -224,3 +228,66 @@ def test_bad_recordings(run: Run, content: str, text: str) -> None:
     outcome = run("crosscheck", ARM, "--recording", "bad.csv")
     assert outcome.code == 1
     assert text in outcome.err
+
+
+GANTRY = "trafo[0].id 9\ntrafo[0].param[0] 1800000\ntrafo[0].param[1] 3000000\ntrafo[0].param[4] {}\nEnde\n"
+
+
+@pytest.mark.parametrize("columns", [POSITION, POSITION + VECTOR])
+def test_a_wrong_datum_of_a_head_is_named(run: Run, columns: tuple[str, ...]) -> None:
+    for name, value in (("here", -400000), ("there", 400000)):
+        Path(f"{name}.lis").write_text(GANTRY.format(value), "utf-8")
+    here, there = (chainbuild.load(f"{name}.lis").chain() for name in ("here", "there"))
+    record(Path("r.csv"), there, here, columns)
+    outcome = run("crosscheck", "here.lis", "--recording", "r.csv", "--html", "r.html")
+    assert outcome.code == 3
+    line = next(line for line in outcome.out.splitlines() if "HD5" in line).strip()
+    assert line.startswith("HD5 trafo[0].param[4] (line 4): -40 to 40 mm, in the list 400000 (leaves ")
+    assert "no single change" not in outcome.out
+    head, first = (outcome.out.splitlines()[n].split() for n in (5, 6))
+    assert head == ["row", "dx_mm", "dy_mm", "dz_mm"]
+    if columns == POSITION:
+        return
+    data = json.loads(run("crosscheck", "here.lis", "--recording", "r.csv", "--json").out)
+    # The head turned over shows the same: two changes, so the one datum is named first.
+    assert data["structure"]["kind"] == "flipped axis + axis zero"
+    assert outcome.out.index("Machine data that would") < outcome.out.index("Structure: ")
+    assert "two axes swapped" in data["tried"]
+    (found,) = data["data"]
+    (value,) = found["values"]
+    assert (value["name"], value["symbol"], value["line"]) == ("trafo[0].param[4]", "HD5", 4)
+    assert (value["old"], value["new"], value["unit"]) == (-40.0, 40.0, "mm")
+    row = data["forward"]["rows"][0]
+    moved = [row[name] for name in ("dx_mm", "dy_mm", "dz_mm")]
+    assert np.linalg.norm(moved) == pytest.approx(row["position_error_mm"], abs=1e-9)
+    assert [f"{value + 0.0:+.3f}" for value in np.round(moved, 3)] == first[1:]
+    page = Path("r.html").read_text("utf-8")
+    assert "<th>dx_mm</th><th>dy_mm</th><th>dz_mm</th>" in page
+
+
+def test_the_changes_tried_are_listed_where_none_explains(run: Run) -> None:
+    chain = chainbuild.load(TABLE).chain()
+    record(Path("r.csv"), chain, chain, POSITION)
+    header, *rows = Path("r.csv").read_text("utf-8").splitlines()
+    noise = np.random.default_rng(4).normal(size=(len(rows), 3))
+    places = [row.split(",") for row in rows]
+    for row, shift in zip(places, noise, strict=True):
+        row[-3:] = [repr(float(value) + moved) for value, moved in zip(row[-3:], shift.tolist(), strict=True)]
+    Path("r.csv").write_text("\n".join([header, *(",".join(row) for row in places)]) + "\n", "utf-8")
+    out = run("crosscheck", TABLE, "--recording", "r.csv").out
+    assert "Structure: none found\n  tried: up to 3 axes reversed; two axes swapped; " in out
+    assert "the zero of each axis" in out
+    assert "Machine data tried one by one, none agrees; the best:\n" in out
+
+
+def test_the_readme_names_a_reversed_axis_from_six_rows(run: Run) -> None:
+    path = shipped_path("comau_calibrated")
+    assert path is not None
+    recording = TESTS / "data" / "recordings" / "comau_calibrated.csv"
+    assert run("crosscheck", "comau_calibrated", "--recording", recording).code == 0
+    text = path.read_text("utf-8").replace("AXES_DIR[2]=-1", "AXES_DIR[2]=1")
+    Path("arm.tea").write_text(text, "utf-8")
+    lines = run("crosscheck", "arm.tea", "--recording", recording).out.splitlines()
+    start = next(n for n, line in enumerate(lines) if line.startswith("Structure"))
+    assert len(lines[start:]) == 4
+    assert "\n".join(lines[start:]) in (ROOT / "README.md").read_text("utf-8")

@@ -14,6 +14,7 @@ from chainbuild.comparison.samples import make_samples
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot import Robot
 from chainbuild.tables.recording import Recording
+from chainbuild.writers.report import crosscheck_text
 from tests.kit.robots import arm, table_machine
 
 FEW = CheckOptions(count=60)
@@ -269,3 +270,83 @@ def test_a_table_is_shown_by_its_counts(robot: Robot) -> None:
     poses[1, :3, 3] *= 9.0
     assert repr(robot.ik_batch(poses)) == "<IkTable of 3 rows: 2 ok, 1 unreachable; .axes, .status, .reasons(), [row]>"
     assert repr(robot.ik_batch(poses[:0])).startswith("<IkTable of 0 rows: none;")
+
+
+def test_a_solver_that_writes_into_its_argument_is_compared_at_the_sample(robot: Robot) -> None:
+    def reversed_a6(axes: np.ndarray) -> np.ndarray:
+        axes[5] = -axes[5]
+        return robot.fk(axes).homogeneous
+
+    def constant(axes: np.ndarray) -> np.ndarray:
+        axes[:] = 0.0
+        return robot.fk(axes).homogeneous
+
+    found = crosscheck(robot, reversed_a6, options=FEW)
+    assert found.explanation is not None
+    assert (found.explanation.kind, found.explanation.axes) == ("flipped axis", ("A2",))
+    assert not crosscheck(robot, constant, options=FEW).agrees
+
+
+def test_a_solver_that_returns_one_buffer_agrees(robot: Robot) -> None:
+    buffer = np.eye(4)
+
+    def forward(axes: np.ndarray) -> np.ndarray:
+        buffer[:] = robot.fk(axes).homogeneous
+        return buffer
+
+    row = np.zeros(6)
+
+    def branches(T: np.ndarray):
+        for branch in robot.ik_all(T.copy()):
+            row[:] = branch.axes
+            yield row
+
+    def overwrites(T: np.ndarray) -> list[np.ndarray]:
+        found = [branch.axes for branch in robot.ik_all(T.copy())]
+        T[:] = np.eye(4)
+        return found
+
+    few = CheckOptions(count=15)
+    found = crosscheck(robot, forward, options=few)
+    assert found.agrees
+    assert found.forward is not None
+    assert len({T.tobytes() for T in found.forward.theirs}) == len(found.forward.samples)
+    for inverse in (branches, overwrites):
+        checked = crosscheck(robot, inverse, options=few)
+        assert checked.agrees, checked
+        assert checked.inverse is not None
+        assert checked.inverse.ours > 10
+
+
+def test_a_result_does_not_share_a_recording(robot: Robot) -> None:
+    recording = recorded(robot, count=5)
+    found = crosscheck(robot, recording).forward
+    assert found is not None
+    axes, poses = found.samples.axes.copy(), found.theirs.copy()
+    recording.axes[:] = 7.0
+    recording.poses[:] = 7.0
+    np.testing.assert_array_equal(found.samples.axes, axes)
+    np.testing.assert_array_equal(found.theirs, poses)
+
+
+def test_differences_of_rotation_alone_have_no_table(robot: Robot) -> None:
+    found = crosscheck(robot, recorded(robot, lambda T: T @ frames.f_frame((0.0, 0.0, 0.0), (10.0, 0.0, 0.0))))
+    assert "dx_mm" not in crosscheck_text(found)
+
+
+def test_differences_are_theirs_minus_ours(robot: Robot) -> None:
+    found = crosscheck(robot, recorded(robot, lambda T: frames.translation(0.0, 0.4, -0.1) @ T)).forward
+    assert found is not None
+    np.testing.assert_allclose(found.difference, np.tile([0.0, 0.4, -0.1], (40, 1)), atol=1e-12)
+
+
+def test_an_inverse_that_fails_later_is_named(robot: Robot) -> None:
+    calls = iter(range(1000))
+
+    def sometimes(T: np.ndarray) -> list[np.ndarray]:
+        if next(calls) > 4:
+            raise ZeroDivisionError("by zero")
+        return [branch.axes for branch in robot.ik_all(T)]
+
+    with pytest.raises(ChainbuildError, match="sometimes fails: ZeroDivisionError: by zero"):
+        crosscheck(robot, sometimes, options=FEW)

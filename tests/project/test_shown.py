@@ -49,6 +49,11 @@ def check() -> chainbuild.CrossCheck:
 
 
 @cache
+def datum() -> chainbuild.Datum:
+    return chainbuild.load("ca_head_kin9").geometry()[4]
+
+
+@cache
 def wrong_check() -> chainbuild.CrossCheck:
     def shifted(axes: Any) -> Any:
         T = robot().fk(axes).homogeneous.copy()
@@ -148,6 +153,8 @@ OBJECTS: dict[str, Callable[[], Any]] = {
     "SpeedReport": lambda: report().speed,
     "VectorProgramming": lambda: chainbuild.VectorProgramming("vector_ijk", fixed="C"),
     "StatusChange": lambda: chainbuild.StatusChange(16, 2, 6, True),
+    "DataTrial": lambda: chainbuild.DataTrial({datum(): 40.0}, 1e-7, 0.0, True),
+    "Datum": datum,
     "Trial": lambda: chainbuild.Trial({"kin45_length_frame": "tool"}, 1.0, 2.0, False),
     "TypeData": lambda: kin45().data,
     "UsedConvention": lambda: robot("ac_table_kin58").chain.conventions[0],

@@ -14,14 +14,14 @@ from chainbuild.chain.programmed.display import POSE_ANGLES, Display
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, MachineDataError, Span
 from chainbuild.findings import Collector, refuse_errors
-from chainbuild.formats.machine import Machine, ParameterRow
+from chainbuild.formats.machine import Datum, Machine, ParameterRow
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.selection import KinematicEntry, Selected, checked_channel, checked_kinematic
 from chainbuild.formats.sinumerik.geometry.robot_axes import basic_moves
 from chainbuild.formats.sinumerik.geometry.tool import Tool, active_tool
 from chainbuild.formats.sinumerik.geometry.translate import translate
-from chainbuild.formats.sinumerik.parameters import parameter_rows
-from chainbuild.formats.sinumerik.reading.data_table import DataTable, tabulate
+from chainbuild.formats.sinumerik.parameters import geometry_data, parameter_rows
+from chainbuild.formats.sinumerik.reading.data_table import DataTable, tabulate, with_values
 from chainbuild.formats.sinumerik.reading.reader import read_assignments
 from chainbuild.formats.sinumerik.reading.robx import WRISTS, Robx
 from chainbuild.formats.sinumerik.reading.transformations import find_transformations
@@ -106,6 +106,24 @@ class RobxMachine(Machine):
     ) -> tuple[ParameterRow, ...]:
         """Return every datum of a transformation with value, meaning and source."""
         return parameter_rows(self.transformation(kinematic, channel), self.tool, Choices(self.overlay.conventions))
+
+    def geometry(
+        self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
+    ) -> tuple[Datum, ...]:
+        """Return lengths, angles and directions of a transformation, element by element."""
+        return geometry_data(self.transformation(kinematic, channel), Choices(self.overlay.conventions))
+
+    def with_values(self, values: Mapping[Datum, float]) -> RobxMachine:
+        """Return the machine with other values of some data."""
+        te4 = {robx.data.channel_number for robx in self.transformations if robx.data.te4}
+        changed = {
+            (one.channel, one.channel in te4, *one.key): (value, one.span or Span(self.file))
+            for one, value in values.items()
+        }
+        table = with_values(self.table, changed)
+        collector = Collector(self._collector.strict, list(self._reading))
+        transformations = find_transformations(table, Collector(strict=False))
+        return RobxMachine(self.path, self.overlay, collector, table, transformations, self.tool)
 
     def transformation(
         self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None

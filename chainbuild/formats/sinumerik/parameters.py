@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Final
 
 from chainbuild.convention import Choices
-from chainbuild.formats.machine import ParameterRow
+from chainbuild.formats.machine import Datum, ParameterRow
 from chainbuild.formats.sinumerik.geometry.robot_axes import RECIPES, ArmData, basic_moves, internal_axes
 from chainbuild.formats.sinumerik.geometry.tool import Tool
 from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum, catalogue
@@ -21,14 +22,63 @@ _SI: Mapping[str, tuple[str, Callable[[float], float]]] = {
 }
 
 
+_DIRECTIONS: Final = "ROBX_AXES_DIR"
+_ZEROS: Final = "ROBX_MAMES"
+_PLACING: Final = ("geometry", "axes", "additional_axes")  # groups of the data that act on poses
+
+
 def parameter_rows(robx: Robx, tool: Tool, choose: Choices) -> tuple[ParameterRow, ...]:
     """Return the data of the transformation set, every ROBX datum, then the active tool's lengths and angles."""
-    arm = ArmData(internal_axes(robx, choose), *robx.lengths_mm, choose)
-    linear = [move.kind == "prismatic" for move in basic_moves(RECIPES[robx.main_axes](arm))]
+    linear = _linear_axes(robx, choose)
     general = [catalogue()[f"{name}_{robx.transformation}"] for name in ("TRAFO_TYPE", "TRAFO_AXES_IN")]
     own = [datum for datum in catalogue().values() if datum.te4_name]
     rows = [row for datum in (*general, *own) for row in _rows(robx, datum, linear)]
     return (*rows, *_tool_rows(tool))
+
+
+def _linear_axes(robx: Robx, choose: Choices) -> list[bool]:
+    """Return which of the basic axes are linear."""
+    arm = ArmData(internal_axes(robx, choose), *robx.lengths_mm, choose)
+    return [move.kind == "prismatic" for move in basic_moves(RECIPES[robx.main_axes](arm))]
+
+
+def geometry_data(robx: Robx, choose: Choices) -> tuple[Datum, ...]:
+    """Return lengths, angles, directions and vectors of a transformation, element by element."""
+    linear = _linear_axes(robx, choose)
+    own = [datum for datum in catalogue().values() if datum.te4_name and datum.group in _PLACING]
+    placing = [datum for datum in own if datum.type == "float" or datum.name == _DIRECTIONS]
+    return tuple(found for datum in placing for found in _geometry(robx, datum, linear))
+
+
+def _geometry(robx: Robx, datum: MachineDatum, linear: Sequence[bool]) -> Iterator[Datum]:
+    te4 = robx.package == "TE4"
+    number = datum.te4_number if te4 else datum.number
+    for n in range(datum.dimension):
+        index = None if datum.dimension == 1 else n
+        row, value, unit = (
+            robx.data.row(datum.name, index),
+            robx.data.number(datum.name, index),
+            _unit(datum, n, linear),
+        )
+        if unit or value:
+            yield Datum(
+                name=written_name(datum, te4, index),
+                symbol=f"MD{number}" if number else "",
+                value=value,
+                unit=unit,
+                span=row.span if row is not None else None,
+                channel=robx.data.channel_number,
+                key=(datum.name, index),
+                others=() if unit else (-value,),
+                twins=_twins(datum, n, te4),
+            )
+
+
+def _twins(datum: MachineDatum, n: int, te4: bool) -> tuple[str, ...]:
+    """Return the zeros of the axes before and behind one: in a central wrist they turn over what its reversal does."""
+    if datum.name != _DIRECTIONS or not 0 < n < datum.dimension - 1:
+        return ()
+    return tuple(written_name(catalogue()[_ZEROS], te4, k) for k in (n - 1, n + 1))
 
 
 def _unit(datum: MachineDatum, index: int, linear: Sequence[bool]) -> str:

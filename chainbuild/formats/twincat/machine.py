@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Final
@@ -12,9 +12,10 @@ from chainbuild.chain.elements import Chain
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, MachineDataError, Span
 from chainbuild.findings import Collector
-from chainbuild.formats.machine import Machine, ParameterRow
+from chainbuild.formats.machine import Datum, Machine, ParameterRow
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.selection import KinematicEntry, Selected, checked_channel, checked_kinematic, matching_id
+from chainbuild.formats.twincat.geometry import geometry_data, with_values
 from chainbuild.formats.twincat.lists.axislist import AxisList
 from chainbuild.formats.twincat.lists.config import UNKNOWN_ID_ALARM, Channel, Trafo
 from chainbuild.formats.twincat.lists.source import DIALECT, Source, chain_name
@@ -56,6 +57,7 @@ class TwinCatMachine(Machine):
 
     def __init__(self, file: str, path: Path, overlay: Overlay, collector: Collector, content: Content) -> None:
         super().__init__(file, path, overlay, collector)
+        self._content = content
         self.channels = content.channels
         self._tools = content.tools
         self._axis_lists = content.axis_lists
@@ -77,6 +79,20 @@ class TwinCatMachine(Machine):
         source = self._source(selected, self.overlay.tool_length_mm)
         rows = parameter_rows(source, collector)
         return rows if source.second is None else (*rows[:-1], *parameter_rows(source.upper(), collector))
+
+    def geometry(
+        self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
+    ) -> tuple[Datum, ...]:
+        """Return lengths, angles, directions and flags of a kinematic; of a coupling those of its members."""
+        selected = self._select(checked_kinematic(kinematic), checked_channel(channel), Collector(strict=False))
+        return geometry_data(self._source(selected, 0.0))
+
+    def with_values(self, values: Mapping[Datum, float]) -> TwinCatMachine:
+        """Return the machine with other values of some data."""
+        channels = tuple(with_values(channel, values) for channel in self.channels)
+        collector = Collector(self._collector.strict, list(self._reading))
+        content = replace(self._content, channels=channels)
+        return TwinCatMachine(self.file, self.path, self.overlay, collector, content)
 
     def _translate(self, selected: Selected, tool_length_mm: float, choose: Choices, collector: Collector) -> Chain:
         source, default = self._source(selected, tool_length_mm), self._default_source

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from chainbuild.errors import Span
@@ -135,6 +135,23 @@ def tabulate(reading: Reading, collector: Collector) -> DataTable:
         text = f"assignments repeated with the same value: {len(equal)}, the first is {first}"
         collector.add("CB117", text, span=equal[0].span)
     return DataTable(reading, rows)
+
+
+def with_values(table: DataTable, values: Mapping[tuple[int, bool, str, int | None], tuple[float, Span]]) -> DataTable:
+    """Return a table with other values of some channel data.
+
+    Args:
+        table: The table.
+        values: (channel, TE4 name?, datum name, index) → value, and the place of one that the file does not give.
+    """
+    rows = dict(table.rows)
+    for (channel, te4, name, index), (value, span) in values.items():
+        key: _Key = (channel, te4, name, index)
+        row = rows.get(key)
+        if row is None:
+            row = Assignment(catalogue()[name], te4, index, value, channel, span)
+        rows[key] = replace(row, value=value)
+    return DataTable(table.reading, rows)
 
 
 def _shown(value: Value) -> str:
