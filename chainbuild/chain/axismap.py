@@ -66,6 +66,21 @@ def named_map(axis_map: AxisMap, names: Sequence[str]) -> AxisMap:
     return axis_map.named(names) if isinstance(axis_map, NamingMap) else axis_map
 
 
+@runtime_checkable
+class TurningMap(Protocol):
+    """An axis map that is not affine and knows which whole turns lead to the same pose."""
+
+    @property
+    def periodic(self) -> tuple[int, ...]:
+        """Indices of the axes whose whole turn leads to the same pose."""
+        ...
+
+
+def periodic_of(axis_map: AxisMap) -> tuple[int, ...]:
+    """Return the indices of the axes whose whole turn leads to the same pose, as far as the map tells."""
+    return axis_map.periodic if isinstance(axis_map, TurningMap) else ()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class AffineMap:
     """q = A·(axes in SI) + b: sign, zero offset, unit, gear and absolute-angle coupling in one matrix.

@@ -6,9 +6,9 @@ On most machines a drive stands at its axis value; on some a gear, spatial angle
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from chainbuild.shown import fields_shown
 
 
 class DriveMap(Protocol):
-    """Drive values from axis values and back, both mm and degrees in channel order, one drive for each axis."""
+    """Drive values from axis values, both mm and degrees in channel order, one drive for each axis."""
 
     @property
     def follows(self) -> NDArray[np.bool_]:
@@ -50,13 +50,23 @@ class DriveMap(Protocol):
         """Return the derivative (n_axes, n_axes), SI by SI: metres and radians on both sides."""
         ...
 
-    def axes(self, drives: Vector) -> Vector:
-        """Return axis values (n_axes,) that bring the drives to given values (n_axes,)."""
-        ...
-
     def refusal(self, axes: Vector) -> ChainbuildError | None:
         """Return why there are no drive values at axis values (n_axes,), or None where there are."""
         ...
+
+
+@runtime_checkable
+class NamingDrives(Protocol):
+    """Drives whose refusals name axes."""
+
+    def named(self, names: Sequence[str]) -> DriveMap:
+        """Return the drives that name the axes, in channel order, by other names."""
+        ...
+
+
+def named_drives(drives: DriveMap, names: Sequence[str]) -> DriveMap:
+    """Return drives whose refusals name the axes by other names."""
+    return drives.named(names) if isinstance(drives, NamingDrives) else drives
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,11 +147,6 @@ class AffineDrives:
         """Return A: the same everywhere, and in SI too, as it couples axes of one kind."""
         return self.A
 
-    def axes(self, drives: Vector) -> Vector:
-        """Return the axis values of drive values."""
-        result: Vector = np.linalg.solve(self.A, drives - self.b).astype(np.float64)
-        return result
-
     def refusal(self, axes: Vector) -> ChainbuildError | None:
         """Return None: every axis value has a drive value."""
         return None
@@ -194,14 +199,15 @@ class DrivesSideBySide:
         n = self.count
         return _diagonal(self.first.derivative(axes[:n]), self.second.derivative(axes[n:]))
 
-    def axes(self, drives: Vector) -> Vector:
-        """Return the axis values of drive values."""
-        n = self.count
-        return np.concatenate([self.first.axes(drives[:n]), self.second.axes(drives[n:])])
-
     def refusal(self, axes: Vector) -> ChainbuildError | None:
         """Return why there are no drive values, or None."""
         return self.first.refusal(axes[: self.count]) or self.second.refusal(axes[self.count :])
+
+    def named(self, names: Sequence[str]) -> DrivesSideBySide:
+        """Return the drives that name the axes by other names."""
+        first = named_drives(self.first, names[: self.count])
+        second = named_drives(self.second, names[self.count :])
+        return replace(self, first=first, second=second)
 
 
 def _diagonal(first: Matrix | NDArray[np.bool_], second: Matrix | NDArray[np.bool_]) -> Matrix:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from chainbuild.chain.axismap import named_map
+from chainbuild.chain.drives import named_drives
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Partial
 from chainbuild.chain.programmed.display import (
     ANGLE_COLUMNS,
@@ -55,6 +56,11 @@ def axis_index(axes: Sequence[Axis], name: str) -> int | None:
         if name and wanted in known:
             return known.index(wanted) if known.count(wanted) == 1 else None
     return None
+
+
+def name_meaning(axes: Sequence[Axis], n: int, names: Iterable[str]) -> str | None:
+    """Return the first of some names that means the n-th axis; None where none does."""
+    return next((name for name in names if axis_index(axes, name) == n), None)
 
 
 def generic_name(axis: Axis) -> str:
@@ -137,6 +143,7 @@ def renamed(chain: Chain, names: Sequence[str]) -> Chain:
         frames=tuple(replace(frame, link=links[frame.link]) for frame in chain.frames),
         axes=tuple(_with_name(axis, new[axis.name]) for axis in chain.axes),
         axis_map=named_map(chain.axis_map, names),
+        drives=None if chain.drives is None else named_drives(chain.drives, names),
         partials=tuple(_renamed_partial(partial, chain.axes, names) for partial in chain.partials),
         geometry=chain.geometry.renamed(links),
         display=display,

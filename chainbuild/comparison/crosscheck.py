@@ -171,9 +171,8 @@ def crosscheck(
         ChainbuildError: the solver is unknown, not installed, unfit for this kinematic, or returns invalid values.
     """
     options = options or CheckOptions()
-    trials = _Trials(
-        machine, selection or Selection(), conventions or {}, progress, solver if isinstance(solver, Recording) else None
-    )
+    recording = solver if isinstance(solver, Recording) else None
+    trials = _Trials(machine, selection or Selection(), conventions or {}, progress, recording)
     if isinstance(solver, Recording):
         tolerance = options.tolerance(recorded=True)
         samples = _recorded_samples(robot, solver)

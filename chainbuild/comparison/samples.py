@@ -21,6 +21,7 @@ MADE_KINDS: Final = tuple(kind for kind in get_args(SampleKind) if kind != "reco
 
 _WIDEST_LINEAR_MM: Final = 500.0  # of axes without given limits
 _WIDEST_ROTARY_DEG: Final = 180.0  # one turn shows all poses
+_REDRAWN: Final = 20  # times that random samples are drawn again: enough where a tenth of them keeps all limits
 _SPECIAL_DEG: Final = (0.0, 90.0, -90.0, 180.0, -180.0)  # where solvers divide by zero or take the other branch
 
 
@@ -64,28 +65,34 @@ def make_samples(robot: Mechanism, count: int, kinds: Sequence[str] = MADE_KINDS
     rows: list[Vector] = []
     names: list[SampleKind] = []
     for kind in dict.fromkeys(kinds):
-        made = _with_pose(robot, makers[kind](robot, share, rng))
+        made = _usable(robot, makers[kind](robot, share, rng))
+        for _ in range(_REDRAWN if kind == "random" else 0):
+            if len(made) == share:
+                break
+            made = np.vstack([made, _usable(robot, random_samples(robot, share, rng))])[:share]
         rows.append(made)
         names += [kind] * len(made)  # type: ignore[list-item]
     return Samples(np.vstack(rows), tuple(names))
 
 
-def _with_pose(robot: Mechanism, axes: Vector) -> Vector:
-    """Return the rows that have a finite pose."""
+def _usable(robot: Mechanism, axes: Vector) -> Vector:
+    """Return the rows that keep the limits on several axes and on drives, too, and have a finite pose."""
     kinematics = robot.kinematics
-    finite = [bool(np.isfinite(kinematics.pose(robot.chain.axis_map.q(row)).homogeneous).all()) for row in axes]
-    kept: Vector = axes[np.array(finite, dtype=bool)]
+    inside: Vector = axes[robot.limits.inside_rows(axes)]
+    finite = [bool(np.isfinite(kinematics.pose(robot.chain.axis_map.q(row)).homogeneous).all()) for row in inside]
+    kept: Vector = inside[np.array(finite, dtype=bool)]
     return kept
 
 
 def _range(robot: Mechanism) -> tuple[Vector, Vector]:
-    """Return the range of samples: the limits, or a usual range if there are none."""
+    """Return the range of samples: what the limits ever leave of each axis, or a usual range if there are none."""
     lower, upper = [], []
     for axis in robot.axes:
         wide = _WIDEST_LINEAR_MM if axis.kind == "linear" else _WIDEST_ROTARY_DEG
         assumed = axis.assumed or axis.endless
-        lower.append(max(axis.lower, -wide) if assumed else axis.lower)
-        upper.append(min(axis.upper, wide) if assumed else axis.upper)
+        low, high = axis.range
+        lower.append(max(low, -wide) if assumed else low)
+        upper.append(min(high, wide) if assumed else high)
     return np.array(lower), np.array(upper)
 
 

@@ -13,13 +13,14 @@ from chainbuild.chain.bodies.geometry_table import geometry_from_table
 from chainbuild.chain.bodies.rods import with_rods
 from chainbuild.chain.drives import DriveLimit
 from chainbuild.chain.elements import Axis, Chain, Link
-from chainbuild.chain.names import DRIVE_SUFFIX, axis_index, link_names
+from chainbuild.chain.names import DRIVE_SUFFIX, axis_index, link_names, name_meaning
 from chainbuild.convention import check_choice
 from chainbuild.errors import ChainError, FileAccessError, MachineDataError, OverlayError, Span
 from chainbuild.formats.text import parsed_toml, read_source, toml_line
 
 SUFFIX = ".chainbuild.toml"
 _T = TypeVar("_T")
+_Ends = tuple[float, float]
 _DRIVES: Final = "drives"  # the table within [limits] and [speeds]
 
 
@@ -78,24 +79,27 @@ class Overlay:
         for n in endless:
             if axes[n].kind == "linear":
                 rotary = ", ".join(axis.name for axis in axes if axis.kind == "rotary") or "none"
-                name = next(name for name in self.endless if axis_index(axes, name) == n)
+                name = name_meaning(axes, n, self.endless) or axes[n].name
                 raise self.error(f"axis '{name}' is linear and cannot turn without end", ("endless", name), rotary)
         found = []
         for n, given in enumerate(axes):
             axis = given
             if n in limits:
                 axis = replace(axis, lower=limits[n][0], upper=limits[n][1], assumed=False)
-            if n in speeds:
-                axis = replace(axis, max_speed=speeds[n])
-            axis = replace(axis, endless=axis.endless or n in endless)
-            known = limits.get(n), drive_limits.get(n), drive_speeds.get(n)
+            axis = replace(axis, max_speed=speeds.get(n, axis.max_speed), endless=axis.endless or n in endless)
+            known = limits.get(n), drive_limits.get(n), drive_speeds.get(n), name_meaning(axes, n, self.drive_limits)
             found.append(axis if n in behind else self._by_drive(axis, *known))
         return tuple(found)
 
     def limits_of(self, axes: Sequence[Axis], n: int, *, drives: bool = False) -> tuple[float, float] | None:
         """Return the overlay's limits of the n-th axis, or of its drive, mm or degrees; None where it gives none."""
         given = self.drive_limits if drives else self.limits
-        return next((limits for name, limits in given.items() if axis_index(axes, name) == n), None)
+        return given.get(name_meaning(axes, n, given) or "")
+
+    def limits_span(self, axes: Sequence[Axis], n: int, *, drives: bool = False) -> Span | None:
+        """Return the place of the limits of the n-th axis, or of its drive; None where the overlay gives none."""
+        name = name_meaning(axes, n, self.drive_limits if drives else self.limits)
+        return None if name is None else self.span("limits", *([_DRIVES] if drives else []), name)
 
     def drive_limit(self, axes: Sequence[Axis], known: DriveLimit) -> DriveLimit:
         """Return the limits and speed of an axis' drive, those of the overlay where it gives them."""
@@ -164,11 +168,7 @@ class Overlay:
         return replace(chain, links=links, geometry=geometry)
 
     def _by_drive(
-        self,
-        axis: Axis,
-        own: tuple[float, float] | None,
-        drive: tuple[float, float] | None,
-        drive_speed: float | None,
+        self, axis: Axis, own: _Ends | None, drive: _Ends | None, drive_speed: float | None, written: str | None
     ) -> Axis:
         """Return an axis with the limits and speed of a drive that stands at its value."""
         lower, upper = drive or (axis.lower, axis.upper)
@@ -176,7 +176,7 @@ class Overlay:
             lower, upper = max(lower, axis.lower), min(upper, axis.upper)
         if not lower < upper:
             text = f"the limits of axis '{axis.name}' and those of its drive have no value in common"
-            raise self.error(text, ("limits", _DRIVES, axis.name), "ranges that overlap")
+            raise self.error(text, ("limits", _DRIVES, written or axis.name), "ranges that overlap")
         speeds = [one for one in (axis.max_speed, drive_speed) if one is not None]
         assumed = axis.assumed and not drive
         return replace(axis, lower=lower, upper=upper, assumed=assumed, max_speed=min(speeds, default=None))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.axismap import AffineMap, periodic_of
 from chainbuild.chain.elements import Chain
 from chainbuild.chain.sums import AxisConstraint
 from chainbuild.ik import rules
@@ -232,8 +232,7 @@ def periodic_axes(chain: Chain) -> NDArray[np.bool_]:
     True where the axis turns revolute joints only, each by a whole number of turns.
     """
     if not isinstance(chain.axis_map, AffineMap):
-        periodic = getattr(chain.axis_map, "periodic", ())
-        return np.isin(np.arange(len(chain.axes)), periodic)
+        return np.isin(np.arange(len(chain.axes)), periodic_of(chain.axis_map))
     A = chain.axis_map.A
     revolute = np.array([joint.kind == "revolute" for joint in chain.joints])
     result = np.zeros(len(chain.axes), dtype=bool)

@@ -15,6 +15,7 @@ from chainbuild.chain.elements import Chain
 from chainbuild.chain.fold import joint_motion
 from chainbuild.chain.poses import link_placements
 from chainbuild.errors import ChainbuildError
+from chainbuild.kinematics.ranges import range_beside
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -67,7 +68,7 @@ def axis_sweep(robot: Mechanism) -> AxisSweep:
     axes, q, segments, held = [rest], [robot.q(rest)], [], []
     for n, axis in enumerate(robot.axes):
         segments.append(Segment(n, len(axes) - 1, len(axes) - 1 + _FRAMES_PER_AXIS))
-        for value in _course(rest[n], lower[n], upper[n]):
+        for value in _course(rest[n], *_alone(robot, rest, n, lower[n], upper[n])):
             wanted = rest.copy()
             wanted[n] = value
             try:
@@ -78,6 +79,12 @@ def axis_sweep(robot: Mechanism) -> AxisSweep:
                 axes.append(axes[-1])
                 held.append(axis.name)
     return AxisSweep(np.array(axes), np.array(q), tuple(segments), tuple(dict.fromkeys(held)))
+
+
+def _alone(robot: Mechanism, rest: Vector, n: int, low: float, high: float) -> tuple[float, float]:
+    """Return how far axis n moves of its shown range while the others rest."""
+    least, most = range_beside(robot.chain, n, rest) or (rest[n], rest[n])
+    return max(low, least), min(high, most)
 
 
 def _course(rest: float, lower: float, upper: float) -> list[float]:
@@ -99,7 +106,7 @@ def rest_pose(robot: Mechanism) -> Vector:
     Raises:
         ChainbuildError: the kinematic has no pose there.
     """
-    lower, upper = shown_limits(robot.chain)
+    lower, upper = shown_limits(robot.chain, at_middle=True)
     linear = np.array([axis.kind == "linear" for axis in robot.axes])
     pose: Vector = np.where(linear, (lower + upper) / 2, np.clip(np.zeros(len(lower)), lower, upper))
     size = machine_size(robot.chain)

@@ -55,6 +55,21 @@ def with_ranges(chain: Chain) -> tuple[Chain, tuple[str, ...]]:
     return chain.with_axes(tuple(axes)), tuple(lost)
 
 
+def range_beside(chain: Chain, n: int, at: Vector) -> Range | None:
+    """Return the range of axis n while the others stand at axis values (n_axes,); None where nothing is left.
+
+    Args:
+        chain: A chain with the ranges of its axes.
+        n: Index of the axis.
+        at: Axis values, mm and degrees.
+    """
+    limits = [one for one in chain.drive_limits if one.bounded]
+    if chain.axes[n].widest is None or chain.drives is None or not limits:
+        return chain.axes[n].range
+    axes = tuple(replace(axis, lower=axis.range[0], upper=axis.range[1]) for axis in chain.axes)
+    return _Ranges(axes, chain.drives, limits, at).at_middle(n)
+
+
 def within_reach(chain: Chain) -> tuple[Chain, tuple[int, ...]]:
     """Return the chain with limits no wider than the drives reach, and the indices of the axes that it narrows.
 
@@ -80,11 +95,15 @@ class _Ranges:
         axes: With the limits of their own values.
         drives: What the drives stand at.
         limits: Theirs.
+        middle: Where the other axes stand; None: in their middle.
     """
 
-    def __init__(self, axes: tuple[Axis, ...], drives: DriveMap, limits: list[DriveLimit]) -> None:
+    def __init__(
+        self, axes: tuple[Axis, ...], drives: DriveMap, limits: list[DriveLimit], middle: Vector | None = None
+    ) -> None:
         self.axes, self.drives, self.limits, self.follows = axes, drives, limits, drives.follows
-        self.middle = np.array([0.0 if axis.endless else (axis.lower + axis.upper) / 2.0 for axis in axes])
+        ends = [(0.0, 0.0) if axis.endless else (axis.lower, axis.upper) for axis in axes]
+        self.middle: Vector = np.array(ends).mean(axis=1) if middle is None else middle
 
     def deciding(self, n: int) -> list[DriveLimit]:
         """Return the limits of drives that follow axis n."""

@@ -34,6 +34,18 @@ def test_a_map_over_two_axes_holds_the_measure_of_each_cell(robot: chainbuild.Ro
     assert found.grid.labels == ("A3 [deg]", "A5 [deg]")
 
 
+def test_a_map_leaves_out_what_limits_on_sums_forbid() -> None:
+    robot = chainbuild.Robot.load("parallelogram_nr")
+    (limit,) = robot.chain.constraints
+    found = make_map(robot, MapSpec("axes", ("A2", "A3"), cells=16), workers=1)
+    a2, a3 = ((edges[:-1] + edges[1:]) / 2.0 for edges in found.grid.edges)
+    row = np.array(limit.sum.coefficients)
+    total = row[1] * a2[:, None] + row[2] * a3[None, :] + limit.sum.offset
+    allowed = (total >= limit.lower) & (total <= limit.upper)
+    assert 0 < allowed.sum() < allowed.size
+    assert ((found.count > 0) == allowed).all()
+
+
 def test_all_processes_make_the_same_map(robot: chainbuild.Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(maps, "PART", 700)
     spec = MapSpec("rz", cells=30, samples=5000)

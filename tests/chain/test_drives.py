@@ -20,11 +20,10 @@ def geared() -> Robot:
     return Robot(chain.with_drive_limits((DriveLimit(4, -100.0, 100.0, 60.0),)))
 
 
-def test_an_affine_map_there_and_back() -> None:
+def test_an_affine_map() -> None:
     axes = np.array([10.0, -3.0])
     drives = GEAR.drives(axes)
     assert drives.tolist() == [10.0, 6.0]
-    assert GEAR.axes(drives) == pytest.approx(axes, abs=1e-13)
     assert GEAR.differing == (1,)
     assert GEAR.follows.tolist() == [[True, False], [True, True]]
     assert GEAR.turning == (0, 1)
@@ -39,7 +38,6 @@ def test_two_maps_side_by_side() -> None:
     apart = DrivesSideBySide(GEAR, AffineDrives.shifted(1, {0: 180.0}), 2)
     axes = np.array([10.0, -3.0, 4.0])
     assert apart.drives(axes).tolist() == [10.0, 6.0, 184.0]
-    assert apart.axes(apart.drives(axes)) == pytest.approx(axes, abs=1e-13)
     assert apart.differing == (1, 2)
     assert apart.derivative(axes).tolist() == [[1, 0, 0], [0.5, 2, 0], [0, 0, 1]]
     assert apart.follows.tolist() == [[True, False, False], [True, True, False], [False, False, True]]

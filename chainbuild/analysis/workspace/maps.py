@@ -247,8 +247,7 @@ class _Worker:
             edge = self.grid.edges[0]
             cells[~in_slab(self.spec.kind, table.positions, float(edge[1] - edge[0]))] = -1
         inside = (cells >= 0) & np.isfinite(smallest)
-        if self.robot.limits.drives:
-            inside &= [not self.robot.limits.broken_drives(row) for row in axes]
+        inside[inside] = self.robot.limits.inside_rows(axes[inside])
         collided = 0
         if self.bodies is not None:
             for n in np.flatnonzero(inside).tolist():

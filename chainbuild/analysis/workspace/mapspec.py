@@ -150,7 +150,7 @@ def random_axes(robot: Mechanism, rng: np.random.Generator, count: int) -> Matri
     values: Matrix = lower + (upper - lower) * rng.random((count, len(lower)))
     for n, axis in enumerate(robot.axes):
         if axis.held:
-            values[:, n] = min(max(0.0, axis.lower), axis.upper)
+            values[:, n] = min(max(0.0, lower[n]), upper[n])
     return values
 
 

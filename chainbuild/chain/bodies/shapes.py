@@ -85,24 +85,29 @@ def machine_size(chain: Chain) -> float:
     return size if size > 1e-6 else 1.0
 
 
-def shown_limits(chain: Chain) -> tuple[Vector, Vector]:
-    """Return the axis range (n_axes,) that is drawn and swept, mm and degrees.
+def shown_limits(chain: Chain, *, at_middle: bool = False) -> tuple[Vector, Vector]:
+    """Return the axis range (n_axes,) that is drawn, sampled and swept, mm and degrees.
 
-    It is the range of the limits, but: assumed linear limits shrink to the machine's size around 0, assumed and
-    endless rotary axes to half a turn either way, and no rotary axis is shown over more than a turn either way.
+    It is what the limits ever leave, whatever the other axes, but: assumed linear limits shrink to the machine's size
+    around 0, assumed and endless rotary axes to half a turn either way, and no rotary axis is shown over more than a
+    turn either way.
+
+    Args:
+        chain: The chain.
+        at_middle: True: what the limits leave with the other axes in the middle of theirs.
     """
     size_mm = 1000.0 * machine_size(chain)
-    ranges = [_shown(axis, size_mm) for axis in chain.axes]
+    ranges = [_shown(axis, (axis.lower, axis.upper) if at_middle else axis.range, size_mm) for axis in chain.axes]
     return np.array([low for low, _ in ranges]), np.array([high for _, high in ranges])
 
 
-def _shown(axis: Axis, size_mm: float) -> tuple[float, float]:
+def _shown(axis: Axis, ends: tuple[float, float], size_mm: float) -> tuple[float, float]:
     if axis.kind == "linear":
         bound = float(f"{_ASSUMED_STROKE_SHARE * size_mm:.1g}") if axis.assumed else np.inf
     else:
         bound = _ASSUMED_TURN_DEG if axis.assumed or axis.endless else _SHOWN_TURN_DEG
-    low, high = max(axis.lower, -bound), min(axis.upper, bound)
-    return (low, high) if low < high else (axis.lower, axis.upper)
+    low, high = max(ends[0], -bound), min(ends[1], bound)
+    return (low, high) if low < high else ends
 
 
 class _Drawing:

@@ -7,15 +7,17 @@ every axis of a complete transformation they do not act (KIN_TYP manual 1).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.axismap import AffineMap, AxisMap, refusal_of
-from chainbuild.chain.elements import Chain
+from chainbuild.chain.axismap import AffineMap, AxisMap, named_map, periodic_of, refusal_of
+from chainbuild.chain.drives import AffineDrives, DriveMap, named_drives
+from chainbuild.chain.elements import Axis, Chain
 from chainbuild.chain.fold import folded
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError
@@ -72,6 +74,8 @@ def _shifted(chain: Chain, acting: Mapping[int, RawValue], choose: Choices, coll
         )
     if not shift.any():
         return chain
+    axes = tuple(_shifted_reach(axis, off) for axis, off in zip(chain.axes, shift.tolist(), strict=True))
+    chain = replace(chain.with_axes(axes), drives=_shifted_drives(chain.drives, shift))
     if not isinstance(chain.axis_map, AffineMap):
         return replace(chain, axis_map=ShiftedMap(chain.axis_map, shift))
     return _folded(chain, chain.axis_map, shift)
@@ -86,6 +90,23 @@ def _folded(chain: Chain, axis_map: AffineMap, shift: Vector) -> Chain:
             joints[n] = folded(joints[n], 1.0, float(shift[driving[0]]))
             b[n] = axis_map.b[n]
     return replace(chain, joints=tuple(joints), axis_map=replace(axis_map, b=b))
+
+
+def _shifted_reach(axis: Axis, shift: float) -> Axis:
+    """Return an axis whose limits, where its type knows how far it reaches, are those of the values it is given."""
+    free = Axis.unlimited(axis.name, axis.kind)
+    if (axis.lower, axis.upper) == (free.lower, free.upper):
+        return axis
+    return replace(axis, lower=axis.lower - shift, upper=axis.upper - shift)
+
+
+def _shifted_drives(drives: DriveMap | None, shift: Vector) -> DriveMap:
+    """Return what the drives stand at where they follow the axes as these stand, not as they are programmed."""
+    if drives is None:
+        return AffineDrives.shifted(len(shift), dict(enumerate(shift.tolist())))
+    if isinstance(drives, AffineDrives):
+        return AffineDrives(drives.A, drives.drives(shift))
+    return ShiftedDrives(drives, shift)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,3 +140,62 @@ class ShiftedMap:
     def q_bounds(self, lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
         """Return bounds of the joint values."""
         return self.inner.q_bounds(lower + self.shift, upper + self.shift)
+
+    @property
+    def periodic(self) -> tuple[int, ...]:
+        """Indices of the axes whose whole turn leads to the same pose: an offset changes none."""
+        return periodic_of(self.inner)
+
+    def named(self, names: Sequence[str]) -> ShiftedMap:
+        """Return the map that names the axes by other names."""
+        return replace(self, inner=named_map(self.inner, names))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ShiftedDrives:
+    """Drives of axes that stand at their values plus an offset.
+
+    Attributes:
+        inner: The drives of the axes as they stand.
+        shift: (n_axes,) offsets, mm and degrees.
+    """
+
+    inner: DriveMap
+    shift: Vector
+
+    @property
+    def follows(self) -> NDArray[np.bool_]:
+        """(n_axes, n_axes) True where a drive moves with an axis."""
+        return self.inner.follows
+
+    @property
+    def differing(self) -> tuple[int, ...]:
+        """Those of the inner drives, and the drives of axes with an offset."""
+        return tuple(sorted({*self.inner.differing, *np.flatnonzero(self.shift).tolist()}))
+
+    @property
+    def turning(self) -> tuple[int, ...]:
+        """Indices of the drives that turn on with their own axis."""
+        return self.inner.turning
+
+    @property
+    def reach(self) -> Mapping[int, tuple[float, float]]:
+        """Index of an axis → the programmed values beyond which the drives have no place."""
+        shift = self.shift.tolist()
+        return {n: (low - shift[n], high - shift[n]) for n, (low, high) in self.inner.reach.items()}
+
+    def drives(self, axes: Vector) -> Vector:
+        """Return the drive values of axis values."""
+        return self.inner.drives(axes + self.shift)
+
+    def derivative(self, axes: Vector) -> Matrix:
+        """Return the derivative, SI by SI."""
+        return self.inner.derivative(axes + self.shift)
+
+    def refusal(self, axes: Vector) -> ChainbuildError | None:
+        """Return why there are no drive values, or None."""
+        return self.inner.refusal(axes + self.shift)
+
+    def named(self, names: Sequence[str]) -> ShiftedDrives:
+        """Return the drives that name the axes by other names."""
+        return replace(self, inner=named_drives(self.inner, names))

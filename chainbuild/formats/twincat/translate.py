@@ -199,7 +199,7 @@ def _ranged(chain: Chain, source: Source, collector: Collector) -> Chain:
         if chain.drives is not None:
             least, most = chain.drives.reach[n]
         text = f"the limits of axis {axis.name}, {axis.lower:g} to {axis.upper:g} deg, go beyond what the head reaches"
-        span = source.overlay.span("limits", axis.name) if axis.name in source.overlay.limits else source.trafo.span
+        span = source.overlay.limits_span(chain.axes, n) or source.trafo.span
         reach = f"{least:.6g} to {most:.6g} deg"
         if axis.lower >= most or axis.upper <= least:
             collector.add(
@@ -209,8 +209,9 @@ def _ranged(chain: Chain, source: Source, collector: Collector) -> Chain:
         else:
             collector.add("CB432", text, span=span, parameter=axis.name, permitted=reach)
     ranged, lost = with_ranges(reached)
-    for axis in (axis for axis in ranged.axes if axis.name in lost):
-        span = source.overlay.span("limits", "drives", axis.name) or source.trafo.span
+    for n, axis in ((n, axis) for n, axis in enumerate(ranged.axes) if axis.name in lost):
+        given = (source.overlay.limits_span(ranged.axes, n, drives=drives) for drives in (True, False))
+        span = next((one for one in given if one is not None), source.trafo.span)
         if axis.widest is None:
             text = f"the limits of axis {axis.name} and those of the drives have no value in common"
             permitted = "ranges that overlap"

@@ -254,7 +254,7 @@ def _with_whole_turns(mechanism: Mechanism, found: IkResult, total: AxisSum, c_d
     axes[n] += turns * _FULL_TURN_DEG
     if n not in mechanism.limits.outside(axes):
         return replace(found, axes=axes)
-    reason = f"C = {c_deg:.6g} needs {axis.name} = {axes[n]:.6g}, outside its limits {axis.lower:g} … {axis.upper:g}"
+    reason = f"at C = {c_deg:.6g} {mechanism.limits.in_words(n, float(axes[n]))}"
     return replace(found, axes=axes, success=False, status="limits", reason=reason, violated=(axis.name,))
 
 

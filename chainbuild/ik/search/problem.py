@@ -240,8 +240,7 @@ def _whole(weights: Vector, axis: int) -> bool:
 def _held_beyond(mechanism: Mechanism, values: Vector, fixed: NDArray[np.bool_]) -> Iterator[str]:
     for n in mechanism.limits.outside(values):
         if fixed[n]:
-            axis = mechanism.axes[n]
-            yield f"{axis.name} at {values[n]:.3f} {axis.unit} (limits {axis.lower:g} … {axis.upper:g})"
+            yield mechanism.limits.in_words(n, float(values[n]))
 
 
 def _weights(mechanism: Mechanism, options: IkOptions) -> tuple[Vector, int]:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
 
 from chainbuild.chain.elements import Chain
+from chainbuild.errors import ChainbuildError
 from chainbuild.formats.overlay import Overlay
 from chainbuild.robot import Robot
+from tests.kit.named_axes import bezeichnungen
 from tests.kit.twincat_files import codes, machine, pose
 from tests.kit.universal import CA_HEAD
 
@@ -114,3 +117,62 @@ def test_of_two_steps_it_acts_in_the_first() -> None:
     head = pose(chain_of(HEAD, {}), moved)
     table = machine("trafo[0].id 58").chain()
     assert pytest.approx(pose(table, [*head[:3, 3], *AXES[3:]]), abs=1e-8) == T
+
+
+def limited(text: str, offsets: dict[int, float], **overlay: Any) -> Robot:
+    lines = [f"wz[2].ax_versatz[{k}] {value * 1e4:.0f}" for k, value in offsets.items()]
+    return Robot(machine("\n".join([text, *lines]), overlay=Overlay(tool={"number": 2}, **overlay)).chain())
+
+
+@pytest.mark.parametrize("text", [HEAD, TABLE, GEARED, CARDAN])
+@pytest.mark.parametrize(("choice", "sign"), [("plus", 1.0), ("minus", -1.0), ("ignored", 0.0)])
+def test_the_drives_stand_where_the_offset_puts_the_axes(text: str, choice: str, sign: float) -> None:
+    robot, plain = Robot(chain_of(text, OFFSETS, tool_axis_offset=choice)), Robot(chain_of(text, {}))
+    moved = AXES.copy()
+    for k, value in OFFSETS.items():
+        moved[k] += sign * value
+    assert robot.drives(AXES) == pytest.approx(plain.drives(moved), abs=1e-9)
+    if robot.chain.drives is not None and plain.chain.drives is not None:
+        derivative = robot.chain.drives.derivative(AXES)
+        assert derivative == pytest.approx(plain.chain.drives.derivative(moved), abs=1e-9)
+        assert (robot.chain.drives.follows == plain.chain.drives.follows).all()
+        assert robot.chain.drives.turning == plain.chain.drives.turning
+        assert set(robot.chain.drives.differing) >= set(plain.chain.drives.differing)
+
+
+def test_of_a_plain_head_it_is_the_value_plus_the_offset() -> None:
+    assert Robot(chain_of(HEAD, {3: 10.0, 4: 5.0})).drives([0, 0, 0, 10, 20])[3:].tolist() == [20.0, 25.0]
+
+
+def test_limits_are_those_of_the_drive() -> None:
+    """Programmed to 90, the axis stands at 100."""
+    robot = limited(HEAD, {4: 10.0}, drive_limits={"A": (-95.0, 95.0)})
+    assert (robot.axes[4].lower, robot.axes[4].upper) == (-105.0, 85.0)
+    assert robot.violated_limits([0, 0, 0, 0, 90]) == ("A_drive",)
+    assert robot.violated_limits([0, 0, 0, 0, -100]) == ()
+    bent = limited(CARDAN, {3: 10.0, 4: 5.0}, drive_limits={"A": (-60.0, 60.0)})
+    assert bent.violated_limits([0, 0, 0, 0, 36]) == ()
+    assert bent.violated_limits([0, 0, 0, 0, 38]) == ("A_drive",)
+    assert bent.violated_limits([0, 0, 0, 0, -45]) == ()
+
+
+def test_what_a_head_reaches_moves_with_the_offset() -> None:
+    a = limited(CARDAN, {4: 5.0}).axes[4]
+    assert (a.lower, a.upper) == pytest.approx((-95.0, 85.0), abs=1e-9)
+
+
+def test_whole_turns_stay_whole_turns() -> None:
+    lengths = dict.fromkeys("XYZ", (-3000.0, 3000.0))
+    robot = limited(CARDAN, {3: 10.0}, limits={**lengths, "C": (200.0, 500.0)})
+    found = [one.axes for one in robot.ik_all(robot.fk([1, 2, 3, 300, 20]))]
+    assert any(axes == pytest.approx([1, 2, 3, 300, 20], abs=1e-6) for axes in found)
+    assert robot.ik(robot.fk([1, 2, 3, 300, 20]), start=[0, 0, 0, 490, 20]).success
+
+
+def test_the_channels_names_reach_through_the_offset() -> None:
+    text = f"{CARDAN}\n{bezeichnungen({4: 'W_TILT'})}"
+    robot = limited(text, {4: 5.0})
+    for told in (robot.q, robot.drives):
+        with pytest.raises(ChainbuildError) as error:
+            told([0, 0, 0, 0, 120])
+        assert error.value.parameter == "W_TILT"

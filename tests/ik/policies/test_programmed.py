@@ -135,7 +135,7 @@ def test_absolute_c_beyond_the_limits() -> None:
     c = robot.pose_angles(axes)[2] + 4 * 360.0  # axis 4 has three turns either way
     found = robot.ik(robot.fk(axes), axes, absolute_c_deg=c)
     assert (found.success, found.status) == (False, "limits")
-    assert "A4 = -1440, outside its limits -1080 … 1080" in found.reason
+    assert "A4 is -1440, outside -1080 … 1080 deg" in found.reason
 
 
 @pytest.mark.parametrize(("name", "c"), [("irb2600", 10.0), ("scara_sc", 10.0), ("scara_cc", math.nan)])

@@ -7,6 +7,7 @@ through step 0 by the axis map.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -14,9 +15,10 @@ import numpy as np
 
 from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.axismap import AxisMap, refusal_of
+from chainbuild.chain.axismap import AxisMap, named_map, refusal_of
 from chainbuild.chain.elements import Chain
 from chainbuild.chain.fold import reach
+from chainbuild.chain.names import renamed
 from chainbuild.chain.poses import angle_rates, pose, pose_jacobian
 from chainbuild.chain.programmed.display import POSE_ANGLES, Display
 from chainbuild.errors import ChainbuildError, UnsupportedKinematicError
@@ -56,11 +58,12 @@ def two_steps(first: Chain, first_trafo: Trafo, second: Chain, second_trafo: Tra
     text = f"KIN_TYP {second_trafo.type} takes the coordinates of KIN_TYP {first_trafo.type} as its axis values"
     hint = "joints are those of the second step, which no drive moves by itself"
     collector.add("CB459", text, span=second_trafo.span, hint=hint)
+    axis_map = TwoStepMap(coordinates, second.axis_map, len(wanted), len(second.joints))
     return replace(
         second,
         kinematic=f"{first.kinematic} below {second.kinematic}",
         axes=first.axes,
-        axis_map=TwoStepMap(coordinates, second.axis_map, len(wanted), len(second.joints)),
+        axis_map=axis_map.named([axis.name for axis in first.axes]),
         display=_outer(coordinates, second),
         drives=first.drives,
     )
@@ -183,6 +186,14 @@ class TwoStepMap:
         """Return why one of the steps has no joint values, or None."""
         first = refusal_of(self.coordinates.chain.axis_map, axes)
         return first or refusal_of(self.second, self.coordinates.values(axes)[: self.taken])
+
+    def named(self, names: Sequence[str]) -> TwoStepMap:
+        """Return the map that names the axes of the machine, and those that step 0 passes on, by other names."""
+        coordinates = replace(self.coordinates, chain=renamed(self.coordinates.chain, names))
+        if coordinates.orientation == "angles":
+            return replace(self, coordinates=coordinates)
+        passed_on = ("X", "Y", "Z", *names[_POSITION:])
+        return replace(self, coordinates=coordinates, second=named_map(self.second, passed_on))
 
     def dq_daxes(self, axes: Vector) -> Matrix:
         """Return the derivative, SI by SI; 0 where step 0 has no joint values."""

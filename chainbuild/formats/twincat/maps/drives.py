@@ -6,8 +6,8 @@ The gear of 28 and the shifted B of 3 are affine (`chain.drives`). Drive values 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -85,17 +85,13 @@ class SpatialDrives:
         """Return the derivative, that of the joints."""
         return self.spatial.dq_daxes(axes)
 
-    def axes(self, drives: Vector) -> Vector:
-        """Return the axis values of drive values."""
-        q = np.zeros(5)
-        q[_ROTARY] = [rad_from_deg(float(angle)) for angle in drives[_ROTARY] - np.array(self.zero_deg)]
-        values = self.spatial.axes(q)
-        values[:_OUTER] = drives[:_OUTER]
-        return values
-
     def refusal(self, axes: Vector) -> ChainbuildError | None:
         """Return the error of a lean that the head cannot reach, or None."""
         return self.spatial.refusal(axes)
+
+    def named(self, names: Sequence[str]) -> SpatialDrives:
+        """Return the drives that name the inclined axis by another name."""
+        return replace(self, spatial=self.spatial.named(names))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -142,14 +138,6 @@ class VirtualTurnDrives:
         result[_ROTARY] = self.turned.straight.A[_ROTARY, _ROTARY] @ self.turned.dq_daxes(axes)[_ROTARY]
         return result
 
-    def axes(self, drives: Vector) -> Vector:
-        """Return the axis values of drive values: CV turned back."""
-        back = drives.copy()
-        back[_VIRTUAL] = -drives[_VIRTUAL]
-        values: Vector = self.drives(back)
-        values[_VIRTUAL] = drives[_VIRTUAL]
-        return values
-
     def refusal(self, axes: Vector) -> ChainbuildError | None:
         """Return None: the head points everywhere."""
         return None
@@ -170,11 +158,13 @@ class BevelDrives:
         tilt_deg: δ = HD7, above 0 and below 180.
         mounting_deg: Turn of the cutting head about Z.
         arrangement: How the two axes stand.
+        names: Names of the programmed C and A.
     """
 
     tilt_deg: float
     mounting_deg: float
     arrangement: BevelAxes
+    names: tuple[str, str] = ("C", "A")
 
     @property
     def follows(self) -> NDArray[np.bool_]:
@@ -262,24 +252,21 @@ class BevelDrives:
         across = np.array([-cosine, 0.0, sine])  # u × e_y: Rot(u, a) turns e_y towards it
         return u, math.cos(a) * np.array([0.0, 1.0, 0.0]) + math.sin(a) * across
 
-    def axes(self, drives: Vector) -> Vector:
-        """Return axis values of drive values, C as near to 0 as half a turn and A not negative."""
-        values: Vector = drives.copy()
-        x, y, z = self.direction(drives)
-        level = math.hypot(x, y)
-        turn = rad_from_deg(self.mounting_deg) + (math.atan2(x, -y) if level > _REACH_SLACK else 0.0)
-        values[_ROTARY] = _degrees(np.array([turn, math.atan2(level, z)]))
-        return values
-
     def refusal(self, axes: Vector) -> ChainbuildError | None:
         """Return the error of a direction that the head cannot lean to, or None."""
         if np.isfinite(self.drives(axes)).all():
             return None
+        c, a = self.names
+        wanted = f"{a} = {axes[_INNER]:g} deg at {c} = {axes[_OUTER]:g} deg"
         return AxisValueError(
-            f"the machine axes A and B cannot lean the tool by A = {axes[_INNER]:g} deg at C = {axes[_OUTER]:g} deg",
-            parameter="A",
+            f"the machine axes A and B cannot lean the tool by {wanted}",
+            parameter=a,
             permitted=f"what HD7 = {self.tilt_deg:g} deg reaches by convention kin76_machine_axes={self.arrangement}",
         )
+
+    def named(self, names: Sequence[str]) -> BevelDrives:
+        """Return the drives that name the programmed axes by other names."""
+        return replace(self, names=(names[_OUTER], names[_INNER]))
 
 
 def _arc_sine(sine: float) -> float:
