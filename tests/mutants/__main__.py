@@ -38,6 +38,29 @@ TWINCAT = "tests/formats/twincat"
 TWINCAT_SHARED = (TWINCAT, "-k", "hand or reference or arm45 or families or bounds or kin98 or domain")
 SINUMERIK = ("tests/formats/sinumerik", "tests/ik/policies/test_controller.py")
 CHAIN = ("tests/chain",)
+COMPOSED = (
+    "tests/chain/test_compose.py",
+    "tests/coupling",
+    f"{TWINCAT}/test_coupling.py",
+    "-k",
+    "not written_and_solved",
+)
+UNIVERSAL = tuple(f"{TWINCAT}/test_{name}.py" for name in ("universal", "directions", "as_universal"))
+COUPLED = tuple(f"{TWINCAT}/test_{name}.py" for name in ("two_steps", "coupling", "coupling_axes", "pairs"))
+AXIS_MAPS = ("tests/chain", "tests/kinematics/test_robot.py")
+KINEMATICS = ("tests/kinematics", "tests/ik/test_ik.py", "tests/ik/search/test_arm_reach.py")
+LIMITS = ("tests/chain/test_drives.py", "tests/ik/test_drive_limits.py", "tests/ik/test_limits_agree.py")
+DISPLAYED = (
+    f"{TWINCAT}/test_displayed_by_hand.py",
+    f"{TWINCAT}/test_universal_display.py",
+    "tests/ik/test_displayed.py",
+)
+DRIVES = ("tests/chain/test_drives.py", f"{TWINCAT}/test_drives.py", "tests/ik/test_drive_limits.py")
+PROGRAMMED = (
+    "tests/chain/test_vectors.py",
+    "tests/ik/policies/test_programmed.py",
+    "tests/ik/branches/test_status_turn.py",
+)
 
 
 def targets() -> dict[Path, tuple[str, ...]]:
@@ -50,7 +73,28 @@ def targets() -> dict[Path, tuple[str, ...]]:
     robx = [sinumerik / "geometry" / f"{name}.py" for name in ("translate", "robot_axes", "tool")]
     files |= dict.fromkeys([*robx, sinumerik / "rules" / "chain_data.py"], SINUMERIK)
     chain = package / "chain"
-    return files | dict.fromkeys([chain / "fold.py", chain / "bodies" / "rods.py"], CHAIN)
+    files |= dict.fromkeys([chain / "fold.py", chain / "bodies" / "rods.py"], CHAIN)
+    return files | _beside_the_translators(package)
+
+
+def _beside_the_translators(package: Path) -> dict[Path, tuple[str, ...]]:
+    """Return the files that compose, distribute, move and display what was translated, and the tests of each."""
+    chain, kinematics, twincat = package / "chain", package / "kinematics", package / "formats" / "twincat"
+    files = {
+        chain / "compose.py": COMPOSED,
+        **dict.fromkeys(sorted((package / "coupling").glob("[a-z]*.py")), COMPOSED),
+        **dict.fromkeys(sorted((twincat / "coupling").glob("[a-z]*.py")), COUPLED),
+        **dict.fromkeys(sorted((twincat / "universal").glob("[a-z]*.py")), UNIVERSAL),
+        chain / "axismap.py": AXIS_MAPS,
+        **dict.fromkeys([chain / "drives.py", twincat / "maps" / "drives.py"], DRIVES),
+        **dict.fromkeys(sorted((chain / "programmed").glob("[a-z]*.py")), PROGRAMMED),
+        **dict.fromkeys(sorted(kinematics.glob("[a-z]*.py")), KINEMATICS),
+        **dict.fromkeys([kinematics / "limits.py", kinematics / "ranges.py"], LIMITS),
+    }
+    displayed = [kinematics / "displayed.py", package / "ik" / "displayed.py", package / "ik" / "rtcp.py"]
+    return files | dict.fromkeys(
+        [*displayed, chain / "programmed" / "display.py", twincat / "types" / "displays.py"], DISPLAYED
+    )
 
 
 def types_in(path: Path) -> tuple[int, ...]:
