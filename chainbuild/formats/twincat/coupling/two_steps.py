@@ -171,8 +171,9 @@ class TwoStepMap:
         values = np.array([axis.lower + 0.537 * (axis.upper - axis.lower) for axis in chain.axes])
         for _ in range(_NEWTON_STEPS):
             error = (wanted - self.coordinates.values(values)[: self.taken]) * scale
-            rotary = scale == si_factor("rotary")
-            error[rotary] = np.remainder(error[rotary] + np.pi, 2 * np.pi) - np.pi
+            if self.coordinates.orientation == "angles":  # axes that are passed on keep their turns
+                rotary = scale == si_factor("rotary")
+                error[rotary] = np.remainder(error[rotary] + np.pi, 2 * np.pi) - np.pi
             if float(np.abs(error).max()) < _CLOSE:
                 return values
             J = self.coordinates.derivative(values)[: self.taken]
