@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import chainbuild
+from chainbuild.collision.solids import solids_of
 from chainbuild.errors import ChainbuildError
 from chainbuild.formats.overlay import read_overlay
 from chainbuild.tables.axes import AxisTable
@@ -103,7 +104,9 @@ def overlay_of(machine_file: Path) -> Read:
     def read(path: Path) -> None:
         chainbuild.check(machine_file, overlay=path)
         read_overlay(path)
-        build(chainbuild.Robot.load(machine_file, overlay=path))
+        robot = chainbuild.Robot.load(machine_file, overlay=path)
+        build(robot)
+        assert all(np.isfinite(solid.reach) for solid in solids_of(robot.chain))
 
     return read
 

@@ -12,7 +12,8 @@ WILD = (
     "nan", "inf", "-inf", "0x10", "1_000", "1,5", "99999999999999999999", "-", "+", ".", "e", "0 0 0", "1 2 3", "0 1",
     "true", "false", "null", "2030-01-01", "tool", "workpiece", "universe", "base", "flange", "status", "A_drive", "A1",
     "C", "base_link", "fixed", "revolute", "continuous", "prismatic", "floating", "planar", "${x}", "é", "𝔘", "\ufeff",
-    "\x00", "\x7f", "\u2028", "\t", '"', "'", "<", ">", "&", "&amp;", "[", "]", "{", "}", "=", "#", ";", ",", "\\", "x" * 300,
+    "\x00", "\x7f", "\u2028", "\t", '"', "'", "<", ">", "&", "&amp;", "[", "]", "{", "}", "=", "#", ";", ",", "\\",
+    "x" * 300,
 )  # fmt: skip
 # Numbers, words, and single marks: what a structured change replaces as a whole.
 _TOKEN = re.compile(r"-?\d[\d.eE+-]*|\w+|[^\w\s]")

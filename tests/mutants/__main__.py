@@ -38,26 +38,22 @@ TWINCAT = "tests/formats/twincat"
 TWINCAT_SHARED = (TWINCAT, "-k", "hand or reference or arm45 or families or bounds or kin98 or domain")
 SINUMERIK = ("tests/formats/sinumerik", "tests/ik/policies/test_controller.py")
 CHAIN = ("tests/chain",)
-COMPOSED = (
-    "tests/chain/test_compose_numbers.py", "tests/coupling", "tests/chain/test_compose.py", f"{TWINCAT}/test_coupling.py",
-    "-k", "not written_and_solved",
-)  # fmt: skip
-UNIVERSAL = tuple(
-    f"{TWINCAT}/test_{name}.py" for name in ("directions", "universal_display", "universal", "as_universal")
-)
-COUPLED = tuple(f"{TWINCAT}/test_{name}.py" for name in ("two_steps", "coupling", "coupling_axes", "coupling_refused"))
+
+
+def _tests(folder: str, *names: str) -> tuple[str, ...]:
+    return tuple(f"tests/{folder}/test_{name}.py" for name in names)
+
+
+# Without those that compile solvers anew in each process.
+COMPOSED = (*_tests("chain", "compose_numbers", "compose"), "tests/coupling", "-k", "not written_and_solved")
+UNIVERSAL = _tests("formats/twincat", "directions", "universal_display", "universal", "as_universal")
+COUPLED = _tests("formats/twincat", "two_steps", "coupling", "coupling_axes", "coupling_refused")
 AXIS_MAPS = ("tests/chain", "tests/kinematics/test_robot.py", "-k", "not written_and_solved")
 KINEMATICS = ("tests/kinematics", "tests/ik/test_ik.py", "tests/ik/search/test_arm_reach.py", "-k", "not arrays_of")
-DRIVES = ("tests/chain/test_drives.py", f"{TWINCAT}/test_drives.py", "tests/ik/test_drive_limits.py")
-LIMITS = (*DRIVES, "tests/ik/test_limits_agree.py")
-DISPLAYED = (
-    f"{TWINCAT}/test_universal_display.py",
-    "tests/ik/test_displayed.py",
-    f"{TWINCAT}/test_displayed_by_hand.py",
-)
-PROGRAMMED = (
-    "tests/chain/test_vectors.py", "tests/ik/policies/test_programmed.py", "tests/ik/branches/test_status_turn.py",
-)  # fmt: skip
+DRIVES = (*_tests("chain", "drives"), *_tests("formats/twincat", "drives"), *_tests("ik", "drive_limits"))
+LIMITS = (*DRIVES, *_tests("ik", "limits_agree"))
+DISPLAYED = (*_tests("ik", "displayed"), *_tests("formats/twincat", "universal_display", "displayed_by_hand"))
+PROGRAMMED = (*_tests("chain", "vectors"), *_tests("ik/policies", "programmed"), *_tests("ik/branches", "status_turn"))
 
 
 def targets() -> dict[Path, tuple[str, ...]]:
