@@ -67,7 +67,7 @@ def test_a_shift_ends_at_the_position_wherever_it_starts(arm: Chain, before: flo
     assert state.now[:3].tolist() == pytest.approx([400.0, 500.0, 600.0])
 
 
-@pytest.mark.parametrize("angles", [(20.0, 0.0, 0.0), (180.0, 0.0, 0.0), (-170.0, 0.0, 0.0), (35.0, 12.5, -7.0)])
+@pytest.mark.parametrize("angles", [(20.0, 0.0, 0.0), (180.0, 0.0, 0.0), (400.0, 0.0, 0.0), (-725.5, 12.5, -7.0)])
 def test_an_angle_that_a_partial_can_reach_is_exact(scara: Chain, angles: Sequence[float]) -> None:
     """Where the angles that it cannot turn agree already, also by a whole turn, the free ones are taken as they are."""
     for turns in (0.0, 360.0, -360.0):
