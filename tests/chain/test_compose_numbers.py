@@ -107,6 +107,12 @@ def test_limits_of_drives_stay_with_their_axes(arm: Chain, scara: Chain) -> None
         assert moved[[first + 1, first + 3]].tolist() == [10.0, -20.0]
 
 
+def test_an_end_of_a_drive_that_is_not_given_is_no_limit() -> None:
+    assert (DriveLimit(0).lower, DriveLimit(0).upper) == (-np.inf, np.inf)
+    assert not DriveLimit(0, max_speed=5.0).bounded
+    assert DriveLimit(0, upper=5.0).bounded
+
+
 def test_a_displaced_stack_displaces_its_lowest(arm: Chain, scara: Chain) -> None:
     T = transform(rot_x(25.0), (0.1, -0.2, 0.3))
     moved = displaced(stack(scara, np.eye(4), arm), T)
