@@ -10,7 +10,7 @@ import pytest
 import chainbuild
 from chainbuild.chain.assemble import assemble, linear, mark, rotary, shift
 from chainbuild.chain.compose import beside, displaced, follow, stack
-from chainbuild.chain.drives import AffineDrives, DriveLimit
+from chainbuild.chain.drives import AffineDrives, DriveLimit, DrivesSideBySide
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.chain.poses import pose
 from chainbuild.frames import rot_x, transform
@@ -111,6 +111,19 @@ def test_an_end_of_a_drive_that_is_not_given_is_no_limit() -> None:
     assert (DriveLimit(0).lower, DriveLimit(0).upper) == (-np.inf, np.inf)
     assert not DriveLimit(0, max_speed=5.0).bounded
     assert DriveLimit(0, upper=5.0).bounded
+
+
+def test_drives_side_by_side_count_on() -> None:
+    class Reaching(AffineDrives):
+        @property
+        def reach(self) -> dict[int, tuple[float, float]]:
+            return {1: (-80.0, 90.0)}
+
+    first, second = Reaching(np.eye(3), np.zeros(3)), Reaching(np.diag([1.0, 0.0]), np.array([0.0, 5.0]))
+    both = DrivesSideBySide(first, second, 3)
+    assert both.turning == (0, 1, 2, 3)
+    assert both.differing == (4,)
+    assert both.reach == {1: (-80.0, 90.0), 4: (-80.0, 90.0)}
 
 
 def test_a_displaced_stack_displaces_its_lowest(arm: Chain, scara: Chain) -> None:
