@@ -40,11 +40,12 @@ def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT
 
 def _with_selection(file: str, options: MachineOptions, findings: tuple[Finding, ...]) -> Findings:
     """Return the findings and those of the kinematic, tool and conventions that the options select."""
+    from chainbuild.robot import Robot
+
     collector = Collector(strict=False, findings=list(findings))
     try:
         machine = options.machine(file)
-        chain = options.chain(machine)
-        collector.findings.extend(all_findings(machine, chain))
+        collector.findings.extend(all_findings(machine, Robot(options.chain(machine)).chain))
     except ChainbuildError as error:
         collector.add_error(error)
     return Findings(dict.fromkeys(collector.findings))

@@ -46,7 +46,7 @@ def demo(
         chain = options.chain(machine)
         robot = Robot(chain)
         write_urdf(robot, folder)
-        count = sum(finding.severity != "info" for finding in all_findings(machine, chain))
+        count = sum(finding.severity != "info" for finding in all_findings(machine, robot.chain))
         warnings.update({name: count} if count else {})
         shown.add_row(name, chain.kinematic, chain.title)
     out = console()

@@ -106,9 +106,9 @@ class MachineOptions:
         from chainbuild.robot import Robot
 
         machine = self.machine(file)
-        chain = self.chain(machine)
-        self.announce(file, machine, chain)
-        return machine, Robot(chain)
+        robot = Robot(self.chain(machine))
+        self.announce(file, machine, robot.chain)
+        return machine, robot
 
     def announce(self, file: str, machine: Machine, chain: Chain) -> None:
         """Print on stderr what was chosen among several, which options have no effect, and the number of warnings."""

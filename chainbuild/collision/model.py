@@ -79,7 +79,7 @@ class CollisionModel:
         always: Pairs of links left out because they touch at every position probed.
 
     Raises:
-        FileAccessError: a mesh cannot be read.
+        FileAccessError: a mesh cannot be read or makes no body; see `solids_of`.
         ChainbuildError: a watched link does not exist.
     """
 

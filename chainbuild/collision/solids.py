@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 import coal
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild import frames
+from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies.geometry import Shape
 from chainbuild.chain.bodies.rods import LEVEL_LINKS
 from chainbuild.chain.bodies.shapes import Body, detail_bodies, link_bodies
 from chainbuild.chain.elements import Chain
-from chainbuild.errors import FileAccessError, Span
+from chainbuild.errors import FileAccessError, FileContentError, Span
 
+_FLAT: Final = 1e-6  # share of the largest width: the hull of a flatter body crashes, and files hold six digits
 # Details of a drawing that are solid and no part of a link's own body.
 _SOLID = ("lever", "tool", "table")
 
@@ -49,7 +50,7 @@ def solids_of(chain: Chain) -> tuple[Solid, ...]:
     """Return the bodies of a chain: those of the overlay, else capsules, spheres and boxes as they are drawn.
 
     Raises:
-        FileAccessError: a mesh cannot be read.
+        FileAccessError: a mesh cannot be read, has vertices that are no places, or is flat and meant as a hull.
     """
     shapes = chain.geometry.shapes
     found: list[Solid] = []
@@ -97,19 +98,44 @@ def _given(link: str, shape: Shape) -> Solid:
     T = frames.f_frame(shape.place[:3], shape.place[3:])
     if shape.kind == "box":
         return _solid(link, "box", T, shape.size, coal.Box(*shape.size))
-    return _solid(link, shape.kind, T, (), _mesh(str(shape.file), shape.scale, shape.kind == "hull"))
+    return _solid(link, shape.kind, T, (), _mesh(link, str(shape.file), shape.scale, shape.kind == "hull"))
+
+
+def _mesh(link: str, file: str, scale: float, hull: bool) -> Any:
+    body = f"{'hull' if hull else 'mesh'} of link {link}"
+    try:
+        mesh, extents = _loaded(file, scale)
+    except ValueError:
+        text = f"the {body} cannot be read (missing, or not STL, OBJ or DAE)"
+        raise FileAccessError(text, span=Span(file), parameter=link) from None
+    if not max(extents) < tolerances.HUGE_POSITION_M:
+        permitted = f"vertices within {tolerances.HUGE_POSITION_M:g} m"
+        raise FileContentError(
+            f"the {body} has vertices that are not finite or too far away",
+            span=Span(file), parameter=link, permitted=permitted,
+        )  # fmt: skip
+    if not hull:
+        return mesh
+    if min(extents) <= _FLAT * max(extents):
+        hint = 'a flat body can be given as "mesh" or as a thin box'
+        raise FileContentError(
+            f"the {body} is flat: its {len(mesh.vertices())} vertices lie in a plane",
+            span=Span(file), parameter=link, permitted="a body with a volume", hint=hint,
+        )  # fmt: skip
+    if mesh.convex is None:
+        mesh.buildConvexHull(True, "Qt")
+    return mesh.convex
 
 
 @cache
-def _mesh(file: str, scale: float, hull: bool) -> Any:
-    try:
-        mesh = coal.MeshLoader().load(file, np.full(3, scale))
-    except ValueError:
-        raise FileAccessError("the mesh cannot be read (missing, or not STL, OBJ or DAE)", span=Span(file)) from None
-    if not hull:
-        return mesh
-    mesh.buildConvexHull(True, "Qt")
-    return mesh.convex
+def _loaded(file: str, scale: float) -> tuple[Any, tuple[float, ...]]:
+    """Return a mesh and its three widths [m] along its principal axes; infinite where a vertex is no place."""
+    mesh = coal.MeshLoader().load(file, np.full(3, scale))
+    points = np.array(mesh.vertices())
+    if not np.isfinite(points).all() or not np.abs(points).max() < tolerances.HUGE_POSITION_M:
+        return mesh, (np.inf,) * 3
+    directions = np.linalg.eigh(np.cov(points.T))[1]
+    return mesh, tuple(np.ptp(points @ directions, axis=0).tolist())
 
 
 def _solid(link: str, kind: Any, T: Matrix, size: tuple[float, ...], geometry: Any) -> Solid:

@@ -91,8 +91,10 @@ def _try_chain(
     machine: Machine, kinematic: int | str | None, channel: int | None, collector: Collector
 ) -> Chain | None:
     """Translate a kinematic; an error becomes a finding, and None is returned."""
+    from chainbuild.kinematics.mechanism import Mechanism  # reading alone needs no Pinocchio
+
     try:
-        chain = machine.chain(kinematic=kinematic, channel=channel)
+        chain = Mechanism(machine.chain(kinematic=kinematic, channel=channel)).chain
         collector.findings.extend(chain.findings)
         return chain
     except UnsupportedKinematicError as error:

@@ -6,12 +6,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from threading import local
+from typing import Final
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from chainbuild import tolerances
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import BASE_LINK, Chain, Joint, Task
@@ -19,6 +22,9 @@ from chainbuild.chain.fold import reach
 from chainbuild.kinematics.newton import Residual
 from chainbuild.kinematics.product import product_of
 from chainbuild.units import si_factor
+
+_SAMPLES: Final = 8  # configurations in which the rank of a Jacobian is looked at
+_TRIES: Final = 50  # for one of them with a pose: enough where a tenth of the range has poses
 
 _LOCAL = pin.ReferenceFrame.LOCAL
 _ALIGNED = {
@@ -217,3 +223,37 @@ def _joint_model(joint: Joint) -> pin.JointModel:
     x, y, z = (float(component) for component in joint.direction)
     aligned = _ALIGNED.get((joint.kind, (x, y, z)))
     return aligned() if aligned else _UNALIGNED[joint.kind](x, y, z)
+
+
+def sampled_jacobians(kinematics: Kinematics, free: NDArray[np.bool_]) -> Callable[[int], Matrix]:
+    """Return the function n → Jacobian by the free axes at the n-th of a few fixed configurations, each made once."""
+    axes = kinematics.chain.axes
+    lower = np.array([max(axis.lower, -170.0) for axis in axes]) * kinematics.si_factors
+    upper = np.array([min(axis.upper, 170.0) for axis in axes]) * kinematics.si_factors
+    rng = np.random.default_rng(0)
+    made: list[Matrix] = []
+
+    def sample(n: int) -> Matrix:
+        while len(made) <= n:
+            J = np.zeros((6, len(axes)))
+            for _ in range(_TRIES):  # limits may be wider than what the axis map has joint values for
+                there = kinematics.pose_and_jacobian(lower + (upper - lower) * rng.random(len(axes)))[1]
+                if np.isfinite(there).all():
+                    J = there
+                    break
+            made.append(J[:, free])
+        return made[n]
+
+    return sample
+
+
+def generic_rank(sample: Callable[[int], Matrix], rows: list[int]) -> int:
+    """Return the largest rank of some rows of the Jacobian over the samples; one of full rank is enough."""
+    best, most = 0, min(len(rows), sample(0).shape[1])
+    for n in range(_SAMPLES):
+        if best == most:
+            break
+        values = np.linalg.svd(sample(n)[rows], compute_uv=False)
+        # By the size of all rows: those asked for may be nothing but rounding.
+        best = max(best, int((values > tolerances.RANK * float(np.linalg.norm(sample(n)))).sum()))
+    return best

@@ -6,6 +6,7 @@ Solvers, analyses, writers and drawings take a mechanism; `chainbuild.Robot` is 
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
+from dataclasses import replace
 from threading import RLock
 from typing import Any, Final, TypeVar
 
@@ -13,15 +14,16 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from chainbuild import frames, tolerances
+from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import joint_values
 from chainbuild.chain.check import check_chain
 from chainbuild.chain.drives import drive_values
 from chainbuild.chain.elements import Axis, Chain, Task
 from chainbuild.errors import AxisValueError, ChainbuildError, ChainError
+from chainbuild.findings import Collector, Finding, Findings
 from chainbuild.html import html_table
-from chainbuild.kinematics.evaluation import Kinematics
+from chainbuild.kinematics.evaluation import Kinematics, generic_rank, sampled_jacobians
 from chainbuild.kinematics.inputs import axis_rows, axis_vector, real_numbers
 from chainbuild.kinematics.limits import Limits
 from chainbuild.kinematics.product import poses_at
@@ -30,8 +32,8 @@ from chainbuild.units import AxisLabels, Units
 
 _T = TypeVar("_T")
 
-_SAMPLES: Final = 8  # configurations in which the rank of a Jacobian is looked at
-_TRIES: Final = 50  # for one of them with a pose: enough where a tenth of the range has poses
+_POSE_FREEDOMS: Final = 6  # position and orientation
+_ROTARY_OF_MACHINE_TOOLS: Final = 3  # head or table: two orient the tool, a third is redundant
 _NOTHING: Final[Any] = object()
 
 
@@ -61,7 +63,9 @@ class Mechanism:
         self.kinematics = Kinematics(chain)
         self.limits = Limits.of(chain)
         self.labels = AxisLabels(tuple(axis.name for axis in chain.axes), tuple(axis.kind for axis in chain.axes))
-        self.task: Task = choose_task(self.kinematics, np.array([not axis.held for axis in chain.axes]))
+        self.task, lost = choose_task(self.kinematics, np.array([not axis.held for axis in chain.axes]))
+        if lost is not None and lost not in chain.findings:
+            self.chain = self.kinematics.chain = replace(chain, findings=Findings((*chain.findings, lost)))
         self.prepared = Prepared().get
 
     def __repr__(self) -> str:
@@ -288,12 +292,14 @@ class Prepared:
             return found
 
 
-def choose_task(kinematics: Kinematics, free: NDArray[np.bool_]) -> Task:
-    """Return the task of a chain from the ranks of its Jacobian.
+def choose_task(kinematics: Kinematics, free: NDArray[np.bool_]) -> tuple[Task, Finding | None]:
+    """Return the task of a chain from the ranks of its Jacobian, and what there is to say about it.
 
     A chain of six freedoms is given a full pose. With fewer, position and tool vector are given where they
     determine all axes, position alone where that does; else (a SCARA: the tool vector never changes and the turn
-    about it matters) the full pose again, of which only what the chain can reach will be met.
+    about it matters) the full pose again, of which only what the chain can reach will be met. So is an arm of six
+    axes that is singular in every position: it was built for poses, and an orientation that it cannot reach is no
+    success.
 
     Args:
         kinematics: The chain's evaluator.
@@ -301,46 +307,28 @@ def choose_task(kinematics: Kinematics, free: NDArray[np.bool_]) -> Task:
     """
     task = kinematics.chain.task
     if task != "auto":
-        return task
-    free_J = _samples(kinematics, free)
+        return task, None
+    free_J = sampled_jacobians(kinematics, free)
     turn = [n for n in (3, 4, 5) if n != 3 + kinematics.tool_axis]
-    whole = _generic_rank(free_J, list(range(6)))
+    whole = generic_rank(free_J, list(range(6)))
     if whole == 6:
-        return "pose"
-    if _generic_rank(free_J, [0, 1, 2]) == whole:
-        return "position"
-    return "direction" if _generic_rank(free_J, [0, 1, 2, *turn]) == whole else "pose"
+        return "pose", None
+    if _is_arm(kinematics.chain, free):
+        return "pose", _lost_freedom(whole, kinematics.chain) if whole else None
+    if generic_rank(free_J, [0, 1, 2]) == whole:
+        return "position", None
+    return "direction" if generic_rank(free_J, [0, 1, 2, *turn]) == whole else "pose", None
 
 
-def _samples(kinematics: Kinematics, free: NDArray[np.bool_]) -> Callable[[int], Matrix]:
-    """Return the function n → Jacobian by the free axes at the n-th of a few fixed configurations, each made once."""
-    axes = kinematics.chain.axes
-    lower = np.array([max(axis.lower, -170.0) for axis in axes]) * kinematics.si_factors
-    upper = np.array([min(axis.upper, 170.0) for axis in axes]) * kinematics.si_factors
-    rng = np.random.default_rng(0)
-    made: list[Matrix] = []
-
-    def sample(n: int) -> Matrix:
-        while len(made) <= n:
-            J = np.zeros((6, len(axes)))
-            for _ in range(_TRIES):  # limits may be wider than what the axis map has joint values for
-                there = kinematics.pose_and_jacobian(lower + (upper - lower) * rng.random(len(axes)))[1]
-                if np.isfinite(there).all():
-                    J = there
-                    break
-            made.append(J[:, free])
-        return made[n]
-
-    return sample
+def _is_arm(chain: Chain, free: NDArray[np.bool_]) -> bool:
+    """Return whether a chain has axes for a pose: a machine tool with an axis too many has fewer rotary ones."""
+    rotary = sum(axis.kind == "rotary" for axis, moves in zip(chain.axes, free, strict=True) if moves)
+    return int(free.sum()) >= _POSE_FREEDOMS and rotary > _ROTARY_OF_MACHINE_TOOLS
 
 
-def _generic_rank(sample: Callable[[int], Matrix], rows: list[int]) -> int:
-    """Return the largest rank of some rows of the Jacobian over the samples; one of full rank is enough."""
-    best, most = 0, min(len(rows), sample(0).shape[1])
-    for n in range(_SAMPLES):
-        if best == most:
-            break
-        values = np.linalg.svd(sample(n)[rows], compute_uv=False)
-        if values.size and values[0] > 0.0:
-            best = max(best, int((values > tolerances.RANK * values[0]).sum()))
-    return best
+def _lost_freedom(rank: int, chain: Chain) -> Finding:
+    collector = Collector()
+    hint = "check directions and lengths of the axes: one moves only what the others move already"
+    text = f"the axes of {chain.title} give {rank} of the 6 freedoms of a pose in every position"
+    collector.add("CB601", text, hint=hint)
+    return collector.findings[0]

@@ -92,3 +92,12 @@ def test_another_fault_of_a_second_kinematic_stays_an_error(tmp_path: Path) -> N
 def test_shipped_machines_have_no_errors() -> None:
     for name in chainbuild.shipped():
         assert errors(Path(name)) == []
+
+
+def test_an_arm_that_is_singular_in_every_position_is_found(tmp_path: Path) -> None:
+    """Without a forearm the wrist meets in a point of A3, which then does not move it."""
+    path = tmp_path / "short.lis"
+    path.write_text("trafo[0].id 45\ntrafo[0].param[6] 4000000\ntrafo[0].param[7] 4550000\ntrafo[0].param[10] 250000\n")
+    found = [finding for finding in chainbuild.check(path) if finding.code == "CB601"]
+    assert len(found) == 1
+    assert found[0] in chainbuild.Robot.load(path).chain.findings

@@ -145,7 +145,7 @@ def test_what_is_no_urdf_is_refused_with_its_line(tmp_path: Path, text: str, lin
 
 
 def test_an_unknown_mimic_and_a_missing_file(tmp_path: Path) -> None:
-    with pytest.raises(ChainbuildError, match="driven by axis Z"):
+    with pytest.raises(ChainbuildError, match="joint B mimics joint Z, which the file does not have"):
         chainbuild.from_urdf(written(tmp_path, BRANCHED.replace('mimic joint="A"', 'mimic joint="Z"')), tool="hand")
     with pytest.raises(FileAccessError):
         chainbuild.from_urdf(tmp_path / "none.urdf")

@@ -40,6 +40,22 @@ SINUMERIK = ("tests/formats/sinumerik", "tests/ik/policies/test_controller.py")
 CHAIN = ("tests/chain",)
 
 
+def _tests(folder: str, *names: str) -> tuple[str, ...]:
+    return tuple(f"tests/{folder}/test_{name}.py" for name in names)
+
+
+# Without those that compile solvers anew in each process.
+COMPOSED = (*_tests("chain", "compose_numbers", "compose"), "tests/coupling", "-k", "not written_and_solved")
+UNIVERSAL = _tests("formats/twincat", "directions", "universal_display", "universal", "as_universal")
+COUPLED = _tests("formats/twincat", "two_steps", "coupling", "coupling_axes", "coupling_refused")
+AXIS_MAPS = ("tests/chain", "tests/kinematics/test_robot.py", "-k", "not written_and_solved")
+KINEMATICS = ("tests/kinematics", "tests/ik/test_ik.py", "tests/ik/search/test_arm_reach.py", "-k", "not arrays_of")
+DRIVES = (*_tests("chain", "drives"), *_tests("formats/twincat", "drives"), *_tests("ik", "drive_limits"))
+LIMITS = (*DRIVES, *_tests("ik", "limits_agree"))
+DISPLAYED = (*_tests("ik", "displayed"), *_tests("formats/twincat", "universal_display", "displayed_by_hand"))
+PROGRAMMED = (*_tests("chain", "vectors"), *_tests("ik/policies", "programmed"), *_tests("ik/branches", "status_turn"))
+
+
 def targets() -> dict[Path, tuple[str, ...]]:
     """Return the files of translators and of what they fold and add, and the tests of each."""
     package = ROOT / "chainbuild"
@@ -50,7 +66,27 @@ def targets() -> dict[Path, tuple[str, ...]]:
     robx = [sinumerik / "geometry" / f"{name}.py" for name in ("translate", "robot_axes", "tool")]
     files |= dict.fromkeys([*robx, sinumerik / "rules" / "chain_data.py"], SINUMERIK)
     chain = package / "chain"
-    return files | dict.fromkeys([chain / "fold.py", chain / "bodies" / "rods.py"], CHAIN)
+    files |= dict.fromkeys([chain / "fold.py", chain / "bodies" / "rods.py"], CHAIN)
+    return files | _beside_the_translators(package)
+
+
+def _beside_the_translators(package: Path) -> dict[Path, tuple[str, ...]]:
+    """Return the files that compose, distribute, move and display what was translated, and the tests of each."""
+    chain, kinematics, twincat = package / "chain", package / "kinematics", package / "formats" / "twincat"
+    files = {
+        chain / "compose.py": COMPOSED,
+        **dict.fromkeys(sorted((package / "coupling").glob("[a-z]*.py")), COMPOSED),
+        **dict.fromkeys(sorted((twincat / "coupling").glob("[a-z]*.py")), COUPLED),
+        **dict.fromkeys(sorted((twincat / "universal").glob("[a-z]*.py")), UNIVERSAL),
+        chain / "axismap.py": AXIS_MAPS,
+        **dict.fromkeys([chain / "drives.py", twincat / "maps" / "drives.py"], DRIVES),
+        **dict.fromkeys(sorted((chain / "programmed").glob("[a-z]*.py")), PROGRAMMED),
+        **dict.fromkeys(sorted(kinematics.glob("[a-z]*.py")), KINEMATICS),
+        **dict.fromkeys([kinematics / "limits.py", kinematics / "ranges.py"], LIMITS),
+    }
+    displayed = [kinematics / "displayed.py", package / "ik" / "displayed.py", package / "ik" / "rtcp.py"]
+    displayed += [chain / "programmed" / "display.py", twincat / "types" / "displays.py"]
+    return files | dict.fromkeys(displayed, DISPLAYED)
 
 
 def types_in(path: Path) -> tuple[int, ...]:

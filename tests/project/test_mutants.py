@@ -20,11 +20,12 @@ def test_file_and_tests_are_there(path: Path) -> None:
     assert all((ROOT / word).exists() for word in folders)
 
 
-def test_every_room_of_the_translators_is_mutated() -> None:
+def test_every_room_that_signs_pass_through_is_mutated() -> None:
     rooms = {str(path.parent.relative_to(PACKAGE)) for path in TARGETS}
-    twincat = {f"formats/twincat/{room}" for room in ("families", "maps", "recipes")}
+    twincat = {f"formats/twincat/{room}" for room in ("families", "maps", "recipes", "coupling", "types", "universal")}
     robx = {"formats/sinumerik/geometry", "formats/sinumerik/rules"}
-    assert rooms == {*twincat, *robx, "formats/twincat", "chain", "chain/bodies"}
+    chain = {"chain", "chain/bodies", "chain/programmed", "coupling", "kinematics", "ik"}
+    assert rooms == {*twincat, *robx, *chain, "formats/twincat"}
 
 
 def test_the_types_of_a_family_are_read_from_its_file() -> None:

@@ -85,6 +85,7 @@ def test_equal_poses(kin: int) -> None:
 def test_the_shift_is_stated() -> None:
     text = as_universal(chainbuild.load("ac_table_kin58"))
     assert "workpiece zero lies at X 0 Y 0 Z -560 (mm)" in text
+    assert "axes are turned" not in text
     found = re.search(r"at X (\S+) Y (\S+) Z (\S+) \(mm\)", text)
     assert found
     S = shift(float(value) for value in found.groups())

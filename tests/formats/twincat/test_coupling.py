@@ -305,3 +305,16 @@ def test_fifteen_axes() -> None:
         found = robot.ik(T)
         assert found.success
         assert np.abs(robot.fk(found.axes).homogeneous - T.homogeneous).max() < 2e-6
+
+
+@pytest.mark.parametrize("members", [["ROBOT"], ["LINEAR", "ROBOT"]])
+def test_the_tool_frame_of_a_following_group_is_that_of_its_last_member(members: list[str]) -> None:
+    lines = [
+        *XY[: -len(XY_GROUP)], *TABLE.lines(3, name="TABLE"), "trafo[2].id 210", "trafo[2].group[0].name CA_TABLE",
+        "trafo[2].group[0].chain[0] TABLE", "trafo[2].group[1].name ROBOT", "trafo[2].group[1].workpiece_cs CA_TABLE",
+        *(f"trafo[2].group[1].chain[{n}] {member}" for n, member in enumerate(members)),
+    ]  # fmt: skip
+    chain = chain_of(lines)
+    (told,) = (finding for finding in chain.findings if finding.code == "CB458")
+    assert told.hint == "its own tool frame is ROBOT_tool"
+    assert "ROBOT_tool" in {frame.name for frame in chain.frames}

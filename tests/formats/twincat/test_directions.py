@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 from chainbuild.errors import ChainbuildError
-from chainbuild.formats.twincat.universal.directions import DIRECTION_MODES, angles_of_direction, tool_direction
+from chainbuild.formats.twincat.universal.directions import (
+    DIRECTION_MODES,
+    _wrapped,
+    angles_of_direction,
+    tool_direction,
+)
+from chainbuild.kinematics.displayed import wrapped
 from tests.kit.universal import rotation
 
 AXES = {"A": (1, 0, 0), "B": (0, 1, 0), "C": (0, 0, 1), "X": (1, 0, 0), "Y": (0, 1, 0), "Z": (0, 0, 1)}
@@ -73,3 +79,28 @@ def test_the_zero_vector_has_no_angles() -> None:
         angles_of_direction(17, (0, 0, 0))
     with pytest.raises(ChainbuildError, match="names no tool direction"):
         angles_of_direction(10, (0, 0, 1))
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_angles_are_in_half_open_turns_without_signed_zeros(mode: int) -> None:
+    for direction in (
+        *np.eye(3),
+        *-np.eye(3),
+        (1, 1, 0),
+        (-1, 0, -1),
+        (0, -1, 1),
+        (-0.0, -1.0, -0.0),
+        (-1.0, -0.0, 0.0),
+    ):
+        for pair in angles_of_direction(mode, direction):
+            assert all(-180.0 < angle <= 180.0 for angle in pair)
+            assert all(math.copysign(1.0, angle) == 1.0 for angle in pair if angle == 0.0)
+
+
+@pytest.mark.parametrize(
+    ("angle", "wanted"),
+    [(180.0, 180.0), (-180.0, 180.0), (540.0, 180.0), (-540.0, 180.0), (-360.0, 0.0), (190.0, -170.0), (-190.0, 170.0)],
+)
+def test_angles_are_wrapped_as_displayed_ones_are(angle: float, wanted: float) -> None:
+    for found in (_wrapped(angle), wrapped(angle)):
+        assert (found, math.copysign(1.0, found)) == (wanted, math.copysign(1.0, wanted))

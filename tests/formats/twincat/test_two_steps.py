@@ -111,3 +111,56 @@ def test_steps_that_do_not_fit() -> None:
     with pytest.raises(UnsupportedKinematicError, match="takes mm mm mm deg deg, KIN_TYP 14 gives mm mm mm") as caught:
         both(["id 14"], CA_HEAD_9)
     assert caught.value.code == "CB460"
+
+
+@pytest.mark.parametrize("turns", [-720.0, -270.0, 190.0, 350.0, 710.0])
+def test_turns_of_the_axes_come_back(turns: float) -> None:
+    chain = both(AC_TABLE, CA_HEAD_9)
+    axes = np.array([10.0, 20.0, 30.0, turns, turns / 2.0])
+    assert chain.axis_map.axes(chain.axis_map.q(axes)) == pytest.approx(axes, abs=1e-8)
+
+
+@pytest.mark.parametrize("turns", [-2, -1, 1, 3])
+def test_pose_angles_are_found_whatever_their_turns(turns: int) -> None:
+    """A robot below knows its pose angles up to whole turns only; those of the joints may be on another."""
+    chain = both(ARM, CA_HEAD_9)
+    axes = np.array([10.0, 20.0, -30.0, 40.0, 50.0, 60.0])
+    q = chain.axis_map.q(axes)
+    rotary = [joint.kind == "revolute" for joint in chain.joints]
+    assert sum(rotary) == 2
+    found = chain.axis_map.axes(q + 2.0 * np.pi * turns * np.array(rotary))
+    assert chain.axis_map.q(found) == pytest.approx(q, abs=1e-8)
+
+
+@pytest.mark.parametrize(("first", "second"), [(AC_TABLE, CA_HEAD_9), (CA_HEAD_9, AC_TABLE), (ARM, CA_HEAD_9)])
+def test_every_row_of_the_map_is_the_derivative(first: Sequence[str], second: Sequence[str]) -> None:
+    chain = both(first, second)
+    factors = np.array([1e-3 if axis.kind == "linear" else np.pi / 180 for axis in chain.axes])
+    rng = np.random.default_rng(5)
+    for _ in range(5):
+        axes = rng.uniform(-50.0, 50.0, len(factors))
+        J = chain.axis_map.dq_daxes(axes)
+        for n, factor in enumerate(factors):
+            step = np.zeros(len(factors))
+            step[n] = 1e-6 / factor
+            slope = (chain.axis_map.q(axes + step) - chain.axis_map.q(axes - step)) / 2e-6
+            assert slope == pytest.approx(J[:, n], abs=1e-6)
+
+
+def test_bounds_of_the_angles_that_are_passed_on() -> None:
+    """Axes keep their limits, pose angles have half a turn either way; neither is taken for a length."""
+    through = both(AC_TABLE, CA_HEAD_9)
+    lower, upper = np.array([-1.0, -1.0, -1.0, -20.0, -30.0]), np.array([1.0, 1.0, 1.0, 40.0, 50.0])
+    low, high = through.axis_map.q_bounds(lower, upper)
+    rotary = np.array([joint.kind == "revolute" for joint in through.joints])
+    assert sorted(np.degrees(low[rotary])) == pytest.approx([-30.0, -20.0])
+    assert sorted(np.degrees(high[rotary])) == pytest.approx([40.0, 50.0])
+    above = both(ARM, CA_HEAD_9)
+    low, high = above.axis_map.q_bounds(np.full(6, -10.0), np.full(6, 10.0))
+    rotary = np.array([joint.kind == "revolute" for joint in above.joints])
+    assert np.degrees(low[rotary]) == pytest.approx([-180.0, -180.0])
+    assert np.degrees(high[rotary]) == pytest.approx([180.0, 180.0])
+    # As far as the arm reaches: 0.4 + 0.455 + 0.42 + 0.09 + 0.025 m is more than it can be.
+    assert (high[~rotary] > 0.8).all()
+    assert (high[~rotary] < 2.0).all()
+    assert (low[~rotary] < -0.8).all()

@@ -174,8 +174,9 @@ class TwoStepMap:
         values = np.array([axis.lower + 0.537 * (axis.upper - axis.lower) for axis in chain.axes])
         for _ in range(_NEWTON_STEPS):
             error = (wanted - self.coordinates.values(values)[: self.taken]) * scale
-            rotary = scale == si_factor("rotary")
-            error[rotary] = np.remainder(error[rotary] + np.pi, 2 * np.pi) - np.pi
+            if self.coordinates.orientation == "angles":  # axes that are passed on keep their turns
+                rotary = scale == si_factor("rotary")
+                error[rotary] = np.remainder(error[rotary] + np.pi, 2 * np.pi) - np.pi
             if float(np.abs(error).max()) < _CLOSE:
                 return values
             J = self.coordinates.derivative(values)[: self.taken]
@@ -206,8 +207,7 @@ class TwoStepMap:
         """Return bounds of the joint values: step 0 reaches no farther than its lengths and strokes add up to."""
         chain = self.coordinates.chain
         bound = np.array([mm_from_m(reach(chain, *chain.axis_map.q_bounds(lower, upper)))] * _POSITION)
-        tail = len(self.coordinates.kinds) - _POSITION
-        turn = np.array([180.0] * tail)
+        turn = np.full(self.taken, 180.0)  # of as many angles as are taken at most
         ends = (lower[_POSITION:], upper[_POSITION:]) if self.coordinates.orientation == "axes" else (-turn, turn)
         below, above = np.concatenate([-bound, ends[0]]), np.concatenate([bound, ends[1]])
         return self.second.q_bounds(below[: self.taken], above[: self.taken])
