@@ -167,7 +167,9 @@ def _ends(motion: _Motion, samples: list[_Place]) -> Iterator[tuple[float, int, 
     for k in np.flatnonzero((margins >= -slack).all(axis=1)).tolist():
         yield abs(values[k] - motion.start), -1, k
     inside = margins >= 0.0
-    for k, column in np.argwhere(inside[1:] != inside[:-1]).tolist():
+    # A limit that is violated at both ends is violated between them, or its peak would be a sample.
+    possible = (np.maximum(margins[1:], margins[:-1]) >= -slack).all(axis=1)
+    for k, column in np.argwhere((inside[1:] != inside[:-1]) & possible[:, None]).tolist():
         before, after = float(margins[k, column]), float(margins[k + 1, column])
         share = before / (before - after) if math.isfinite(before - after) else 0.5
         yield abs(values[k] + share * (values[k + 1] - values[k]) - motion.start), column, k
