@@ -284,7 +284,9 @@ def _verdicts(
     blocked = [i.over for i in intervals if i.lower is None]
     if blocked:
         values = " … ".join(f"{value:.4g}°" for value in dict.fromkeys((min(blocked), max(blocked))))
-        said.append(f"no angle is free at {over} = {values}: the limits of {over} are too wide, or the bodies are wrong")
+        said.append(
+            f"no angle is free at {over} = {values}: the limits of {over} are too wide, or the bodies are wrong"
+        )
     return tuple(said) or ("the limits are right",)
 
 

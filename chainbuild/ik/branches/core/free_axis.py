@@ -21,12 +21,13 @@ from chainbuild.ik.branches.core.query import BranchQuery
 # SI axis values that may be solutions of a query, with the indices of their free axes.
 SolutionsOf = Callable[[BranchQuery], Iterator[tuple[Vector, list[int]]]]
 
-_STEP: Final = math.radians(5.0)  # margins are sinusoids of the free axis or straight: the parabola of three is close
-_SLIDE_STEPS: Final = 144  # places along a free linear axis, as many as two turns have
+_STEP: Final = math.radians(10.0)  # margins are nearly sinusoids of it: the parabola of three is good to 4e-5
+_SLIDE_STEPS: Final = 72  # places along a free linear axis, as many as two turns have
 _NEAR_ZERO: Final = 1e-3  # m or rad: a margin whose parabola ends farther below zero does not touch it
-_ROOT_STEPS: Final = 60  # halvings that end at neighbouring numbers
+_ROOT_STEPS: Final = 60  # far more than the ten that a smooth margin needs
+_AT_ZERO: Final = 1e-11  # m or rad: a margin so small is inside, within the slack
 _THIRD: Final = 0.382  # golden section
-_PEAK_STEPS: Final = 45  # golden sections that bring 10 degrees to 1e-10 rad: the square of it is below rounding
+_PEAK_STEPS: Final = 45  # golden sections that bring 20 degrees to 1e-10 rad: the square of it is below rounding
 
 
 def with_free_axes_inside(query: BranchQuery, solve: SolutionsOf) -> Iterator[Candidate]:
@@ -134,7 +135,9 @@ class _Motion:
         low, high = float(self.query.lower[self.n]), float(self.query.upper[self.n])
         count = _SLIDE_STEPS
         if self.query.mechanism.axes[self.n].kind == "rotary":
-            low, high = max(low, self.start - math.tau), min(high, self.start + math.tau)
+            within = low <= self.start - math.pi and self.start + math.pi <= high
+            around = math.pi if within and self.query.periodic[self.n] else math.tau
+            low, high = max(low, self.start - around), min(high, self.start + around)
             count = math.ceil((high - low) / _STEP) + 1
         if not math.isfinite(high - low) or low > high:
             return np.empty(0)
@@ -203,15 +206,23 @@ def _peak(motion: _Motion, column: int, first: _Place, last: _Place) -> _Place:
 
 
 def _root(motion: _Motion, column: int, low: _Place, high: _Place) -> _Place:
-    """Return where a margin changes its sign between two places, on the inner side."""
-    rising = bool(high.margins[column] >= 0.0)
+    """Return where a margin changes its sign between two places (regula falsi, Illinois), on the inner side."""
+    below, above = float(low.margins[column]), float(high.margins[column])
+    rising, moved = above >= 0.0, 0
     for _ in range(_ROOT_STEPS):
         value = 0.5 * (low.value + high.value)
-        if value in (low.value, high.value):
+        if math.isfinite(below - above):
+            value = (low.value * above - high.value * below) / (above - below)
+        if not low.value < value < high.value:
             break
         middle = motion.place(value, low.x)
-        if bool(middle.margins[column] >= 0.0) == rising:
-            high = middle
+        margin = float(middle.margins[column])
+        if abs(margin) < _AT_ZERO:
+            return middle
+        if (margin >= 0.0) == rising:
+            below = 0.5 * below if moved == 1 else below
+            high, above, moved = middle, margin, 1
         else:
-            low = middle
+            above = 0.5 * above if moved == -1 else above
+            low, below, moved = middle, margin, -1
     return high if rising else low
