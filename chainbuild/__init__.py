@@ -121,6 +121,7 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.ik.result import Status as Status
     from chainbuild.ik.search.table import IkTable as IkTable
     from chainbuild.ik.search.table import StatusChange as StatusChange
+    from chainbuild.ik.warm import warm_up as warm_up
     from chainbuild.inspect.export import export_page as export_page
     from chainbuild.kinematics.limits import Limits as Limits
     from chainbuild.kinematics.mechanism import Mechanism as Mechanism
@@ -191,6 +192,7 @@ _HOMES = {
     "chainbuild.ik.policies.status_path": "status_changes",
     "chainbuild.ik.result": "IkResult Status",
     "chainbuild.ik.search.table": "IkTable StatusChange",
+    "chainbuild.ik.warm": "warm_up",
     "chainbuild.inspect.export": "export_page",
     "chainbuild.kinematics.limits": "Limits",
     "chainbuild.kinematics.mechanism": "Mechanism",

@@ -1,8 +1,8 @@
 """The command line: one file a command, entry point `chainbuild.cli:main`.
 
 `entry` builds the application; the commands are `info`, `check`, `types`, `fk`, `ik`, `urdf`, `inspect`, `demo`,
-`singularity`, `collide`, `limits`, `workspace`, `crosscheck`, `couple` and `as_universal`. What several of them use:
-`usage`, `show`, `axisvalues`, `info_tables`, `open_points`, `progress`, `process`.
+`singularity`, `collide`, `limits`, `workspace`, `crosscheck`, `couple`, `as_universal` and `warm`. What several of them
+use: `usage`, `show`, `axisvalues`, `info_tables`, `open_points`, `progress`, `process`.
 """
 
 from __future__ import annotations

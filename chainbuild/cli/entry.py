@@ -36,6 +36,7 @@ from chainbuild.cli.singularity import singularity
 from chainbuild.cli.types import types
 from chainbuild.cli.urdf import urdf
 from chainbuild.cli.usage import UsageError, refuse_overwriting
+from chainbuild.cli.warm import warm
 from chainbuild.cli.workspace import workspace
 from chainbuild.errors import ChainbuildError
 
@@ -62,6 +63,7 @@ _COMMANDS = (
     workspace,
     demo,
     types,
+    warm,
 )
 _HELP = """Build kinematic models from CNC machine data.
 

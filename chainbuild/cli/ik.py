@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
-from threading import Timer
 from typing import TYPE_CHECKING, Annotated, Final
 
 from cyclopts import Parameter
@@ -35,8 +34,6 @@ if TYPE_CHECKING:
 
 PoseAndResult = tuple["PoseRow", "IkResult"]
 
-_PATIENCE_S: Final = 2.0  # seconds: compiled code that is kept loads in less
-
 
 def solutions(
     robot: Robot, table: PoseTable, starts: AxisTable | None, solver: Solver, *, follow: bool
@@ -58,13 +55,10 @@ def solutions(
     given = GivenStarts(starts, table.file, only_one=follow) if starts else None
     if table.orientation.source == "vector" and given:
         table.begin(robot.fk(given.first).rotation)
-    with _compilation_notice():
-        begin = given.next() if follow and given else None
-        rows = _followed(robot, table, begin, solver) if follow else _one_by_one(robot, table, given, solver)
-        first = next(rows, None)
-    if first is not None:
-        yield first
-    yield from rows
+    if follow:
+        yield from _followed(robot, table, given.next() if given else None, solver)
+    else:
+        yield from _one_by_one(robot, table, given, solver)
 
 
 def _one_by_one(robot: Robot, table: PoseTable, given: GivenStarts | None, solver: Solver) -> Iterator[PoseAndResult]:
@@ -148,21 +142,6 @@ def contradicts(robot: Robot, table: PoseTable, row: PoseRow, result: IkResult) 
     compared: Task = "pose" if len(table.beside) == len(QUATERNION_COLUMNS) else "direction"
     angle = pose_errors(ours, theirs, compared, robot.chain.tool_column)[1]
     return bool(angle[0] > rad_from_deg(tolerances.ANGLES_BESIDE_QUATERNION_DEG))
-
-
-@contextmanager
-def _compilation_notice() -> Iterator[None]:
-    """Note on stderr that numba compiles the solver at its first use; the result is cached."""
-    from chainbuild.ik.search.compiled import packing as compiled
-
-    timer = Timer(_PATIENCE_S, note, ["compiling the solver (only once)"])
-    timer.daemon = True
-    if compiled.available():
-        timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
 
 
 def _agreeing(robot: Robot, T: Matrix, result: IkResult) -> IkResult:

@@ -102,7 +102,10 @@ def _parallelogram(robot: Robot, steps: int, picture: Path | None, as_json: bool
     for verdict in found.verdicts:
         print(verdict)
     if found.drawn:
-        print("all bodies have default dimensions: an estimate; set their dimensions in [geometry] of the overlay")
+        names = ", ".join(found.drawn)
+        print(
+            f"an estimate: {names} with default dimensions; with those of [geometry] in the overlay limits are printed"
+        )
     for line in found.machine_data():
         print(line)
 

@@ -172,3 +172,40 @@ def test_sweeps_that_make_no_sense() -> None:
     blocked = CollisionModel(chainbuild.Robot(replace(model.robot.chain, geometry=everywhere)), [("base", "G3_link")])
     (one,) = sweep(blocked, "G3", "G2", values=[0.0]).intervals
     assert (one.lower, one.upper) == (None, None)
+
+
+def test_a_body_that_is_only_drawn_makes_no_machine_data() -> None:
+    """The upper arm decides the lower end: without its dimensions the proposal is an estimate."""
+    chain = with_bodies(30.0, 150.0)
+    given = swept_limits(chainbuild.Robot(chain), steps=5)
+    assert (given.drawn, given.touching) == ((), ())
+    assert len(given.machine_data()) == 2
+    shapes = {link: shapes for link, shapes in chain.geometry.shapes.items() if link != "A2_link"}
+    links = tuple(replace(link, radius=0.09) if link.name == "A2_link" else link for link in chain.links)
+    guessed = swept_limits(
+        chainbuild.Robot(replace(chain, links=links, geometry=replace(chain.geometry, shapes=shapes))), steps=5
+    )
+    assert guessed.drawn == ("A2_link",)
+    assert guessed.proposal == pytest.approx(given.proposal, abs=0.02)
+    assert guessed.machine_data() == ()
+    thin = replace(chain, geometry=replace(chain.geometry, rod_data=RodData(crank=CRANK)))
+    assert "rod_link" in swept_limits(chainbuild.Robot(thin), steps=3).drawn
+
+
+def test_values_without_a_free_angle_and_bodies_that_touch_at_home() -> None:
+    chain = with_bodies(30.0, 150.0)
+
+    def with_base(*shape: Shape) -> Chain:
+        return replace(chain, geometry=replace(chain.geometry, shapes={**chain.geometry.shapes, "base": shape}))
+
+    # A block behind the arm, where the crank and the rod are only while the arm leans back.
+    behind = swept_limits(chainbuild.Robot(with_base(Shape("sphere", points=(-0.6, 0.0, 1.6), radius=0.35))), steps=5)
+    assert behind.touching == ()
+    assert behind.blocked
+    assert behind.proposal is None
+    assert behind.machine_data() == ()
+    assert behind.verdicts[-1].startswith("no angle is free at A2 = ")
+    around = swept_limits(chainbuild.Robot(with_base(Shape("sphere", points=(0.0, 0.0, 0.9), radius=0.3))), steps=3)
+    assert ("base", "rod_link") in {tuple(sorted(pair)) for pair in around.touching}
+    assert all("touch at home" in verdict for verdict in around.verdicts)
+    assert around.machine_data() == ()

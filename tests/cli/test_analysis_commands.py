@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from chainbuild.machines import shipped_path
 from tests.kit.command_line import Run
 
 COMMANDS = ["singularity", "collide", "limits", "workspace"]
@@ -113,16 +114,49 @@ def test_pairs_and_srdf(run: Run) -> None:
     assert data["pairs"]["samples"] == 100
 
 
+GIVEN = """
+[geometry]
+crank_mm = 300
+rod_radius_mm = 40
+
+[geometry.shapes]
+base = [{capsule = [0, 0, 100, 0, 0, 450], radius_mm = 200}]
+A1_link = [{capsule = [-50, 0, -350, 300, 0, -350], radius_mm = 120}]
+A2_link = [{capsule = [0, 0, 0, 1100, 0, 0], radius_mm = 90}]
+A3_link = [{capsule = [0, 0, 0, 1250, 0, 250], radius_mm = 100}]
+"""
+
+
 def test_limits_of_a_parallelogram(run: Run) -> None:
-    outcome = run("limits", "parallelogram_nr", "--steps", "5", "--picture", "p.svg")
+    source = shipped_path("parallelogram_nr")
+    overlay = source.with_name("parallelogram_nr.chainbuild.toml").read_text("utf-8")
+    Path("arm.tea").write_bytes(source.read_bytes())
+    Path("arm.chainbuild.toml").write_text(overlay + GIVEN, "utf-8")
+    outcome = run("limits", "arm.tea", "--steps", "5", "--picture", "p.svg")
     assert outcome.code == 0
     assert re.search(r"N62964 \$MC_ROBX_SW_LIMITS_PARALLEL\[0\]=[\d.]+\n", outcome.out)
-    assert "too wide" in outcome.out
+    assert "too tight" in outcome.out
+    assert "estimate" not in outcome.out
     assert is_picture("p.svg")
-    data = json.loads(run("limits", "parallelogram_nr", "--steps", "5", "--json").out)
+    data = json.loads(run("limits", "arm.tea", "--steps", "5", "--json").out)
     assert data["proposal"][0] < data["proposal"][1]
     assert data["given"] == [30.0, 150.0]
+    assert (data["drawn"], data["touching"]) == ([], [])
     assert len(data["machine_data"]) == 2
+
+
+def test_drawn_bodies_that_touch_at_home_propose_no_limits(run: Run) -> None:
+    outcome = run("limits", "parallelogram_nr", "--steps", "5")
+    assert outcome.code == 0
+    assert "base and rod_link touch at home (A2 = 0°, A3 = -92.5°): the bodies are wrong" in outcome.out
+    assert "too wide" not in outcome.out
+    assert "N62964" not in outcome.out
+    assert "an estimate: " in outcome.out
+    data = json.loads(run("limits", "parallelogram_nr", "--steps", "5", "--json").out)
+    assert data["proposal"] is None
+    assert data["machine_data"] == []
+    assert ["base", "rod_link"] in data["touching"]
+    assert "rod_link" in data["drawn"]
 
 
 def test_limits_of_an_axis_over_another(run: Run) -> None:

@@ -22,7 +22,7 @@ from tests.kit.command_line import ARM, AXES, PROGRAM, Run
 
 pytestmark = pytest.mark.usefixtures("heeds_interrupts")
 
-COMMANDS = ["info", "check", "fk", "ik", "urdf", "inspect", "demo", "types", "singularity"]
+COMMANDS = ["info", "check", "fk", "ik", "urdf", "inspect", "demo", "types", "singularity", "warm"]
 
 
 def test_version(run: Run) -> None:

@@ -88,3 +88,24 @@ def test_a_tool_of_a_four_axis_robot_hangs_by_length_3(tmp_path: Path, name: str
     assert np.linalg.norm(shift["TC_DP3 = 120"]) == pytest.approx(0.12)
     for tool in ("TC_DP5 = 120", "plane = 19\nTC_DP3 = 120"):
         np.testing.assert_allclose(shift[tool], [0.0, 0.0, -0.12], atol=1e-12)
+
+
+BLOCKS = [
+    block
+    for page in sorted((ROOT / "docs").glob("*.md"))
+    for block in re.findall(r"```toml\n(.*?)```", page.read_text("utf-8"), re.DOTALL)
+    if "[geometry" in block
+]
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_the_bodies_of_every_example_are_free_of_collision_at_home(block: str, tmp_path: Path) -> None:
+    assert len(BLOCKS) >= 2
+    drawing = re.sub(r"\{hull = [^}]*\}", "{sphere = [0, 0, 0], radius_mm = 1}", block)  # a file that is not there
+    robot = chainbuild.Robot.load(copy_of("parallelogram_nr", tmp_path, drawing))
+    ranges = np.array([axis.range for axis in robot.axes])
+    zero = np.where((ranges[:, 0] <= 0.0) & (ranges[:, 1] >= 0.0), 0.0, ranges.mean(axis=1))
+    elbow = np.array([0.0, 0.0, -90.0, 0.0, 0.0, 0.0])  # the middle of the parallelogram's angle
+    for home in (zero, elbow):
+        assert chainbuild.CollisionModel(robot).colliding_pairs(home) == ()
+    assert chainbuild.swept_limits(robot, steps=2).touching == ()

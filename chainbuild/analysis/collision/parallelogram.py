@@ -15,7 +15,7 @@ import numpy as np
 from chainbuild.analysis.collision.paths import pair_weights
 from chainbuild.analysis.collision.sweep import FreeInterval, free_interval
 from chainbuild.arrays import Vector
-from chainbuild.chain.bodies.geometry import NO_GEOMETRY
+from chainbuild.chain.bodies.geometry import Geometry
 from chainbuild.chain.bodies.rods import CRANK, LEVEL_LINKS, ROD, ROD_END, ROD_PIN, has_rods, with_rods
 from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.elements import Chain
@@ -43,10 +43,12 @@ class LimitReport:
         moved: Name of axis 3, which moves.
         intervals: Free intervals of the angle [deg] over axis 2.
         given: Limits of the file [deg].
-        proposal: Limits that hold at every value of axis 2 [deg], rounded inwards; None if there are none.
+        proposal: Limits that hold at every value of axis 2 [deg], rounded inwards; None if there are none,
+            or if bodies are wrong.
         blocked: Values of axis 2 without a free position.
         verdicts: Judgements of the file's limits, one sentence each.
-        drawn: Whether all bodies have default dimensions, without an overlay: then the limits are an estimate.
+        drawn: Links that decide the proposal and have default dimensions: then the limits are an estimate.
+        touching: Pairs of links that touch at home, axes at 0 or else in the middle of their limits: bodies are wrong.
     """
 
     over: str
@@ -56,7 +58,8 @@ class LimitReport:
     proposal: tuple[float, float] | None
     blocked: tuple[float, ...]
     verdicts: tuple[str, ...]
-    drawn: bool
+    drawn: tuple[str, ...]
+    touching: tuple[LinkPair, ...]
 
     def __repr__(self) -> str:
         given, free = (
@@ -68,8 +71,8 @@ class LimitReport:
         )
 
     def machine_data(self) -> tuple[str, ...]:
-        """Return the proposal as lines of machine data."""
-        if self.proposal is None:
+        """Return the proposal as lines of machine data; none where bodies are wrong or not given."""
+        if self.proposal is None or self.drawn:
             return ()
         return tuple(f"N62964 $MC_ROBX_SW_LIMITS_PARALLEL[{n}]={v:.2f}" for n, v in enumerate(self.proposal))
 
@@ -88,9 +91,9 @@ def swept_limits(robot: Mechanism, *, steps: int = _STEPS, progress: Progress = 
     constraint = _constraint(robot.chain)
     if steps < 2:
         raise ChainbuildError("too few values of axis 2", parameter="steps", permitted="at least 2 values")
-    drawn = robot.chain.geometry == NO_GEOMETRY
+    geometry = robot.chain.geometry
     if not has_rods(robot.chain):
-        robot = Mechanism(with_rods(robot.chain, robot.chain.geometry.rod_data))
+        robot = Mechanism(with_rods(robot.chain, geometry.rod_data))
     search = _Search(robot, constraint)
     values = np.linspace(*search.range_over, steps)
     found: dict[float, FreeInterval] = {}
@@ -100,13 +103,16 @@ def swept_limits(robot: Mechanism, *, steps: int = _STEPS, progress: Progress = 
             advance(1)
     _refine(search, found)
     intervals = tuple(found[value] for value in sorted(found))
-    proposal = _proposal(intervals)
     given = (constraint.lower, constraint.upper)
     blocked = tuple(interval.over for interval in intervals if interval.lower is None)
     axes = robot.axes
     over, moved = axes[search.o].name, axes[search.m].name
-    verdicts = _verdicts(intervals, given, proposal, over)
-    return LimitReport(over, moved, intervals, given, proposal, blocked, verdicts, drawn)
+    touching = search.touching_at_home()
+    proposal = None if touching or blocked else _proposal(intervals)
+    told = tuple(_touching_words(pair, search) for pair in touching)
+    verdicts = told or _verdicts(intervals, given, proposal, over)
+    drawn = _drawn_links(geometry, search.model, intervals)
+    return LimitReport(over, moved, intervals, given, proposal, blocked, verdicts, drawn, touching)
 
 
 def _constraint(chain: Chain) -> AxisConstraint:
@@ -137,7 +143,22 @@ class _Search:
         self.base: Vector = (lower + upper) / 2.0
         self.start_over = float(self.base[self.o])
         self._crank_axis = next(joint.direction for joint in chain.joints if joint.name == CRANK)
+        self._given = constraint.lower, constraint.upper
         self.middle = (constraint.lower + constraint.upper) / 2.0
+
+    @property
+    def home(self) -> Vector:
+        """Axis values at 0, or in the middle of limits that exclude it; axis 3 where the angle is inside its limits."""
+        lower, upper = shown_limits(self.model.robot.chain)
+        home = np.where((lower <= 0.0) & (upper >= 0.0), 0.0, self.base)
+        if not self._given[0] <= self.sum.value(home) <= self._given[1]:
+            home[self.m] = self._moved(float(home[self.o]), self.middle)
+        return np.asarray(home, dtype=float)
+
+    def touching_at_home(self) -> tuple[LinkPair, ...]:
+        """Return the pairs of links that touch at home."""
+        found = zip(self.model.pairs, self.model.distances(self.home).tolist(), strict=True)
+        return tuple(dict.fromkeys(self.model.links_of(pair) for pair, distance in found if distance <= 0.0))
 
     def interval(self, over: float, known: dict[float, FreeInterval]) -> FreeInterval:
         """Return the free interval of the angle [deg] at a value of axis 2, following its known neighbour."""
@@ -228,6 +249,21 @@ def _proposal(intervals: tuple[FreeInterval, ...]) -> tuple[float, float] | None
     return (round(lower, 2), round(upper, 2)) if lower < upper else None
 
 
+def _touching_words(pair: LinkPair, search: _Search) -> str:
+    home, axes = search.home, search.model.robot.axes
+    at = ", ".join(f"{axes[n].name} = {home[n]:.4g}°" for n in (search.o, search.m))
+    return f"{pair[0]} and {pair[1]} touch at home ({at}): the bodies are wrong; set them in [geometry] of the overlay"
+
+
+def _drawn_links(geometry: Geometry, model: CollisionModel, intervals: tuple[FreeInterval, ...]) -> tuple[str, ...]:
+    """Return the links that end any free interval and whose dimensions the overlay does not give."""
+    pairs = [pair for interval in intervals for pair in (interval.lower_pair, interval.upper_pair) if pair]
+    rods = (f"{CRANK}_link", f"{ROD}_link") if geometry.rod_data.crank and geometry.rod_data.radius else ()
+    known = {*geometry.shapes, *geometry.radii, *rods}
+    link_of = {solid.name: solid.link for solid in model.solids}
+    return tuple(link for link in dict.fromkeys(link_of[name] for pair in pairs for name in pair) if link not in known)
+
+
 def _verdicts(
     intervals: tuple[FreeInterval, ...], given: tuple[float, float], proposal: tuple[float, float] | None, over: str
 ) -> tuple[str, ...]:
@@ -245,6 +281,12 @@ def _verdicts(
                 said.append(f"the {name} limit is too tight: {wasted:.1f}° of the free angle are lost")
     if not free:
         return ("no position is free: the bodies overlap everywhere; set radii or shapes in the overlay",)
+    blocked = [i.over for i in intervals if i.lower is None]
+    if blocked:
+        values = " … ".join(f"{value:.4g}°" for value in dict.fromkeys((min(blocked), max(blocked))))
+        said.append(
+            f"no angle is free at {over} = {values}: the limits of {over} are too wide, or the bodies are wrong"
+        )
     return tuple(said) or ("the limits are right",)
 
 

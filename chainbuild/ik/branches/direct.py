@@ -23,7 +23,8 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.frames import transform
 from chainbuild.ik.branches.arms.orientation import Turns, for_direction, for_rotation
 from chainbuild.ik.branches.core.axis_values import axes_for
-from chainbuild.ik.branches.core.branches import Candidate, Solutions, collect, verified
+from chainbuild.ik.branches.core.branches import Solutions, collect, verified
+from chainbuild.ik.branches.core.free_axis import with_free_axes_inside
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
@@ -47,7 +48,7 @@ def query_is_direct(query: BranchQuery) -> bool:
 
 def find_direct(query: BranchQuery) -> Solutions:
     """Return the direct solutions of a query for which `query_is_direct` holds."""
-    return collect(query, _candidates(query))
+    return collect(query, with_free_axes_inside(query, _candidates))
 
 
 def linear_axes_for(mechanism: Mechanism, position: ArrayLike, axes: ArrayLike) -> IkResult:
@@ -80,15 +81,15 @@ def linear_axes_for(mechanism: Mechanism, position: ArrayLike, axes: ArrayLike) 
     return row.branch("position", mechanism.labels)
 
 
-def _candidates(query: BranchQuery) -> Iterator[Candidate]:
-    """Yield SI axis values that may be solutions, with the names of their free axes."""
+def _candidates(query: BranchQuery) -> Iterator[tuple[Vector, list[int]]]:
+    """Yield SI axis values that may be solutions, with their free axes."""
     structure = query.structure
     columns = structure.rotary[: len(structure.revolute)]  # axes beyond these (a virtual one) stay at the start
     for turns, joints in _rotary_solutions(query):
         free = query.undetermined_axes(joints, turns.free, columns)
         for x in axes_for(query, joints, np.array(turns.angles), columns):
             for full in _placed(query, x, free):
-                yield full, query.axis_names(free)
+                yield full, free
 
 
 def _placed(query: BranchQuery, x: Vector, free: list[int]) -> Iterator[Vector]:

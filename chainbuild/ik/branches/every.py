@@ -8,9 +8,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from chainbuild.arrays import Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import axes_for
-from chainbuild.ik.branches.core.branches import Branches, Candidate, Solutions, collect, named
+from chainbuild.ik.branches.core.branches import Branches, Solutions, collect, named
+from chainbuild.ik.branches.core.free_axis import SolutionsOf, with_free_axes_inside
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import ArmSolver
 from chainbuild.ik.branches.direct import find_direct
@@ -51,7 +53,7 @@ def every_branch(query: BranchQuery) -> Solutions:
     if plan.name == "direct":
         found = find_direct(query)
     elif plan.solver is not None:
-        found = collect(query, _arm_candidates(query, plan.solver))
+        found = collect(query, with_free_axes_inside(query, _arm_solutions(plan.solver)))
     else:
         _refuse_redundant(query)
         found = collect(query, ((x, ()) for x in multistart_branches(query)))
@@ -89,13 +91,18 @@ def no_closed_form(request: IkRequest) -> ChainbuildError:
     )
 
 
-def _arm_candidates(query: BranchQuery, solver: ArmSolver) -> Iterator[Candidate]:
-    joints = np.array([screw.joint for screw in query.serial().screws], dtype=np.intp)
-    keep = query.q0[joints].tolist()
-    free_axes = query.structure.free
-    for values, free in solver(query.target.homogeneous, keep):
-        for x in axes_for(query, joints, values, free_axes):
-            yield x, query.axis_names(query.undetermined_axes(joints, free, free_axes))
+def _arm_solutions(solver: ArmSolver) -> SolutionsOf:
+    """Return what yields SI axis values that may be solutions, with their free axes."""
+
+    def solve(query: BranchQuery) -> Iterator[tuple[Vector, list[int]]]:
+        joints = np.array([screw.joint for screw in query.serial().screws], dtype=np.intp)
+        keep = query.q0[joints].tolist()
+        free_axes = query.structure.free
+        for values, free in solver(query.target.homogeneous, keep):
+            for x in axes_for(query, joints, values, free_axes):
+                yield x, query.undetermined_axes(joints, free, free_axes)
+
+    return solve
 
 
 def _refuse_redundant(query: BranchQuery) -> None:

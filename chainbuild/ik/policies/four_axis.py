@@ -20,13 +20,14 @@ from typing import Final, Protocol
 import numpy as np
 
 from chainbuild import frames, tolerances
-from chainbuild.arrays import Matrix, Vector
+from chainbuild.arrays import Indices, Matrix, Vector
 from chainbuild.chain.sums import AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import turned_axes
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
+from chainbuild.ik.verify import is_met
 from chainbuild.kinematics.displayed import arm_normal, pitch_and_turn
 from chainbuild.kinematics.inputs import Pose
 from chainbuild.kinematics.mechanism import Mechanism
@@ -168,7 +169,7 @@ def _with_running_c(request: IkRequest, solve: Solve, c_deg: float, from_start: 
 
     def turned(asked: IkRequest) -> IkResult:
         found = solve(asked)
-        return _with_whole_turns(mechanism, found, total, c_deg) if found.success else found
+        return _with_whole_turns(asked, found, total, c_deg) if found.success else found
 
     found = turned(request)
     off = rad_from_deg(c_deg - total.value(found.axes))
@@ -229,9 +230,9 @@ def _orientations_with(query: BranchQuery, angles: Angles) -> Iterator[Vector]:
     yield from sorted(others, key=query.distance)
 
 
-def _descend(query: BranchQuery, angles: Angles, x: Vector) -> Vector | None:
-    """Return SI axis values that meet position and angles, by damped Newton steps from x, or None."""
-    kinematics, free = query.mechanism.kinematics, query.structure.free
+def _descend(query: BranchQuery, angles: Angles, x: Vector, free: Indices | None = None) -> Vector | None:
+    """Return SI axis values that meet position and angles, by damped Newton steps of `free` from x, or None."""
+    kinematics, free = query.mechanism.kinematics, query.structure.free if free is None else free
 
     def residual(x: Vector) -> tuple[Vector, Matrix]:
         T, J = kinematics.pose_and_jacobian(x)
@@ -245,8 +246,9 @@ def _descend(query: BranchQuery, angles: Angles, x: Vector) -> Vector | None:
     return ended.x if ended.met else None
 
 
-def _with_whole_turns(mechanism: Mechanism, found: IkResult, total: AxisSum, c_deg: float) -> IkResult:
+def _with_whole_turns(request: IkRequest, found: IkResult, total: AxisSum, c_deg: float) -> IkResult:
     """Return a solution whose last rotary axis makes the whole turns that an absolute C requires."""
+    mechanism = request.mechanism
     n = _last_axis(mechanism, total)
     axis, factor = mechanism.axes[n], total.coefficients[n]
     turns = round((c_deg - total.value(found.axes)) / (_FULL_TURN_DEG * factor))
@@ -254,8 +256,32 @@ def _with_whole_turns(mechanism: Mechanism, found: IkResult, total: AxisSum, c_d
     axes[n] += turns * _FULL_TURN_DEG
     if n not in mechanism.limits.outside(axes):
         return replace(found, axes=axes)
+    at_limit = _at_limit(request, replace(found, axes=mechanism.limits.onto(axes)), total, c_deg, n)
+    if at_limit is not None:
+        return at_limit
     reason = f"at C = {c_deg:.6g} {mechanism.limits.in_words(n, float(axes[n]))}"
     return replace(found, axes=axes, success=False, status="limits", reason=reason, violated=(axis.name,))
+
+
+def _at_limit(request: IkRequest, found: IkResult, total: AxisSum, c_deg: float, n: int) -> IkResult | None:
+    """Return a solution with axis n where it is, on its limit, or None.
+
+    A stretched arm meets a position to a micrometre with its elbow a thousandth of a degree off, and the axis next to
+    the tool, which makes up for it, may then be beyond a limit that the exact solution keeps.
+    """
+    mechanism = request.mechanism
+    kinematics = mechanism.kinematics
+    query = BranchQuery.of(request)
+    kept = query.structure.free[query.structure.free != n]
+    angles = RunningAngle(total, kinematics.si_factors, c_deg)
+    x = _descend(query, angles, found.axes * kinematics.si_factors, kept)
+    if x is None or mechanism.limits.violated(query.shown(x)):
+        return None
+    axes, (distance, angle) = query.shown(x), kinematics.errors(x, query.target, found.task)
+    off = rad_from_deg(c_deg - total.value(axes))
+    if not is_met(found.task, distance, angle) or abs(off) > tolerances.IK_ROTATION_RAD:
+        return None
+    return replace(found, axes=axes, position_error=distance, rotation_error=angle)
 
 
 def _last_axis(mechanism: Mechanism, total: AxisSum) -> int:

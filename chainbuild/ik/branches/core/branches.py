@@ -36,7 +36,8 @@ class Branch(IkResult):
     """One of the solutions for a pose.
 
     Attributes:
-        free_axes: Names of axes that do not affect this pose; they keep their start value.
+        free_axes: Names of axes that do not affect this pose; they keep their start value, or are as near to it as all
+            limits permit.
         status_bits: Pose status as the controller numbers it (KIN_TYP 45), else None.
         turn_bits: Signs of the axes as the controller numbers them (KIN_TYP 45), else None.
         method: What found it; the name of a `SolverPlan`.

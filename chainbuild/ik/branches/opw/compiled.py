@@ -19,6 +19,7 @@ from chainbuild.ik.branches.core import subproblems
 from chainbuild.ik.branches.opw import formulas as opw_branches
 from chainbuild.ik.branches.opw.formulas import affine, all_branches, arctan2, constant_rows, root, sine_cosine, where
 from chainbuild.ik.search.compiled import kernels as compiled_kernels
+from chainbuild.ik.search.compiled.entries import kept_jit
 from chainbuild.ik.search.compiled.kernels import FAST
 
 _BLOCK: Final = 1024  # poses that one core takes at a time
@@ -162,7 +163,7 @@ def _block(poses, constants, axes, doubtful):
 
 
 def _all_branches(fingerprint: int) -> Any:
-    @numba.njit(cache=True, parallel=True, **FAST)
+    @kept_jit(parallel=True, **FAST)
     def write_branches(poses, constants, axes, doubtful):
         """Find the branches of poses on all cores.
 

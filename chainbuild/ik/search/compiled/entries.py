@@ -1,18 +1,26 @@
 """Entry points of the compiled path, kept on disk.
 
 numba compiles an entry point at its first call and keeps the machine code beside this file (or in the user's cache
-folder), so that only the first call after an installation takes long. It detects stale code by this file and by the
-variables an entry point closes over, not by the files of the functions it calls: hence the fingerprint.
+folder), so that only the first call after an installation takes long. By itself it ends the program if no folder can be
+written or if a kept file is damaged: `KeptCode` reads a folder that cannot be written, replaces damaged files, compiles
+in memory otherwise, and says on stderr that it compiles.
+
+Stale code is detected by this file and by the variables an entry point closes over, not by the files of the functions
+it calls: hence the fingerprint.
 """
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 from zlib import crc32
 
 import numba
 import numpy as np
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, InTreeCacheLocator
 
 from chainbuild import tolerances
 from chainbuild.ik import rules
@@ -33,8 +41,119 @@ from chainbuild.ik.search.compiled.search import is_rigid, search, track
 from chainbuild.ik.search.starts import turned as turned_starts
 from chainbuild.ik.search.starts import turned as turned_table
 
-cached_jit: Final[Any] = numba.njit(cache=True, **FAST)
-cached_parallel_jit: Final[Any] = numba.njit(cache=True, parallel=True, **FAST)
+
+def kept_jit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Return a decorator that compiles a function at its first call and keeps the machine code.
+
+    Args:
+        options: Those of `numba.njit`, without `cache`.
+    """
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        dispatcher = numba.njit(**options)(function)
+        dispatcher._cache = KeptCode(function)
+        return dispatcher
+
+    return decorate
+
+
+class KeptCode:
+    """The machine code of one function as numba asks for it; nothing here raises.
+
+    Args:
+        function: The function that is compiled.
+    """
+
+    told: ClassVar[bool] = False
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._own: Any = None
+        with suppress(RuntimeError, OSError):  # no folder can be written
+            self._own = FunctionCache(function)
+        installed = _Installed(function)  # what is beside the package is read even where it cannot be written
+        same = self._own is not None and self._own.cache_path == installed.cache_path
+        self._read: list[Any] = [place for place in (self._own, None if same else installed) if place is not None]
+
+    @property
+    def cache_path(self) -> str | None:
+        """The folder that is written, if there is one."""
+        return None if self._own is None else str(self._own.cache_path)
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return the kept code of a signature, or None, after a note that it is compiled."""
+        damaged = None
+        for place in self._read:
+            try:
+                found = place.load_overload(sig, target_context)
+            except Exception:  # a damaged file fails in any way: the code is compiled anew
+                damaged = place.cache_path
+                _emptied(place)
+                continue
+            if found is not None:
+                return found
+        _tell(self._why(damaged))
+        return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep the code of a signature where that is possible."""
+        if self._own is not None:
+            try:
+                self._own.save_overload(sig, data)
+            except Exception as error:  # a full disk, or a folder that is no longer there
+                _tell(f"the compiled solver cannot be kept in {self.cache_path}: {error}", again=True)
+                self._own = None
+
+    def flush(self) -> None:
+        """Forget what is kept."""
+        for place in self._read:
+            _emptied(place)
+
+    def _why(self, damaged: str | None) -> str:
+        if damaged is not None:
+            return f"compiling the solver anew: what was kept in {damaged} is damaged"
+        if self._own is None:
+            return (
+                "compiling the solver in memory, in every process: neither the folder of the package nor a cache "
+                "folder of the user can be written; NUMBA_CACHE_DIR names another"
+            )
+        return "compiling the solver (only once; `chainbuild warm` does it ahead)"
+
+
+class _ReadableFolder(InTreeCacheLocator):
+    """The folder beside the package, which need not be writable."""
+
+    def ensure_cache_path(self) -> None:
+        """Nothing is made: what is there is read."""
+
+
+class _InstalledCode(CompileResultCacheImpl):
+    _locator_classes = [_ReadableFolder]  # noqa: RUF012 - as numba declares it
+
+
+class _Installed(FunctionCache):
+    """Machine code beside the package."""
+
+    _impl_class = _InstalledCode
+
+
+def _emptied(place: Any) -> None:
+    try:
+        place.flush()
+    except OSError:
+        place.disable()
+
+
+def _tell(text: str, *, again: bool = False) -> None:
+    """Print a note on stderr, once a process."""
+    if KeptCode.told and not again:
+        return
+    KeptCode.told = True
+    if sys.stderr is not None:
+        print(f"chainbuild: {text}", file=sys.stderr, flush=True)
+
+
+cached_jit: Final[Any] = kept_jit(**FAST)
+cached_parallel_jit: Final[Any] = kept_jit(parallel=True, **FAST)
 
 _MODULES: Final = (
     compiled_kernels,

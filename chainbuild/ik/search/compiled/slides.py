@@ -6,15 +6,18 @@ Kept on disk like the entry points of the search; it calls no other file, so num
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, Final
 
 import numba
 import numpy as np
 
-_jit: Final[Any] = numba.njit(cache=True, error_model="numpy")
+from chainbuild.ik.search.compiled.entries import kept_jit
+
+_OPTIONS: Final[Mapping[str, Any]] = {"error_model": "numpy"}  # a division by 0 gives infinity, as in NumPy
 
 
-@_jit
+@kept_jit(**_OPTIONS)
 def write_linear_axes(fixed, prismatic, A, b, solved, positions, found, distances):
     """Write the linear axes of each row.
 
@@ -68,7 +71,7 @@ def write_linear_axes(fixed, prismatic, A, b, solved, positions, found, distance
             values[solved[m]] = steps[m]
 
 
-@_jit
+@numba.njit(**_OPTIONS)
 def _solve(M, v, steps):
     """Write the solution of M·steps = v for a (3, 3) matrix by cross products."""
     for m in range(3):

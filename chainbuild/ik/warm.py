@@ -1,0 +1,63 @@
+"""Compiling ahead: every entry point of the compiled path is called once, on shipped machines."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Final
+
+import numpy as np
+
+from chainbuild.errors import ChainbuildError
+from chainbuild.formats.load import load
+from chainbuild.ik.branches.opw.batch import ik_all_batch
+from chainbuild.ik.request import IkRequest
+from chainbuild.ik.rtcp import linear_axes_batch
+from chainbuild.ik.search.batch import solve_batch
+from chainbuild.ik.search.compiled import packing
+from chainbuild.ik.search.path import solve_path
+from chainbuild.ik.search.solver import search
+from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.progress import Progress, counting
+
+_ARM: Final = "kr6r900"
+_ARM_DEG: Final = (10.0, -80.0, 70.0, 20.0, 40.0, 30.0)  # inside its limits, far from singular
+_MANY: Final = 512  # repetitions: enough poses for the entry point of large batches
+_MACHINE: Final = "ac_table_kin58"  # of RTCP: its linear axes are solved alone
+
+
+def warm_up(*, progress: Progress = False) -> Mapping[str, float]:
+    """Compile all of inverse kinematics ahead, so that no later call waits for it.
+
+    The machine code is kept on disk: once after an installation is enough, such as while an image is built.
+
+    Args:
+        progress: True: a bar on standard error; a function: called with the entry points done and all of them.
+
+    Returns:
+        Entry point → seconds it took; next to nothing where its code was kept already.
+
+    Raises:
+        ChainbuildError: numba (the extra `fast`) is not installed.
+    """
+    if not packing.available():
+        raise ChainbuildError("nothing to compile: numba is not installed", hint="pip install 'chainbuild[fast]'")
+    arm, machine = Mechanism(load(_ARM).chain()), Mechanism(load(_MACHINE).chain())
+    start, zeros = np.array(_ARM_DEG), np.zeros((1, len(machine.axes)))
+    poses = np.array([arm.fk(start + shift).homogeneous for shift in (0.0, 0.1)])
+    calls: Mapping[str, Callable[[], object]] = {
+        "one pose": partial(search, IkRequest(arm, poses[0], start)),
+        "many poses": partial(solve_batch, arm, np.tile(poses, (_MANY, 1, 1)), start),
+        "a path": partial(solve_path, arm, poses, start),
+        "all branches of many poses": partial(ik_all_batch, arm, poses),
+        "linear axes of many positions": partial(linear_axes_batch, machine, np.zeros((1, 3)), zeros),
+    }
+    took: dict[str, float] = {}
+    with counting(len(calls), progress, "entry points") as advance:
+        for name, call in calls.items():
+            begin = time.perf_counter()
+            call()
+            took[name] = time.perf_counter() - begin
+            advance(1)
+    return took
