@@ -7,6 +7,9 @@
 
 from __future__ import annotations
 
-from chainbuild.cli.entry import main
+from chainbuild.cli.process import loading
+
+with loading():
+    from chainbuild.cli.entry import main
 
 __all__ = ["main"]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from chainbuild.cli.axisvalues import At, values_of
 from chainbuild.cli.progress import counted
-from chainbuild.cli.show import console, empty_table, note, print_json
+from chainbuild.cli.show import console, empty_table, note, print_json, say
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
 
 if TYPE_CHECKING:
@@ -100,11 +100,11 @@ def _parallelogram(robot: Robot, steps: int, picture: Path | None, as_json: bool
         return
     _print(found.intervals, "Free interval of the parallelogram's angle", labels)
     for verdict in found.verdicts:
-        print(verdict)
+        say(verdict)
     if found.drawn:
-        print("all bodies have default dimensions: an estimate; set their dimensions in [geometry] of the overlay")
+        say("all bodies have default dimensions: an estimate; set their dimensions in [geometry] of the overlay")
     for line in found.machine_data():
-        print(line)
+        say(line)
 
 
 def _draw(

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
+import unicodedata
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, TextIO, TypeVar
 from rich import box
 from rich.console import Console
 from rich.table import Table as RichTable
+from rich.text import Text
 
 from chainbuild.cli.process import check_interrupt
 from chainbuild.errors import ChainbuildError
@@ -28,14 +31,43 @@ _WIDTH_WITHOUT_TERMINAL: Final = 200  # characters: rows of a log file are not f
 _ROWS_BETWEEN_UPDATES: Final = 256  # a bar redrawn at every row would cost more than the row
 # Findings on the choice of channel, tool or kinematic among several: it changes every result.
 CHOICES: Final = frozenset({"CB246", "CB337", "CB340", "CB406", "CB411"})
+_DOUBTFUL: Final = re.compile(r"[^ -~\n\t]")
+# Categories of characters that are no text: control, format (such as the direction of writing), surrogate, separators.
+_UNSEEN: Final = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
 _COLOURS: Final = {"error": "bold red", "warning": "yellow", "info": "dim"}
 
 
+def printable(text: str) -> str:
+    r"""Return a text that a terminal shows and does not obey: control and format characters escaped.
+
+    >>> print(printable("\x1b[31mred\u202e"))
+    \x1b[31mred\u202e
+    """
+    return text if text.isprintable() else _DOUBTFUL.sub(_escaped, text)
+
+
+def _escaped(found: re.Match[str]) -> str:
+    known = unicodedata.category(found[0]) not in _UNSEEN
+    return found[0] if known else found[0].encode("unicode_escape").decode("ascii")
+
+
+class _Console(Console):
+    """A console that escapes control characters and leaves a closed pipe to the caller."""
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Return a text for the terminal."""
+        return super().render_str(printable(text), **options)
+
+    def on_broken_pipe(self) -> None:
+        """Go on as `print` does, where rich would end the process with 1."""
+        raise BrokenPipeError
+
+
 def console(stream: TextIO | None = None) -> Console:
-    """Return a console that prints text literally: brackets in machine data are not markup."""
+    """Return a console that prints text literally: brackets in machine data are no markup, escapes no commands."""
     target = stream or sys.stdout
     wide = None if target.isatty() or "COLUMNS" in os.environ else _WIDTH_WITHOUT_TERMINAL
-    return Console(file=target, width=wide, markup=False, highlight=False, emoji=False)
+    return _Console(file=target, width=wide, markup=False, highlight=False, emoji=False)
 
 
 def empty_table(title: str, *columns: str) -> RichTable:
@@ -55,9 +87,14 @@ def shown_number(value: float | str | None) -> str:
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
+def say(text: object, end: str = "\n") -> None:
+    """Print a text on stdout, control characters escaped."""
+    print(printable(str(text)), end=end)
+
+
 def print_json(data: object) -> None:
     """Print data as JSON on stdout."""
-    print(json.dumps(data, indent=2, allow_nan=False))
+    print(json.dumps(data, indent=2, allow_nan=False).replace("\x7f", "\\u007f"))
 
 
 def finding_data(finding: Finding) -> dict[str, Any]:
@@ -127,7 +164,7 @@ def counted_findings(warnings: int) -> str:
 
 def note(text: str) -> None:
     """Print a line on stderr."""
-    print(text, file=sys.stderr)
+    print(printable(text), file=sys.stderr)
 
 
 @contextmanager

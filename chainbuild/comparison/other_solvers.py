@@ -72,12 +72,19 @@ def _import(spec: str) -> Callable[..., Any]:
         found: Any = import_module(name)
         for part in attribute.split("."):
             found = getattr(found, part)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise ChainbuildError(f"'{spec}' cannot be imported: {error}", parameter="solver") from None
+    except (Exception, SystemExit) as error:  # the module is the user's: it may raise anything, and end the process
+        raise ChainbuildError(f"'{spec}' cannot be imported: {_words(error)}", parameter="solver") from None
     if not callable(found):
         raise ChainbuildError(f"'{spec}' is not a function", parameter="solver", permitted="module:function")
     result: Callable[..., Any] = found
     return result
+
+
+def _words(error: BaseException) -> str:
+    """Return what an error of foreign code says, with its kind where the text alone says little."""
+    if isinstance(error, ImportError | AttributeError | ValueError):
+        return str(error)
+    return "it ends the process (sys.exit)" if isinstance(error, SystemExit) else f"{type(error).__name__}: {error}"
 
 
 def other_solver_from_function(
@@ -96,8 +103,13 @@ def other_solver_from_function(
     """
     name = name or getattr(function, "__name__", "callable")
     middle = np.array([0.0 if axis.lower <= 0.0 <= axis.upper else axis.lower for axis in robot.axes])
-    if kind in ("auto", "fk") and _returns_pose(function, middle, strict=kind == "fk"):
-        return OtherSolver(name, fk=lambda axes: _pose(function(axes), name), note="forward kinematics")
+    if kind in ("auto", "fk") and _returns_pose(function, middle, name, strict=kind == "fk"):
+
+        def fk(axes: Vector) -> Matrix:
+            T: Matrix = _guarded(lambda values: _pose(function(values), name), axes, name)
+            return T
+
+        return OtherSolver(name, fk=fk, note="forward kinematics")
     pose = robot.fk(middle).homogeneous
     answers = _guarded(function, pose, name)
     if answers is not None and not _is_rows(answers, len(robot.axes)):
@@ -106,22 +118,29 @@ def other_solver_from_function(
             parameter="solver",
             permitted=f"axis values → (4, 4) in metres, or pose (4, 4) → rows of {len(robot.axes)} axis values",
         )
-    return OtherSolver(name, ik=lambda T: _rows(function(T), len(robot.axes)), note="inverse kinematics")
+
+    def ik(T: Matrix) -> list[Vector]:
+        rows: list[Vector] = _guarded(lambda pose: _rows(function(pose), len(robot.axes)), T, name)
+        return rows
+
+    return OtherSolver(name, ik=ik, note="inverse kinematics")
 
 
 def _guarded(function: Callable[..., Any], argument: Vector, name: str) -> Any:
     try:
         return function(argument)
-    except Exception as error:
+    except ChainbuildError:
+        raise
+    except (Exception, SystemExit) as error:
         raise ChainbuildError(f"{name} fails: {type(error).__name__}: {error}", parameter="solver") from error
 
 
-def _returns_pose(function: Callable[..., Any], axes: Vector, *, strict: bool) -> bool:
+def _returns_pose(function: Callable[..., Any], axes: Vector, name: str, *, strict: bool) -> bool:
     try:
         shape: tuple[int, ...] = np.shape(_as_matrix(function(axes)))
-    except Exception:
+    except (Exception, SystemExit) as error:
         if strict:
-            raise
+            raise ChainbuildError(f"{name} fails: {type(error).__name__}: {error}", parameter="solver") from error
         return False  # it expects poses: axis values of another shape raise
     return shape == (4, 4)
 
