@@ -1,4 +1,4 @@
-"""Writing files: all or nothing, and with numbers that are the same on every machine.
+"""Writing files: all or nothing, with text that is text, and with numbers that are the same on every machine.
 
 The last bit of a sine or a matrix product differs between processors and C libraries. Numbers are therefore brought
 to a coarser grid before they are written, and whatever lies within that noise of a short decimal number (a length in
@@ -16,8 +16,11 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import secrets
 import stat
+import unicodedata
+import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from io import BufferedWriter, TextIOWrapper
@@ -35,6 +38,10 @@ _DECIMALS: Final = 13  # of all other numbers: 0.1 pm, 1e-13 rad is 0.2 pm at 2 
 _RANDOM_BYTES: Final = 8  # of a temporary name: no two writers draw the same
 
 _BINARY: Final = getattr(os, "O_BINARY", 0)  # Windows translates line ends without it
+
+_DOUBTFUL: Final = re.compile(r"[^ -~\n\t]")
+# Categories of characters that are no text: control, format (such as the direction of writing), surrogate, separators.
+_UNSEEN: Final = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
 
 Place = tuple[int, int] | str
 
@@ -62,6 +69,28 @@ def angle_text(value: float) -> str:
 def numbers_text(values: Iterable[float]) -> str:
     """Return numbers (SI) separated by single spaces, each as `number_text` writes it."""
     return " ".join(number_text(float(value)) for value in values)
+
+
+def printable(text: str) -> str:
+    r"""Return a text that a reader shows and does not obey: control and format characters escaped.
+
+    >>> print(printable("\x1b[31mred\u202e"))
+    \x1b[31mred\u202e
+    """
+    return text if text.isprintable() else _DOUBTFUL.sub(_escaped, text)
+
+
+def _escaped(found: re.Match[str]) -> str:
+    known = unicodedata.category(found[0]) not in _UNSEEN
+    return found[0] if known else found[0].encode("unicode_escape").decode("ascii")
+
+
+def printable_tree(root: ET.Element) -> ET.Element:
+    """Make every text of an XML tree printable, in place: some characters may stand in no XML; return the tree."""
+    for element in root.iter():
+        if isinstance(element.text, str):
+            element.text = printable(element.text)
+    return root
 
 
 def write_text(path: Path, text: str) -> None:
@@ -105,6 +134,19 @@ def place_of(path: Path) -> Place:
     except (OSError, ValueError):
         return str(path) if "\0" in str(path) else os.path.realpath(path)
     return found.st_dev, found.st_ino
+
+
+def file_of(folder: Path | str, name: str, suffix: str) -> Path:
+    """Return folder/NAME/NAME.suffix for a robot's file, its folder created.
+
+    Raises:
+        FileAccessError: the folder is not a path or cannot be created, or the name would lead out of it.
+    """
+    place = as_folder(folder)
+    if name in ("", ".", "..") or any(c in "/\\:" or not c.isprintable() for c in name):
+        raise FileAccessError(f"{name[:80]!r} cannot be the name of a file", permitted="a name without / and \\")
+    make_folder(place / name)
+    return place / name / f"{name}.{suffix}"
 
 
 @contextmanager

@@ -33,14 +33,13 @@ from chainbuild.cli.info import info
 from chainbuild.cli.inspect import inspect
 from chainbuild.cli.limits import limits
 from chainbuild.cli.process import INTERRUPTED, signals, standard_streams
-from chainbuild.cli.show import printable
 from chainbuild.cli.singularity import singularity
 from chainbuild.cli.types import types
 from chainbuild.cli.urdf import urdf
 from chainbuild.cli.usage import UsageError, input_files, refuse_overwriting
 from chainbuild.cli.workspace import workspace
 from chainbuild.errors import ChainbuildError, OverwriteError
-from chainbuild.files import protected
+from chainbuild.files import printable, protected
 
 # Exit codes; those of signals are 128 and the number of the signal, as a shell reports them.
 DONE: Final = 0

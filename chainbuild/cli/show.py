@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import sys
-import unicodedata
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,7 +17,7 @@ from rich.text import Text
 
 from chainbuild.cli.process import check_interrupt
 from chainbuild.errors import ChainbuildError
-from chainbuild.files import open_atomic
+from chainbuild.files import open_atomic, printable
 from chainbuild.findings import Collector, Finding
 
 if TYPE_CHECKING:
@@ -31,24 +29,7 @@ _WIDTH_WITHOUT_TERMINAL: Final = 200  # characters: rows of a log file are not f
 _ROWS_BETWEEN_UPDATES: Final = 256  # a bar redrawn at every row would cost more than the row
 # Findings on the choice of channel, tool or kinematic among several: it changes every result.
 CHOICES: Final = frozenset({"CB246", "CB337", "CB340", "CB406", "CB411"})
-_DOUBTFUL: Final = re.compile(r"[^ -~\n\t]")
-# Categories of characters that are no text: control, format (such as the direction of writing), surrogate, separators.
-_UNSEEN: Final = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
 _COLOURS: Final = {"error": "bold red", "warning": "yellow", "info": "dim"}
-
-
-def printable(text: str) -> str:
-    r"""Return a text that a terminal shows and does not obey: control and format characters escaped.
-
-    >>> print(printable("\x1b[31mred\u202e"))
-    \x1b[31mred\u202e
-    """
-    return text if text.isprintable() else _DOUBTFUL.sub(_escaped, text)
-
-
-def _escaped(found: re.Match[str]) -> str:
-    known = unicodedata.category(found[0]) not in _UNSEEN
-    return found[0] if known else found[0].encode("unicode_escape").decode("ascii")
 
 
 class _Console(Console):

@@ -128,7 +128,7 @@ def test_a_damaged_or_foreign_file_is_one_error(damage: str, robot: chainbuild.R
         "dtype": rewritten(path, smallest=np.full((8, 8), "x")),
     }[damage]
     path.write_bytes(content)
-    with pytest.raises(FileAccessError, match="the map cannot be read: .") as caught:
+    with pytest.raises(FileAccessError, match=r"the map cannot be read: .") as caught:
         make_map(robot, SPEC, path, workers=1)
     assert caught.value.file == str(path)
     assert path.read_bytes() == content
