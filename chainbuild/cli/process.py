@@ -14,8 +14,6 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, Final
 
-from chainbuild.files import discard_parts
-
 INTERRUPTED: Final = 130  # exit code: 128 and the number of the signal, as a shell reports it
 _ENDING: Final = ("SIGTERM", "SIGHUP")  # the second is unknown on Windows
 _IMPORTING: Final = "<frozen importlib._bootstrap>"  # file of the frames of an import
@@ -103,9 +101,17 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     if not _in_import(frame):
         raise KeyboardInterrupt
     if _again is None or not _again.is_alive():
-        _again = threading.Timer(_AGAIN_S, signal.raise_signal, [number])
+        _again = threading.Timer(_AGAIN_S, _send_again, [number])
         _again.daemon = True
         _again.start()
+
+
+def _send_again(number: int) -> None:
+    main = threading.main_thread().ident
+    if main is None or not hasattr(signal, "pthread_kill"):  # Windows
+        signal.raise_signal(number)
+    else:
+        signal.pthread_kill(main, number)  # also wakes it where it waits
 
 
 def _in_import(frame: FrameType | None) -> bool:
@@ -118,7 +124,10 @@ def _in_import(frame: FrameType | None) -> bool:
 
 def _end(number: int, _frame: FrameType | None) -> None:
     """Remove half-written files and end as the signal does without a handler."""
-    discard_parts()
+    # This file loads no other of the package, so that signals are taken care of as early as possible.
+    discard = getattr(sys.modules.get("chainbuild.files"), "discard_parts", None)
+    if discard is not None:
+        discard()
     with suppress(OSError):
         os.write(2, b"chainbuild: terminated\n")
     signal.signal(number, signal.SIG_DFL)
