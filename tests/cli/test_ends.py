@@ -177,6 +177,15 @@ def test_many_channels_take_time_in_proportion(tmp_path: Path) -> None:
     assert many < 14 * few, (few, many)
 
 
+def test_a_table_of_very_many_kinematics_ends(run: Run, tmp_path: Path) -> None:
+    seconds(210, tmp_path)
+    shown = run("info", "210.tsproj").out
+    assert "--channel 199 " in shown
+    assert "--channel 200 " not in shown
+    assert "10 more: --json lists them" in shown
+    assert len(json.loads(run("info", "210.tsproj", "--json").out)["kinematics"]) == 210
+
+
 def test_a_channel_that_does_not_exist_is_told_with_some_that_do(tmp_path: Path) -> None:
     seconds(50, tmp_path)
     with pytest.raises(ChainbuildError, match=r"no channel 70; .*… \(50 in all\)"):
