@@ -88,6 +88,7 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.errors import FileContentError as FileContentError
     from chainbuild.errors import MachineDataError as MachineDataError
     from chainbuild.errors import OverlayError as OverlayError
+    from chainbuild.errors import OverwriteError as OverwriteError
     from chainbuild.errors import ParseError as ParseError
     from chainbuild.errors import Span as Span
     from chainbuild.errors import TableError as TableError
@@ -173,7 +174,7 @@ _HOMES = {
     "chainbuild.coupling.distribution": "Distribution PartialPose",
     "chainbuild.errors": (
         "AxisValueError ChainError ChainbuildError ConventionError FileAccessError FileContentError MachineDataError"
-        " OverlayError ParseError Span TableError UnsupportedKinematicError"
+        " OverlayError OverwriteError ParseError Span TableError UnsupportedKinematicError"
     ),
     "chainbuild.findings": "Finding Findings Severity",
     "chainbuild.formats.load": "check load",

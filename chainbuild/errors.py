@@ -100,6 +100,10 @@ class FileAccessError(ChainbuildError):
     """A file cannot be read or written, or is not text."""
 
 
+class OverwriteError(FileAccessError):
+    """An output is one of the inputs, by whatever name."""
+
+
 class FileContentError(FileAccessError):
     """A file is there but holds no text that could be read: empty, binary, too large or a line too long."""
 

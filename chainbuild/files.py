@@ -1,4 +1,4 @@
-"""Writing files: all or nothing, and with numbers that are the same on every machine.
+"""Writing files: all or nothing, with text that is text, and with numbers that are the same on every machine.
 
 The last bit of a sine or a matrix product differs between processors and C libraries. Numbers are therefore brought
 to a coarser grid before they are written, and whatever lies within that noise of a short decimal number (a length in
@@ -16,14 +16,18 @@ from __future__ import annotations
 
 import errno
 import os
+import re
+import secrets
 import stat
-import tempfile
+import unicodedata
+import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from io import BufferedWriter, TextIOWrapper
 from pathlib import Path
-from typing import Final, TextIO
+from typing import BinaryIO, Final, TextIO
 
-from chainbuild.errors import FileAccessError, Span
+from chainbuild.errors import FileAccessError, OverwriteError, Span
 from chainbuild.units import deg_from_rad, rad_from_deg
 
 _NOISE: Final = 1e-14  # sums and products of a few rounded factors, relative, absolute below 1
@@ -31,7 +35,18 @@ _SHORT_DECIMALS: Final = 11  # 10 pm: finer than any machine datum
 _SHORT_DEGREES: Final = 9  # 1e-9 degrees: finer than any machine datum
 _DECIMALS: Final = 13  # of all other numbers: 0.1 pm, 1e-13 rad is 0.2 pm at 2 m
 
+_RANDOM_BYTES: Final = 8  # of a temporary name: no two writers draw the same
+
+_BINARY: Final = getattr(os, "O_BINARY", 0)  # Windows translates line ends without it
+
+_DOUBTFUL: Final = re.compile(r"[^ -~\n\t]")
+# Categories of characters that are no text: control, format (such as the direction of writing), surrogate, separators.
+_UNSEEN: Final = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
+
+Place = tuple[int, int] | str
+
 _parts: set[Path] = set()  # temporary files of what is being written
+_inputs: set[Place] = set()  # files that must not be written over
 
 
 def number_text(value: float) -> str:
@@ -54,6 +69,28 @@ def angle_text(value: float) -> str:
 def numbers_text(values: Iterable[float]) -> str:
     """Return numbers (SI) separated by single spaces, each as `number_text` writes it."""
     return " ".join(number_text(float(value)) for value in values)
+
+
+def printable(text: str) -> str:
+    r"""Return a text that a reader shows and does not obey: control and format characters escaped.
+
+    >>> print(printable("\x1b[31mred\u202e"))
+    \x1b[31mred\u202e
+    """
+    return text if text.isprintable() else _DOUBTFUL.sub(_escaped, text)
+
+
+def _escaped(found: re.Match[str]) -> str:
+    known = unicodedata.category(found[0]) not in _UNSEEN
+    return found[0] if known else found[0].encode("unicode_escape").decode("ascii")
+
+
+def printable_tree(root: ET.Element) -> ET.Element:
+    """Make every text of an XML tree printable, in place: some characters may stand in no XML; return the tree."""
+    for element in root.iter():
+        if isinstance(element.text, str):
+            element.text = printable(element.text)
+    return root
 
 
 def write_text(path: Path, text: str) -> None:
@@ -90,23 +127,80 @@ def make_folder(path: Path) -> None:
         raise _refusal(path, error, "the folder cannot be created") from None
 
 
+def place_of(path: Path) -> Place:
+    """Return what all names of one file have in common: device and inode, its full path where it does not exist."""
+    try:
+        found = path.stat()
+    except (OSError, ValueError):
+        return str(path) if "\0" in str(path) else os.path.realpath(path)
+    return found.st_dev, found.st_ino
+
+
+def file_of(folder: Path | str, name: str, suffix: str) -> Path:
+    """Return folder/NAME/NAME.suffix for a robot's file, its folder created.
+
+    Raises:
+        FileAccessError: the folder is not a path or cannot be created, or the name would lead out of it.
+    """
+    place = as_folder(folder)
+    if name in ("", ".", "..") or any(c in "/\\:" or not c.isprintable() for c in name):
+        raise FileAccessError(f"{name[:80]!r} cannot be the name of a file", permitted="a name without / and \\")
+    make_folder(place / name)
+    return place / name / f"{name}.{suffix}"
+
+
+@contextmanager
+def protected(inputs: Iterable[Path]) -> Iterator[None]:
+    """Refuse to write over files while the block runs, by whatever name: those that a command reads."""
+    added = {place_of(path) for path in inputs} - _inputs
+    _inputs.update(added)
+    try:
+        yield
+    finally:
+        _inputs.difference_update(added)
+
+
 @contextmanager
 def open_atomic(path: Path) -> Iterator[TextIO]:
-    """Open a UTF-8 text file for writing that appears under its name only when the block ends without an error.
+    """Open a UTF-8 text file for writing, as `open_binary_atomic` does.
 
-    The text goes to a temporary file in the same folder, which then takes the place of `path`. A path that is no
+    Raises:
+        FileAccessError: the file cannot be written; an earlier file of that name is unchanged.
+    """
+    with open_binary_atomic(path) as stream, _as_text(stream) as text:
+        yield text
+
+
+@contextmanager
+def _as_text(stream: BinaryIO) -> Iterator[TextIO]:
+    """Yield a text stream on a binary one, which stays open behind it."""
+    text = TextIOWrapper(stream, encoding="utf-8", newline="\n")
+    try:
+        yield text
+    finally:
+        text.detach()  # writes out what is left
+
+
+@contextmanager
+def open_binary_atomic(path: Path) -> Iterator[BinaryIO]:
+    """Open a file for writing that appears under its name only when the block ends without an error.
+
+    What is written goes to a temporary file in the same folder, which then takes the place of `path`. A path that is no
     regular file, such as /dev/null or a pipe, is written to directly.
 
     Raises:
         FileAccessError: the file cannot be written; an earlier file of that name is unchanged.
+        OverwriteError: the file is one of those that `protected` names.
     """
     if "\0" in str(path):
         raise FileAccessError("the file cannot be written: its name holds a NUL character", span=Span(str(path)))
     try:
         if path.exists() and not path.is_file() and not path.is_dir():
-            with path.open("w", encoding="utf-8", newline="\n") as stream:
+            with path.open("wb") as stream:
                 yield stream
             return
+        if place_of(path) in _inputs:
+            raise OverwriteError("this file is also an input; it is left as it is", span=Span(str(path)))
         with _temporary(Path(os.path.realpath(path))) as stream:
             yield stream
     except OSError as error:
@@ -114,14 +208,13 @@ def open_atomic(path: Path) -> Iterator[TextIO]:
 
 
 @contextmanager
-def _temporary(target: Path) -> Iterator[TextIO]:
+def _temporary(target: Path) -> Iterator[BufferedWriter]:
     if target.is_dir():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-    handle, name = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=".part", dir=target.parent)
-    part = Path(name)
-    _parts.add(part)
+    part = target.with_name(f".{target.name[:40]}.{secrets.token_hex(_RANDOM_BYTES)}.part")
     try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
+        _parts.add(part)  # before it exists: a signal may come between any two steps
+        with os.fdopen(os.open(part, os.O_CREAT | os.O_EXCL | os.O_WRONLY | _BINARY, 0o600), "wb") as stream:
             yield stream
         part.chmod(_mode(target))
         part.replace(target)

@@ -7,6 +7,9 @@ use: `usage`, `show`, `axisvalues`, `info_tables`, `open_points`, `progress`, `p
 
 from __future__ import annotations
 
-from chainbuild.cli.entry import main
+from chainbuild.cli.process import loading
+
+with loading():
+    from chainbuild.cli.entry import main
 
 __all__ = ["main"]

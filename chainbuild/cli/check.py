@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from chainbuild.cli.show import finding_data, print_findings, print_json, refusal_as_json
+from chainbuild.cli.show import finding_data, print_findings, print_json, refusal_as_json, say
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, all_findings
 from chainbuild.errors import ChainbuildError
 from chainbuild.findings import Collector, Finding, Findings
@@ -34,7 +34,7 @@ def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT
         print_json({"file": file, "refused": refused, "findings": [finding_data(finding) for finding in findings]})
     else:
         print_findings(findings)
-        print(f"{file}: {_verdict(findings, refused)}")
+        say(f"{file}: {_verdict(findings, refused)}")
     return 1 if refused else 0
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from chainbuild.cli.axisvalues import At, given_rows
-from chainbuild.cli.show import console, empty_table, note, print_json
+from chainbuild.cli.show import console, empty_table, note, print_json, say
 from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, Json, MachineOptions, UsageError
 from chainbuild.units import m_from_mm, mm_from_m
 
@@ -106,7 +106,7 @@ class _Found:
             "collides": self.collides,
             "contacts": [
                 {
-                    "row": contact.row,
+                    "row": contact.row + 1,
                     "share": contact.share,
                     "axes": dict(zip(self.names, contact.axes.tolist(), strict=True)),
                     "bodies": list(contact.pair),
@@ -118,11 +118,12 @@ class _Found:
                 None
                 if one is None
                 else {
+                    "row": row,
                     "bodies": list(one.pair),
                     "distance_mm": mm_from_m(one.distance),
                     "points_mm": (one.points * 1000.0).tolist(),
                 }
-                for one in self.closest
+                for row, one in enumerate(self.closest, start=1)
             ],
         }
 
@@ -135,9 +136,9 @@ class _Found:
         for contact in self.contacts:
             values = ", ".join(f"{n} {v:.4g}" for n, v in zip(self.names, contact.axes.tolist(), strict=True))
             between = f"row {contact.row + 1}" if contact.share == 0.0 else f"after row {contact.row + 1}"
-            print(f"{between}: {' and '.join(contact.pair)} touch at {values}")
+            say(f"{between}: {' and '.join(contact.pair)} touch at {values}")
         if not self.contacts:
-            print("no collision")
+            say("no collision")
 
 
 def _positions(model: CollisionModel, rows: Any, is_path: bool, clearance: float) -> _Found:
@@ -164,7 +165,7 @@ def _sample(model: CollisionModel, sampling: PairOptions, as_json: bool) -> dict
         for pair in found.pairs:
             shown.add_row(" – ".join(pair.links), pair.verdict, str(pair.hits))
         console().print(shown)
-        print(f"never: with {found.confidence:.0%} confidence, at less than a share {found.bound:.2g} of all positions")
+        say(f"never: with {found.confidence:.0%} confidence, at less than a share {found.bound:.2g} of all positions")
     return {
         "samples": found.samples,
         "confidence": found.confidence,

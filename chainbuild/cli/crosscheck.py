@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 from cyclopts import Parameter
 
-from chainbuild.cli.show import note, print_json
+from chainbuild.cli.show import note, print_json, say
 from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, Json, MachineOptions, UsageError
 from chainbuild.units import m_from_mm, rad_from_deg
 
@@ -125,4 +125,4 @@ def _print(check: CrossCheck, as_json: bool) -> None:
     if as_json:
         print_json(crosscheck_data(check))
     else:
-        print(crosscheck_text(check), end="")
+        say(crosscheck_text(check), end="")

@@ -1,4 +1,4 @@
-"""Where the command starts and where every error ends: one message on stderr and an exit code.
+"""The application, and where every error ends: one message on stderr and an exit code.
 
 Exit codes: 0 done, also with warnings; 1 input refused; 2 wrong usage; 3 rows failed, poses differ or
 bodies collide; 130 interrupted; 141 the reader of the output has closed it. Other signals end the process as they do
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import shlex
 import sys
 from collections.abc import Callable, Sequence
@@ -31,21 +32,23 @@ from chainbuild.cli.ik import ik
 from chainbuild.cli.info import info
 from chainbuild.cli.inspect import inspect
 from chainbuild.cli.limits import limits
-from chainbuild.cli.process import signals, standard_streams
+from chainbuild.cli.process import INTERRUPTED, signals, standard_streams
 from chainbuild.cli.singularity import singularity
 from chainbuild.cli.types import types
 from chainbuild.cli.urdf import urdf
-from chainbuild.cli.usage import UsageError, refuse_overwriting
+from chainbuild.cli.usage import UsageError, input_files, refuse_overwriting
 from chainbuild.cli.warm import warm
 from chainbuild.cli.workspace import workspace
-from chainbuild.errors import ChainbuildError
+from chainbuild.errors import ChainbuildError, OverwriteError
+from chainbuild.files import printable, protected
 
 # Exit codes; those of signals are 128 and the number of the signal, as a shell reports them.
 DONE: Final = 0
 REFUSED: Final = 1
 WRONG_USAGE: Final = 2
-INTERRUPTED: Final = 130
 READER_GONE: Final = 141
+
+_NO_TAB: Final = re.compile(r"[^\t]")
 
 _COMMANDS = (
     info,
@@ -97,8 +100,10 @@ def _guarded(command: Callable[..., int]) -> Callable[..., int]:
 
     @wraps(command)
     def guarded(*operands: Any, **options: Any) -> int:
-        refuse_overwriting(signature(command).bind(*operands, **options).arguments)
-        return command(*operands, **options)
+        arguments = signature(command).bind(*operands, **options).arguments
+        refuse_overwriting(arguments)
+        with protected(input_files(arguments)):
+            return command(*operands, **options)
 
     return guarded
 
@@ -126,6 +131,8 @@ def _run(words: list[str]) -> int:
         return _fail(
             f"chainbuild: {_usage_text(error)}\nchainbuild {_command_of(words)}--help shows the usage", WRONG_USAGE
         )
+    except OverwriteError as error:
+        return _fail(message_of(error), WRONG_USAGE)
     except ChainbuildError as error:
         return _fail(message_of(error), REFUSED)
     except BrokenPipeError:
@@ -156,9 +163,12 @@ def _is_number(word: str) -> bool:
 
 def message_of(error: ChainbuildError) -> str:
     """Return the message of an error: ``file:line: what is wrong``, with the line and a mark under the spot."""
-    head = str(error) if error.span else f"chainbuild: {error}"
-    marked = error.marked_line()
-    return f"{head}\n{marked}" if marked else head
+    head = printable(str(error) if error.span else f"chainbuild: {error}")
+    line, _, mark = error.marked_line().partition("\n")
+    if not mark:
+        return head
+    before, behind = printable(line[: len(mark) - 1]), printable(line[len(mark) - 1 :])
+    return f"{head}\n{before}{behind}\n{_NO_TAB.sub(' ', before)}^"
 
 
 def _command_of(words: Sequence[str]) -> str:
@@ -175,7 +185,7 @@ def _accept_any_text() -> None:
 
 def _fail(message: str, code: int) -> int:
     with suppress(OSError):
-        print(message, file=sys.stderr)
+        print(printable(message), file=sys.stderr)
     return code
 
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from chainbuild.formats.machine import Machine, ParameterRow
     from chainbuild.formats.selection import KinematicEntry
 
+_KINEMATICS_SHOWN: Final = 200  # far more than a machine has; a table of thousands takes seconds
 _WIDE: Final = 120  # columns of a terminal on which long texts fit side by side
 
 
@@ -29,7 +30,7 @@ def kinematics_table(entries: Sequence[KinematicEntry]) -> Table:
     shown = empty_table("Kinematics", "Id", "Name", "Type", "Title", "Chosen by")
     default = next((entry for entry in entries if entry.default), None)
     taken: set[tuple[int, int]] = set()
-    for entry in entries:
+    for entry in entries[:_KINEMATICS_SHOWN]:
         key = (entry.channel, entry.id)
         # Kinematics that share an id are selected by name.
         id_shown = "" if key in taken and entry.name else str(entry.id)
@@ -39,6 +40,8 @@ def kinematics_table(entries: Sequence[KinematicEntry]) -> Table:
             chosen += f" --channel {entry.channel}"
         kind = f"{entry.type}, step {entry.step}" if entry.step else entry.type
         shown.add_row(id_shown, entry.name, kind, entry.title, "default" if entry is default else chosen)
+    if len(entries) > _KINEMATICS_SHOWN:
+        shown.add_row("…", "", "", f"{len(entries) - _KINEMATICS_SHOWN} more: --json lists them", "")
     return shown
 
 

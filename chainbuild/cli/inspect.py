@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from chainbuild.cli.show import say
 from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions
 
 
@@ -21,5 +22,5 @@ def inspect(file: str, /, *, export: Path, options: MachineOptions = DEFAULT_OPT
     """
     from chainbuild.inspect.export import export_page
 
-    print(export_page(options.robot(file), export))
+    say(export_page(options.robot(file), export))
     return 0

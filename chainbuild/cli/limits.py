@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from chainbuild.cli.axisvalues import At, values_of
 from chainbuild.cli.progress import counted
-from chainbuild.cli.show import console, empty_table, note, print_json
+from chainbuild.cli.show import console, empty_table, note, print_json, say
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
 
 if TYPE_CHECKING:
@@ -100,14 +100,12 @@ def _parallelogram(robot: Robot, steps: int, picture: Path | None, as_json: bool
         return
     _print(found.intervals, "Free interval of the parallelogram's angle", labels)
     for verdict in found.verdicts:
-        print(verdict)
+        say(verdict)
     if found.drawn:
         names = ", ".join(found.drawn)
-        print(
-            f"an estimate: {names} with default dimensions; with those of [geometry] in the overlay limits are printed"
-        )
+        say(f"an estimate: {names} with default dimensions; with those of [geometry] in the overlay limits are printed")
     for line in found.machine_data():
-        print(line)
+        say(line)
 
 
 def _draw(

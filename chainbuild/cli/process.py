@@ -14,9 +14,10 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, Final
 
-from chainbuild.files import discard_parts
-
+INTERRUPTED: Final = 130  # exit code: 128 and the number of the signal, as a shell reports it
 _ENDING: Final = ("SIGTERM", "SIGHUP")  # the second is unknown on Windows
+_IMPORTING: Final = "<frozen importlib._bootstrap>"  # file of the frames of an import
+_AGAIN_S: Final = 0.02  # seconds until an interrupt that came during an import comes again: not felt
 
 
 class _NoStream(io.TextIOBase):
@@ -46,11 +47,16 @@ def standard_streams() -> Iterator[None]:
 
 
 _interrupted = False
+_again: threading.Timer | None = None  # brings back an interrupt that came during an import
 
 
 @contextmanager
 def signals() -> Iterator[None]:
-    """Remove half-written files when a signal ends the process, and record every interrupt."""
+    """Remove half-written files when a signal ends the process, and record every interrupt.
+
+    An interrupt while a library is imported takes effect when that is done: libraries in C++ do not survive an
+    exception in their initialisation.
+    """
     global _interrupted  # noqa: PLW0603 - signals belong to the process
     _interrupted = False
     if threading.current_thread() is not threading.main_thread():
@@ -65,9 +71,22 @@ def signals() -> Iterator[None]:
     try:
         yield
     finally:
+        if _again is not None:
+            _again.cancel()
         for number, before in taken.items():
             with suppress(ValueError, OSError):
                 signal.signal(number, before)
+
+
+@contextmanager
+def loading() -> Iterator[None]:
+    """Let an interrupt during the import of the command line end the process when that is done, in one line."""
+    with signals():
+        yield
+        if _interrupted:
+            with suppress(OSError):
+                os.write(2, b"chainbuild: interrupted\n")
+            raise SystemExit(INTERRUPTED)
 
 
 def check_interrupt() -> None:
@@ -76,15 +95,39 @@ def check_interrupt() -> None:
         raise KeyboardInterrupt
 
 
-def _interrupt(_number: int, _frame: FrameType | None) -> None:
-    global _interrupted  # noqa: PLW0603
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    global _interrupted, _again  # noqa: PLW0603
     _interrupted = True
-    raise KeyboardInterrupt
+    if not _in_import(frame):
+        raise KeyboardInterrupt
+    if _again is None or not _again.is_alive():
+        _again = threading.Timer(_AGAIN_S, _send_again, [number])
+        _again.daemon = True
+        _again.start()
+
+
+def _send_again(number: int) -> None:
+    main = threading.main_thread().ident
+    if main is None or not hasattr(signal, "pthread_kill"):  # Windows
+        signal.raise_signal(number)
+    else:
+        signal.pthread_kill(main, number)  # also wakes it where it waits
+
+
+def _in_import(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_code.co_filename == _IMPORTING:
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _end(number: int, _frame: FrameType | None) -> None:
     """Remove half-written files and end as the signal does without a handler."""
-    discard_parts()
+    # This file loads no other of the package, so that signals are taken care of as early as possible.
+    discard = getattr(sys.modules.get("chainbuild.files"), "discard_parts", None)
+    if discard is not None:
+        discard()
     with suppress(OSError):
         os.write(2, b"chainbuild: terminated\n")
     signal.signal(number, signal.SIG_DFL)

@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any, Final, TextIO, TypeVar
 from rich import box
 from rich.console import Console
 from rich.table import Table as RichTable
+from rich.text import Text
 
 from chainbuild.cli.process import check_interrupt
 from chainbuild.errors import ChainbuildError
-from chainbuild.files import open_atomic
+from chainbuild.files import open_atomic, printable
 from chainbuild.findings import Collector, Finding
 
 if TYPE_CHECKING:
@@ -31,11 +32,23 @@ CHOICES: Final = frozenset({"CB246", "CB337", "CB340", "CB406", "CB411"})
 _COLOURS: Final = {"error": "bold red", "warning": "yellow", "info": "dim"}
 
 
+class _Console(Console):
+    """A console that escapes control characters and leaves a closed pipe to the caller."""
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Return a text for the terminal."""
+        return super().render_str(printable(text), **options)
+
+    def on_broken_pipe(self) -> None:
+        """Go on as `print` does, where rich would end the process with 1."""
+        raise BrokenPipeError
+
+
 def console(stream: TextIO | None = None) -> Console:
-    """Return a console that prints text literally: brackets in machine data are not markup."""
+    """Return a console that prints text literally: brackets in machine data are no markup, escapes no commands."""
     target = stream or sys.stdout
     wide = None if target.isatty() or "COLUMNS" in os.environ else _WIDTH_WITHOUT_TERMINAL
-    return Console(file=target, width=wide, markup=False, highlight=False, emoji=False)
+    return _Console(file=target, width=wide, markup=False, highlight=False, emoji=False)
 
 
 def empty_table(title: str, *columns: str) -> RichTable:
@@ -55,9 +68,14 @@ def shown_number(value: float | str | None) -> str:
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
+def say(text: object, end: str = "\n") -> None:
+    """Print a text on stdout, control characters escaped."""
+    print(printable(str(text)), end=end)
+
+
 def print_json(data: object) -> None:
     """Print data as JSON on stdout."""
-    print(json.dumps(data, indent=2, allow_nan=False))
+    print(json.dumps(data, indent=2, allow_nan=False).replace("\x7f", "\\u007f"))
 
 
 def finding_data(finding: Finding) -> dict[str, Any]:
@@ -127,7 +145,7 @@ def counted_findings(warnings: int) -> str:
 
 def note(text: str) -> None:
     """Print a line on stderr."""
-    print(text, file=sys.stderr)
+    print(printable(text), file=sys.stderr)
 
 
 @contextmanager

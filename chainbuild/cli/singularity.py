@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 from cyclopts import Parameter
 
 from chainbuild.cli.axisvalues import At, given_rows
-from chainbuild.cli.show import console, empty_table, note, print_json, shown_number
+from chainbuild.cli.show import console, empty_table, note, print_json, say, shown_number
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
 from chainbuild.units import mm_from_m
 
@@ -129,14 +129,16 @@ class _Shown:
             "manipulability": [_finite(value) for value in self.table.manipulability],
             "condition": [_finite(value) for value in self.table.condition],
             "rows": [self._row(row, report) for row, report in self.reports],
-            "stretches": [asdict(stretch) for stretch in self.stretches],
+            "stretches": [
+                asdict(stretch) | {"first": stretch.first + 1, "last": stretch.last + 1} for stretch in self.stretches
+            ],
         }
 
     def _row(self, row: int, report: SingularityReport) -> dict[str, Any]:
         speed, nearest = report.speed, self.nearest.get(row)
         names = [axis.name for axis in self.robot.axes]
         return {
-            "row": row,
+            "row": row + 1,
             "axes": dict(zip(names, report.axes.tolist(), strict=True)),
             "singular_values": report.measures.singular_values.tolist(),
             "lost": report.measures.lost.tolist(),
@@ -169,7 +171,7 @@ class _Shown:
         for found in (*report.names, *report.notices):
             _print_singularity(found)
         if not report.names:
-            print("no singularity near")
+            say("no singularity near")
         if 0 in self.nearest:
             _print_nearest(self.nearest[0], self.robot)
 
@@ -183,7 +185,7 @@ class _Shown:
             shown.add_row(row.name, needed, f"{shown_number(row.limit)} {unit}" if row.limit is not None else "–")
         console().print(shown)
         if report.speed.alarm:
-            print(f"an axis exceeds its speed limit: alarm {report.speed.alarm} in JOG")
+            say(f"an axis exceeds its speed limit: alarm {report.speed.alarm} in JOG")
 
     def print_path(self) -> None:
         shown = empty_table("Close to singularities", "Row", "Smallest", "Kind", "What")
@@ -193,15 +195,15 @@ class _Shown:
         console().print(shown)
         for stretch in self.stretches:
             alarm = f": alarm {stretch.alarm}" if stretch.alarm else ""
-            print(f"rows {stretch.first + 1} … {stretch.last + 1}: {stretch.level}, {stretch.length_mm:.1f} mm{alarm}")
+            say(f"rows {stretch.first + 1} … {stretch.last + 1}: {stretch.level}, {stretch.length_mm:.1f} mm{alarm}")
         for row, nearest in self.nearest.items():
-            print(f"row {row + 1}: ", end="")
+            say(f"row {row + 1}: ", end="")
             _print_nearest(nearest, self.robot)
         posed = [value for value in self.table.smallest.tolist() if not math.isnan(value)]
         if len(posed) < len(self.rows):
-            print(f"{len(self.rows) - len(posed)} rows have no pose and are left out")
+            say(f"{len(self.rows) - len(posed)} rows have no pose and are left out")
         least = f", the smallest singular value is {min(posed):.4g}" if posed else ""
-        print(f"{len(self.rows)} rows{least}")
+        say(f"{len(self.rows)} rows{least}")
 
 
 def _kind(found: Singularity) -> str:
@@ -209,14 +211,14 @@ def _kind(found: Singularity) -> str:
 
 
 def _print_singularity(found: Singularity) -> None:
-    print(f"{_kind(found)}: {found.sentence}")
+    say(f"{_kind(found)}: {found.sentence}")
     if found.remark:
-        print(f"  {found.remark}")
+        say(f"  {found.remark}")
 
 
 def _print_nearest(nearest: Nearest, robot: Robot) -> None:
     if not nearest.found:
-        print("the descent from this position finds no singularity")
+        say("the descent from this position finds no singularity")
         return
     moves = [
         f"{axis.name} {change:+.4g}{'°' if axis.unit == 'deg' else ' mm'}"
@@ -224,7 +226,7 @@ def _print_nearest(nearest: Nearest, robot: Robot) -> None:
         if abs(change) > 5e-4
     ]
     place = "" if nearest.inside else " (outside the limits)"
-    print(f"nearest singularity at {nearest.distance:.4g} rad{place}: {', '.join(moves) or 'here'}")
+    say(f"nearest singularity at {nearest.distance:.4g} rad{place}: {', '.join(moves) or 'here'}")
 
 
 def _thresholds(limits: Thresholds) -> str:

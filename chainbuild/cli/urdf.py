@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from chainbuild.cli.show import print_json
+from chainbuild.cli.show import print_json, say
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions
 
 Folder = Annotated[Path, Parameter(name=["--output", "-o"])]
@@ -43,9 +43,9 @@ def urdf(
         conventions = {used.convention.name: used.choice for used in robot.chain.conventions}
         print_json({"path": str(path), "not_expressed": list(limitations), "conventions": conventions})
         return 0
-    print(path)
+    say(path)
     for used in robot.chain.conventions:
-        print(f"  convention {used.convention.name}={used.choice}{'' if used.by_user else ' (default)'}")
+        say(f"  convention {used.convention.name}={used.choice}{'' if used.by_user else ' (default)'}")
     for limitation in limitations:
-        print(f"  not expressed: {limitation}")
+        say(f"  not expressed: {limitation}")
     return 0

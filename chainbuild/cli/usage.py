@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
 from cyclopts import Parameter
 
+from chainbuild.errors import ChainbuildError
+from chainbuild.files import place_of
 from chainbuild.findings import Finding
 
 if TYPE_CHECKING:
@@ -21,8 +23,9 @@ if TYPE_CHECKING:
 # Exit code of a verdict against the user: rows failed, poses differ or bodies collide.
 REJECTED: Final = 3
 
-# Parameters that name a file to write, of any command.
+# Parameters that name a file to write, and those that name a folder to write to, of any command.
 _OUTPUTS: Final = frozenset({"output_file", "export", "html", "picture"})
+_FOLDERS: Final = frozenset({"folder", "srdf"})
 
 Json = Annotated[bool, Parameter(negative="")]
 Output = Annotated[Path | None, Parameter(name=["--output", "-o"])]
@@ -155,27 +158,54 @@ def refuse_overwriting(arguments: Mapping[str, object]) -> None:
     Raises:
         UsageError: an output is also the machine file, its overlay or a table to read, or another output.
     """
-    given = list(_named_files(arguments))
-    used = {os.path.realpath(path): f"{path} is also the input" for name, path in given if name not in _OUTPUTS}
-    for name, path in given:
+    used = {place_of(path): f"{path} is also the input" for path in input_files(arguments)}
+    for name, path in _named_files(arguments):
         if name not in _OUTPUTS or (path.exists() and not path.is_file()):
             continue
-        place = os.path.realpath(path)
+        place = place_of(path)
         if place in used:
             option = "output" if name == "output_file" else name
             raise UsageError(f"--{option} {path}: {used[place]}; expected another file, nothing was written")
         used[place] = f"{path} is also another output"
 
 
+def input_files(arguments: Mapping[str, object]) -> tuple[Path, ...]:
+    """Return the files that a command reads: those of its options, and those that an overlay names."""
+    return tuple(path for name, path in _named_files(arguments) if name not in _OUTPUTS | _FOLDERS)
+
+
 def _named_files(arguments: Mapping[str, object]) -> Iterator[tuple[str, Path]]:
-    """Yield parameter names and files; the machine file, where it is one, with the overlay beside it."""
+    """Yield parameter names and files; those that a file names in turn have its parameter's name."""
     for name, value in arguments.items():
         if isinstance(value, Path):
-            yield name, value
-        elif name == "file" and isinstance(value, str) and (file := Path(value)).is_file():
-            from chainbuild.formats.overlay import overlay_path
-
-            yield name, file
-            yield name, overlay_path(file)
+            files: Iterable[Path] = _with_named(value) if name == "overlay" else (value,)
+            yield from ((name, path) for path in files)
+        elif name == "file" and isinstance(value, str):
+            yield from ((name, path) for path in _machine_files(value))
+        elif name == "solver" and isinstance(value, str) and ":" in value:
+            yield name, Path(value.partition(":")[0].replace(".", "/") + ".py")
         elif is_dataclass(value) and not isinstance(value, type):
             yield from _named_files({field.name: getattr(value, field.name) for field in fields(value)})
+
+
+def _machine_files(file: str) -> Iterator[Path]:
+    """Yield a machine file and what is read with it; whether it exists is told when it is read."""
+    from chainbuild.formats.load import find_machine
+    from chainbuild.formats.overlay import overlay_path
+
+    with suppress(ChainbuildError):
+        path = find_machine(file)
+        yield path
+        if path.is_file():
+            yield from _with_named(overlay_path(path))
+
+
+def _with_named(overlay: Path) -> Iterator[Path]:
+    """Yield an overlay and the files it names; what is wrong with it is told when it is read."""
+    from chainbuild.formats.overlay import read_overlay
+
+    yield overlay
+    with suppress(ChainbuildError):
+        found = read_overlay(overlay)
+        yield from found.axis_lists
+        yield from (shape.file for shapes in found.geometry.shapes.values() for shape in shapes if shape.file)

@@ -75,7 +75,7 @@ def _failures_named(name: str) -> Iterator[None]:
         yield
     except ChainbuildError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # the function is the user's: it may raise anything, and end the process
         raise ChainbuildError(f"{name} fails: {type(error).__name__}: {error}", parameter="solver") from error
 
 
@@ -104,12 +104,19 @@ def _import(spec: str) -> Callable[..., Any]:
         found: Any = import_module(name)
         for part in attribute.split("."):
             found = getattr(found, part)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise ChainbuildError(f"'{spec}' cannot be imported: {error}", parameter="solver") from None
+    except (Exception, SystemExit) as error:  # the module is the user's: it may raise anything, and end the process
+        raise ChainbuildError(f"'{spec}' cannot be imported: {_words(error)}", parameter="solver") from None
     if not callable(found):
         raise ChainbuildError(f"'{spec}' is not a function", parameter="solver", permitted="module:function")
     result: Callable[..., Any] = found
     return result
+
+
+def _words(error: BaseException) -> str:
+    """Return what an error of foreign code says, with its kind where the text alone says little."""
+    if isinstance(error, ImportError | AttributeError | ValueError):
+        return str(error)
+    return "it ends the process (sys.exit)" if isinstance(error, SystemExit) else f"{type(error).__name__}: {error}"
 
 
 def other_solver_from_function(
@@ -128,7 +135,7 @@ def other_solver_from_function(
     """
     name = name or getattr(function, "__name__", "callable")
     middle = np.array([0.0 if axis.lower <= 0.0 <= axis.upper else axis.lower for axis in robot.axes])
-    if kind in ("auto", "fk") and _returns_pose(function, middle, strict=kind == "fk"):
+    if kind in ("auto", "fk") and _returns_pose(function, middle, name, strict=kind == "fk"):
         return OtherSolver(name, fk=lambda axes: _pose(function(axes), name), note="forward kinematics")
     pose = robot.fk(middle).homogeneous
     with _failures_named(name):
@@ -142,10 +149,11 @@ def other_solver_from_function(
     return OtherSolver(name, ik=lambda T: _rows(function(T), len(robot.axes)), note="inverse kinematics")
 
 
-def _returns_pose(function: Callable[..., Any], axes: Vector, *, strict: bool) -> bool:
+def _returns_pose(function: Callable[..., Any], axes: Vector, name: str, *, strict: bool) -> bool:
     try:
-        shape: tuple[int, ...] = np.shape(_as_matrix(function(axes.copy())))
-    except Exception:
+        with _failures_named(name):
+            shape: tuple[int, ...] = np.shape(_as_matrix(function(axes.copy())))
+    except ChainbuildError:
         if strict:
             raise
         return False  # it expects poses: axis values of another shape raise

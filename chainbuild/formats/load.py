@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from pathlib import Path
 
 from chainbuild.chain.elements import Chain
@@ -62,13 +63,13 @@ def _check_kinematics(machine: Machine, collector: Collector) -> None:
     entries = machine.kinematics()
     if named and entries:
         _note_assumed(machine, _try_chain(machine, None, None, collector), collector)
-    ids = [(entry.channel, entry.id) for entry in entries]
+    ids = Counter((entry.channel, entry.id) for entry in entries)
     names: set[tuple[int, str]] = set()
     for entry in entries:
         # Without a name it is the file's default, to which a second transformation step may belong.
         wanted: int | str | None = None
         if named or not entry.default:
-            told_by_name = ids.count((entry.channel, entry.id)) > 1 and (entry.channel, entry.name) not in names
+            told_by_name = ids[entry.channel, entry.id] > 1 and (entry.channel, entry.name) not in names
             wanted = entry.name if told_by_name and entry.name else entry.id
         names.add((entry.channel, entry.name))
         first = wanted is None and entry.channel == entries[0].channel

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from chainbuild.chain.check import check_chain
@@ -122,6 +123,7 @@ class Machine(ABC):
         self.overlay = overlay
         self._collector = collector
         self._reading = tuple(collector.findings)
+        self._refused = tuple(finding for finding in self._reading if finding.severity == "error")
         self._kept: dict[Selected, _Outcome] = {}
 
     def __repr__(self) -> str:
@@ -274,6 +276,17 @@ class Machine(ABC):
             collector: Takes the finding.
         """
 
+    def _entries_of(self, channel: int) -> Sequence[KinematicEntry]:
+        """Return the kinematics of a channel; looked up, since a file may have thousands of channels."""
+        return self._by_channel.get(channel, ())
+
+    @cached_property
+    def _by_channel(self) -> Mapping[int, Sequence[KinematicEntry]]:
+        found: dict[int, list[KinematicEntry]] = {}
+        for entry in self.kinematics():
+            found.setdefault(entry.channel, []).append(entry)
+        return found
+
     def _named(self, wanted: int | str | None, entries: Sequence[KinematicEntry]) -> KinematicEntry:
         """Return the requested one of a channel's kinematics; None: the default."""
         return choose_kinematic(entries, wanted, self.file)
@@ -298,7 +311,7 @@ class Machine(ABC):
             refuse_errors(self._reading)  # a refused line may have configured the only kinematic
         number = self._channel(channel, collector)
         wanted = self.overlay.kinematic if kinematic is None else kinematic
-        entries = [entry for entry in self.kinematics() if entry.channel == number]
+        entries = self._entries_of(number)
         try:
             if isinstance(wanted, tuple):
                 return self._pair(wanted, entries, collector)
@@ -333,7 +346,8 @@ class Machine(ABC):
         choose = Choices(chosen)
         try:
             chain = self._translate(selected, tool_length_mm + self.overlay.tool_length_mm, choose, collector)
-            refuse_errors((*self._reading, *collector.findings))
+            refuse_errors(self._refused)
+            refuse_errors(collector.findings)
             if self._is_main(selected):
                 chain = self.overlay.apply_geometry(chain)
             check_chain(chain)

@@ -6,7 +6,6 @@ import base64
 import json
 import os
 import string
-from html import escape
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -15,7 +14,7 @@ import numpy as np
 
 from chainbuild.files import write_text
 from chainbuild.frames import ANGLE_MODES
-from chainbuild.inspect.panel import panel_html
+from chainbuild.inspect.panel import html_escaped, panel_html
 from chainbuild.inspect.scene import Scene
 from chainbuild.inspect.sweep import FRAMES_PER_SECOND, AxisSweep, axis_sweep
 from chainbuild.kinematics.displayed import arm_normal
@@ -60,7 +59,7 @@ def page_html(robot: Mechanism) -> str:
     scene.animate(motion.q)
     template = string.Template(_asset("page.html"))
     return template.substitute(
-        title=escape(robot.chain.title),
+        title=html_escaped(robot.chain.title),
         css=_asset("page.css"),
         panel=panel_html(robot.chain, scene.grid_cell, motion.held),
         licences=_viewer_file("main.min.js.LICENSE.txt").replace("--", "- -"),

@@ -10,10 +10,16 @@ from pathlib import PurePath
 from chainbuild.chain.bodies.shapes import BASE_COLOUR, TOOL_SIDE, WORKPIECE_SIDE, Colour, shown_limits
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.convention import UsedConvention
+from chainbuild.files import printable
 from chainbuild.findings import Finding
 from chainbuild.frames import ANGLE_MODES
 
 _MARKS = {"I": "inferred", "?": "open"}
+
+
+def html_escaped(text: str) -> str:
+    """Return a text as HTML: no markup, no control characters."""
+    return escape(printable(text))
 
 
 def panel_html(chain: Chain, grid_cell: float, stopped: Sequence[str]) -> str:
@@ -25,7 +31,7 @@ def panel_html(chain: Chain, grid_cell: float, stopped: Sequence[str]) -> str:
         stopped: Names of axes that stop short of their range because there is no pose.
     """
     parts = [
-        f"<p>{escape(chain.dialect)} · {escape(chain.kinematic)}</p>",
+        f"<p>{html_escaped(chain.dialect)} · {html_escaped(chain.kinematic)}</p>",
         '<p id="now"></p>',
         '<div id="controls"><button id="play" type="button">Pause</button>'
         '<input id="time" type="range" min="0" value="0" step="0.01" aria-label="Time of the sweep in seconds">'
@@ -43,11 +49,11 @@ def _tool(chain: Chain) -> str:
     """Return the table for the pose of the tool, which the page fills."""
     shown = [_column_title(chain, column) for column in chain.display_columns]
     titles = ("X mm", "Y mm", "Z mm", *shown)
-    head = "".join(f'<th class="number">{escape(text)}</th>' for text in titles)
+    head = "".join(f'<th class="number">{html_escaped(text)}</th>' for text in titles)
     cells = '<td class="number"></td>' * len(titles)
     return (
         f'<h2>Tool in the workpiece frame</h2><table id="tcp"><thead><tr>{head}</tr></thead><tbody><tr>{cells}</tr>'
-        f'</tbody></table><p class="soft">{escape(_displayed_meaning(chain))}</p>'
+        f'</tbody></table><p class="soft">{html_escaped(_displayed_meaning(chain))}</p>'
     )
 
 
@@ -77,7 +83,7 @@ def _displayed_meaning(chain: Chain) -> str:
 
 def _axes(chain: Chain, stopped: Sequence[str]) -> str:
     rows = [
-        f"<tr><td>{escape(axis.name)}{' *' if axis.assumed else ''}</td><td>{axis.kind}</td>"
+        f"<tr><td>{html_escaped(axis.name)}{' *' if axis.assumed else ''}</td><td>{axis.kind}</td>"
         f'<td class="number">{_number(axis.lower)}</td><td class="number">{_number(axis.upper)}</td>'
         f'<td>{"°" if axis.unit == "deg" else axis.unit}</td><td class="number value"></td></tr>'
         for axis in chain.axes
@@ -86,7 +92,7 @@ def _axes(chain: Chain, stopped: Sequence[str]) -> str:
         '<h2>Axes, swept in this order</h2><table id="axes"><thead><tr><th>Axis</th><th>Kind</th>'
         '<th class="number">Lower</th><th class="number">Upper</th><th></th><th class="number">Now</th></tr></thead>'
     )
-    notes = "".join(f'<p class="soft">{escape(note)}</p>' for note in _axis_notes(chain, stopped))
+    notes = "".join(f'<p class="soft">{html_escaped(note)}</p>' for note in _axis_notes(chain, stopped))
     return f"{head}<tbody>{''.join(rows)}</tbody></table>{notes}"
 
 
@@ -126,8 +132,8 @@ def _conventions(used: Sequence[UsedConvention]) -> str:
     if not used:
         return "<h2>Conventions</h2><p>The chain uses no open convention.</p>"
     rows = [
-        f"<dt>{escape(u.convention.name)} = {escape(u.choice)}</dt>"
-        f"<dd>{escape(u.convention.choices.get(u.choice, ''))} "
+        f"<dt>{html_escaped(u.convention.name)} = {html_escaped(u.choice)}</dt>"
+        f"<dd>{html_escaped(u.convention.choices.get(u.choice, ''))} "
         f'<span class="soft">({_MARKS[u.convention.mark]}; {"chosen by you" if u.by_user else "default"})</span></dd>'
         for u in used
     ]
@@ -140,7 +146,7 @@ def _conventions(used: Sequence[UsedConvention]) -> str:
 def _findings(findings: Sequence[Finding]) -> str:
     if not findings:
         return ""
-    rows = "".join(f"<li>{escape(_finding(finding))}</li>" for finding in findings)
+    rows = "".join(f"<li>{html_escaped(_finding(finding))}</li>" for finding in findings)
     return f"<h2>Findings</h2><ul>{rows}</ul>"
 
 

@@ -13,6 +13,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from chainbuild.files import printable_tree
+
 Pixels = NDArray[np.uint8]
 
 # Pixels of SVG: margins with room for labels and a legend, and the largest plot between them.
@@ -125,7 +127,7 @@ class Chart:
 
     def text(self) -> str:
         """Return the SVG."""
-        return ET.tostring(self.svg, encoding="unicode") + "\n"
+        return ET.tostring(printable_tree(self.svg), encoding="unicode") + "\n"
 
     def _ticks(self) -> None:
         for value in _round_values(*self.x_range):

@@ -209,6 +209,7 @@ def _forward_data(forward: Forward) -> dict[str, Any]:
         "position_tolerance_mm": mm_from_m(forward.position_tolerance),
         "rotation_tolerance_deg": deg_from_rad(forward.rotation_tolerance),
         "worst": {
+            "row": worst + 1,
             "axes": forward.samples.axes[worst].tolist(),
             "kind": forward.samples.kinds[worst],
             "position_error_mm": _finite(mm_from_m(float(forward.position_error[worst]))),
@@ -216,13 +217,15 @@ def _forward_data(forward: Forward) -> dict[str, Any]:
         },
         "rows": [
             {
+                "row": row,
                 "axes": axes,
                 "kind": kind,
                 **{name: _finite(value) for name, value in zip(DIFFERENCE_COLUMNS, moved, strict=True)},
                 "position_error_mm": _finite(mm_from_m(distance)),
                 "rotation_error_deg": _finite(deg_from_rad(angle)),
             }
-            for axes, kind, moved, distance, angle in zip(
+            for row, axes, kind, moved, distance, angle in zip(
+                range(1, len(forward.samples) + 1),
                 forward.samples.axes.tolist(),
                 forward.samples.kinds,
                 difference_mm(forward),

@@ -12,7 +12,7 @@ import numpy as np
 
 from chainbuild.arrays import Vector
 from chainbuild.comparison.crosscheck import CrossCheck
-from chainbuild.files import write_text
+from chainbuild.files import printable_tree, write_text
 from chainbuild.units import deg_from_rad, mm_from_m
 from chainbuild.writers.report import DIFFERENCE_COLUMNS, crosscheck_text, difference_mm
 from chainbuild.writers.svg_plots import Points, histogram, scatter
@@ -56,7 +56,7 @@ def crosscheck_page(check: CrossCheck) -> str:
     if check.conventions:
         rows = [[name, choice] for name, choice in sorted(check.conventions.items())]
         _add_table(body, "Conventions in force", ("name", "choice"), rows)
-    return "<!DOCTYPE html>\n" + ET.tostring(html, encoding="unicode", method="html") + "\n"
+    return "<!DOCTYPE html>\n" + ET.tostring(printable_tree(html), encoding="unicode", method="html") + "\n"
 
 
 def _errors(check: CrossCheck) -> list[tuple[str, Vector, float]]:

@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from chainbuild.files import make_folder, write_text
+from chainbuild.files import file_of, write_text
 
 if TYPE_CHECKING:
     from chainbuild.analysis.collision.pairs import PairTable, Verdict
@@ -40,8 +40,6 @@ def write_srdf(robot: Mechanism, table: PairTable, folder: Path | str = "urdf_ou
     Raises:
         FileAccessError: the file cannot be written.
     """
-    place = Path(folder) / robot.name
-    make_folder(place)
-    path = place / f"{robot.name}.srdf"
+    path = file_of(folder, robot.name, "srdf")
     write_text(path, srdf_text(robot, table))
     return path

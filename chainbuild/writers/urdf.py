@@ -25,7 +25,7 @@ from chainbuild.chain.bodies.shapes import (
 )
 from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint
 from chainbuild.errors import ChainbuildError, ChainError
-from chainbuild.files import angle_text, as_folder, make_folder, number_text, numbers_text, write_text
+from chainbuild.files import angle_text, file_of, number_text, numbers_text, write_text
 from chainbuild.frames import inverse, translation, urdf_rpy
 from chainbuild.units import m_from_mm, rad_from_deg, si_factor
 from chainbuild.writers import notes
@@ -64,9 +64,7 @@ def write_urdf(robot: Mechanism, folder: Path | str = "urdf_out") -> Path:
     if not isinstance(robot, Mechanism):
         raise ChainbuildError(f"expected a robot, got {type(robot).__name__}", permitted="a chainbuild.Robot")
     text = urdf_text(robot)
-    place = as_folder(folder) / robot.name
-    make_folder(place)
-    path = place / f"{robot.name}.urdf"
+    path = file_of(folder, robot.name, "urdf")
     write_text(path, text)
     return path
 

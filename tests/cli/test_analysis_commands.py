@@ -95,7 +95,7 @@ def test_collide_at_a_position_and_along_a_path(run: Run) -> None:
     assert outcome.code == 3
     data = json.loads(outcome.out)
     (contact,) = data["contacts"]
-    assert contact["row"] == 0
+    assert contact["row"] == 1
     assert 0.0 < contact["share"] < 1.0
     assert len(data["closest"]) == 2
     assert np.array(data["closest"][0]["points_mm"]).shape == (2, 3)

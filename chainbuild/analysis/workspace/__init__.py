@@ -1,4 +1,4 @@
 """Maps of the workspace.
 
-In reading order: `mapspec`, `maps`.
+In reading order: `mapspec`, `fingerprint`, `maps`.
 """

@@ -8,18 +8,24 @@ saved from time to time, so that a stopped run resumes.
 from __future__ import annotations
 
 import json
+import multiprocessing
 import os
+import signal
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from multiprocessing import connection
 from pathlib import Path
+from threading import Thread
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.analysis.singularity.measures import measure_batch
+from chainbuild.analysis.workspace.fingerprint import fingerprint
 from chainbuild.analysis.workspace.mapspec import (
     Grid,
     MapSpec,
@@ -35,6 +41,7 @@ from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.elements import Chain
 from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError, FileAccessError, Span
+from chainbuild.files import open_binary_atomic
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.progress import Progress, counting
 from chainbuild.shown import two_lines
@@ -55,6 +62,7 @@ class Map:
         smallest: Largest of the smallest scaled singular values in each cell; NaN if none was free.
         collided: Number of positions left out for self-collision.
         done: (parts,) which parts are in it.
+        machine: Of which machine, with which limits and tool: a fingerprint of the chain.
     """
 
     spec: MapSpec
@@ -63,6 +71,7 @@ class Map:
     smallest: Vector
     collided: int
     done: NDArray[np.bool_]
+    machine: str
 
     def __repr__(self) -> str:
         size = "×".join(str(count) for count in self.grid.shape)
@@ -82,22 +91,17 @@ class Map:
             FileAccessError: the file cannot be written.
         """
         edges: dict[str, Any] = {f"edges_{n}": edge for n, edge in enumerate(self.grid.edges)}
-        text = json.dumps({"spec": self.spec.data(), "labels": self.grid.labels})
-        part = path.with_name(f".{path.name}.part")
-        try:
-            with part.open("wb") as stream:
-                np.savez_compressed(
-                    stream,
-                    header=np.array(text),
-                    count=self.count,
-                    smallest=self.smallest,
-                    collided=np.array(self.collided),
-                    done=self.done,
-                    **edges,
-                )
-            part.replace(path)
-        except OSError as error:
-            raise FileAccessError(f"the map cannot be written: {error.strerror or error}", span=_span(path)) from None
+        text = json.dumps({"spec": self.spec.data(), "labels": self.grid.labels, "machine": self.machine})
+        with open_binary_atomic(path) as stream:
+            np.savez_compressed(
+                stream,
+                header=np.array(text),
+                count=self.count,
+                smallest=self.smallest,
+                collided=np.array(self.collided),
+                done=self.done,
+                **edges,
+            )
 
 
 def read_map(path: Path) -> Map:
@@ -107,21 +111,38 @@ def read_map(path: Path) -> Map:
         FileAccessError: the file cannot be read or holds no map.
     """
     try:
-        with np.load(path, allow_pickle=False) as data:
-            header = json.loads(str(data["header"]))
-            labels = tuple(header["labels"])
-            given = header["spec"] | {"axes": tuple(header["spec"]["axes"]), "at": tuple(header["spec"]["at"])}
-            grid = Grid(labels, tuple(data[f"edges_{n}"] for n in range(len(labels))))
-            return Map(
-                MapSpec(**given),
-                grid,
-                data["count"],
-                data["smallest"],
-                int(data["collided"]),
-                data["done"].astype(bool),
-            )
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
-        raise FileAccessError(f"the map cannot be read: {error}", span=_span(path)) from None
+        with path.open("rb") as stream:
+            if not zipfile.is_zipfile(stream):
+                raise ValueError("it is no complete NPZ file")
+            stream.seek(0)
+            with np.load(stream, allow_pickle=False) as data:
+                return _from_arrays(data)
+    except Exception as error:  # numpy, zipfile, zlib and json have an error each for what is damaged
+        reason = error.strerror if isinstance(error, OSError) else None
+        raise FileAccessError(
+            f"the map cannot be read: {reason or error or type(error).__name__}",
+            span=_span(path),
+            permitted="a map written by `workspace -o`, or a file that does not exist",
+        ) from None
+
+
+def _from_arrays(data: Mapping[str, Any]) -> Map:
+    """Return the map of the arrays of a file.
+
+    Raises:
+        Exception: of any kind; the arrays are no map.
+    """
+    header = json.loads(str(data["header"]))
+    labels = tuple(header["labels"])
+    given = header["spec"] | {"axes": tuple(header["spec"]["axes"]), "at": tuple(header["spec"]["at"])}
+    grid = Grid(labels, tuple(data[f"edges_{n}"] for n in range(len(labels))))
+    count, smallest, done = data["count"], data["smallest"], data["done"]
+    found = Map(MapSpec(**given), grid, count, smallest, int(data["collided"]), done, str(header["machine"]))
+    kinds = (count.dtype, smallest.dtype, done.dtype) == (np.int64, np.float64, np.bool_)
+    shapes = count.shape == smallest.shape == grid.shape and done.shape == (_part_count(found.spec),)
+    if not (kinds and shapes and all(np.isfinite(edge).all() for edge in grid.edges)):
+        raise ValueError("its arrays do not belong together")
+    return found
 
 
 def _span(path: Path) -> Span:
@@ -165,22 +186,35 @@ def make_map(
 
 
 def _begin(robot: Mechanism, spec: MapSpec, path: Path | None) -> Map:
-    total = spec.cells**2 if spec.kind == "axes" else spec.samples
-    if path is not None and path.exists():
+    machine = _machine(robot, spec)
+    if path is not None and path.exists() and (path.is_file() or path.is_dir()):
         old = read_map(path)
-        if old.spec != spec:
+        other = "specification" if old.spec != spec else "machine, or of other limits or another tool"
+        if (old.spec, old.machine) != (spec, machine):
             raise ChainbuildError(
-                "the file holds a map of another specification",
+                f"the file holds a map of another {other}",
                 span=_span(path),
                 permitted="the same map, or a file that does not exist",
             )
         return old
     grid = grid_of(robot, spec)
     cells = int(np.prod(grid.shape))
-    done = np.zeros(-(-total // PART), dtype=bool)
+    done = np.zeros(_part_count(spec), dtype=bool)
     shape = grid.shape
     smallest = np.full(cells, np.nan).reshape(shape)
-    return Map(spec, grid, np.zeros(cells, dtype=np.int64).reshape(shape), smallest, 0, done)
+    return Map(spec, grid, np.zeros(cells, dtype=np.int64).reshape(shape), smallest, 0, done, machine)
+
+
+def _part_count(spec: MapSpec) -> int:
+    total = spec.cells**2 if spec.kind == "axes" else spec.samples
+    return -(-total // PART)
+
+
+def _machine(robot: Mechanism, spec: MapSpec) -> str:
+    try:
+        return fingerprint(robot.chain, bodies=spec.collisions)
+    except OSError as error:
+        raise FileAccessError(f"a mesh cannot be read: {error.strerror}", span=Span(str(error.filename))) from None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -226,6 +260,8 @@ def _parts(
                 finished, _ = wait(waiting, return_when=FIRST_COMPLETED)
                 for future in finished:
                     yield waiting.pop(future), future.result()
+        except BrokenProcessPool:
+            raise ChainbuildError("a process of the map has ended: out of memory?", hint="--workers 1") from None
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 
@@ -281,7 +317,24 @@ _worker: _Worker | None = None
 
 def _start(chain: Chain, spec: MapSpec, grid: Grid) -> None:
     global _worker  # noqa: PLW0603 - one worker a process, built when the process starts
+    _end_with_parent()
     _worker = _Worker(chain, spec, grid)
+
+
+def _end_with_parent() -> None:
+    """Have this process end as soon as its parent has, however that ended; what it does on a signal is its own."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent stops the work
+    for name in ("SIGTERM", "SIGHUP"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_DFL)  # temporary files are the parent's
+    parent = multiprocessing.parent_process()
+    assert parent is not None, "the process was not started by make_map"
+
+    def watch() -> None:
+        connection.wait([parent.sentinel])
+        os._exit(1)
+
+    Thread(target=watch, daemon=True).start()
 
 
 def _work(number: int) -> _Part:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from chainbuild.chain.elements import Chain
+from chainbuild.closest import listed
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, MachineDataError, Span
 from chainbuild.findings import Collector
@@ -25,6 +26,7 @@ from chainbuild.formats.twincat.translate import translate
 from chainbuild.formats.twincat.types.catalogue import title_of
 
 _COUPLING: Final = 210
+_CHANNELS_NAMED: Final = 20  # fit on a line or two of a message
 _TOOL_KEYS: Final = ("number",)
 
 
@@ -61,11 +63,12 @@ class TwinCatMachine(Machine):
         self.channels = content.channels
         self._tools = content.tools
         self._axis_lists = content.axis_lists
-        self._configured = tuple(one for channel in content.channels for one in _entries(channel))
+        self._configured = {channel.index: tuple(_entries(channel)) for channel in content.channels}
+        self._listed = tuple(one.entry for here in self._configured.values() for one in here)
 
     def kinematics(self) -> tuple[KinematicEntry, ...]:
         """Return the kinematics that the file configures, channel by channel."""
-        return tuple(one.entry for one in self._configured)
+        return self._listed
 
     def parameters(
         self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
@@ -127,7 +130,7 @@ class TwinCatMachine(Machine):
     def _is_main(self, selected: Selected) -> bool:
         """Tell whether the overlay is written for a kinematic: the one it names, else the default of the channel."""
         named = self.overlay.kinematic
-        entries = [entry for entry in self.kinematics() if entry.channel == selected.entry.channel]
+        entries = self._entries_of(selected.entry.channel)
         if isinstance(named, tuple):
             try:
                 return selected == self._pair(named, entries, Collector(strict=False))
@@ -140,24 +143,26 @@ class TwinCatMachine(Machine):
         return selected.second is None or self._found(selected.second).trafo is found.channel.default_trafo(1)
 
     def _found(self, entry: KinematicEntry) -> _Configured:
-        return next(one for one in self._configured if one.entry is entry)
+        return next(one for one in self._configured[entry.channel] if one.entry is entry)
 
     def _channel(self, wanted: int | None, collector: Collector) -> int:
-        indices = ", ".join(str(channel.index) for channel in self.channels)
         if wanted is not None:
-            if wanted in (channel.index for channel in self.channels):
+            if wanted in self._configured:
                 return wanted
+            known = listed(str(wanted), [str(index) for index in self._configured])
             raise MachineDataError(
-                f"the file has no channel {wanted}", span=Span(self.file), parameter="channel", permitted=indices,
+                f"the file has no channel {wanted}", span=Span(self.file), parameter="channel", permitted=known,
                 code="CB404",
             )  # fmt: skip
-        usable = [channel for channel in self.channels if channel.trafos]
-        if not usable:
+        usable = next((channel for channel in self.channels if channel.trafos), None)
+        if usable is None:
             raise MachineDataError("the file configures no kinematic", span=Span(self.file), code="CB213")
         if len(self.channels) > 1:
-            text = f"the file has {len(self.channels)} channels; channel {usable[0].index} is taken"
-            collector.add("CB406", text, span=usable[0].span, hint=f"choose another by its index: {indices}")
-        return usable[0].index
+            text = f"the file has {len(self.channels)} channels; channel {usable.index} is taken"
+            known = ", ".join(str(channel.index) for channel in self.channels[:_CHANNELS_NAMED])
+            known += f", … ({len(self.channels)} in all)" if len(self.channels) > _CHANNELS_NAMED else ""
+            collector.add("CB406", text, span=usable.span, hint=f"choose another by its index: {known}")
+        return usable.index
 
     def _named(self, wanted: int | str | None, entries: Sequence[KinematicEntry]) -> KinematicEntry:
         """Return the requested entry; where there is none, raise with the controller's error for an unknown id."""
@@ -185,7 +190,7 @@ class TwinCatMachine(Machine):
         """Return the kinematic of the second step on the default one; refuse a default that does not exist."""
         found = self._found(entry)
         channel, trafo = found.channel, found.trafo
-        here = [one for one in self._configured if one.channel is channel]
+        here = self._configured[entry.channel]
         if wanted is not None:
             if str(wanted) != entry.name:
                 _tell_apart(matching_id([one.entry for one in here], wanted), entry, collector)
