@@ -205,8 +205,7 @@ class Robot(Mechanism):
 
         Args:
             T: Tool in the workpiece frame [m]: `pin.SE3` or a (4, 4) array.
-            start: Axis values (n_axes,) that order the branches; axes that a singular pose leaves free keep theirs,
-                or are as near to it as all limits permit.
+            start: Axis values (n_axes,) that order the branches; axes left free keep theirs as far as limits permit.
             held: As for `ik`.
             windings: True: every whole turn within the limits is a branch of its own, not only the nearest.
             status: Only branches of this status and this turn, as for `ik`; None: all.
