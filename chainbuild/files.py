@@ -43,10 +43,10 @@ _DOUBTFUL: Final = re.compile(r"[^ -~\n\t]")
 # Categories of characters that are no text: control, format (such as the direction of writing), surrogate, separators.
 _UNSEEN: Final = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
 
-Place = tuple[int, int] | str
+FilePlace = tuple[int, int] | str
 
 _parts: set[Path] = set()  # temporary files of what is being written
-_inputs: set[Place] = set()  # files that must not be written over
+_inputs: set[FilePlace] = set()  # files that must not be written over
 
 
 def number_text(value: float) -> str:
@@ -127,7 +127,7 @@ def make_folder(path: Path) -> None:
         raise _refusal(path, error, "the folder cannot be created") from None
 
 
-def place_of(path: Path) -> Place:
+def place_of(path: Path) -> FilePlace:
     """Return what all names of one file have in common: device and inode, its full path where it does not exist."""
     try:
         found = path.stat()
