@@ -96,12 +96,12 @@ BAD = {
         "CB302",
     ),
     "four inputs for six axes": Bad(
-        robx_text(NR6, axes_in=(1, 2, 3, 4)), ("names 4 robot axes", "NUM_AXES is 6"), "AXES_IN_1[3]", 75311, "CB302"
+        robx_text(NR6, axes_in=(1, 2, 3, 4)), ("names 5 robot axes", "NUM_AXES is 6"), "AXES_IN_1[3]", 75311, "CB302"
     ),
     "gap in the inputs": Bad(
         robx_text(ARM5, axes_in=(1, 2, 0, 4, 5, 6)), ("1, 2, 0, 4, 5, 6",), "AXES_IN_1[5]", 75311, "CB302"
     ),
-    "no inputs": Bad(robx_text(NR6, axes_in=()), ("names 0 robot axes",), "TRAFO_TYPE_1", 75311, "CB302"),
+    "no inputs": Bad(robx_text(NR6, axes_in=()), ("names 5 robot axes",), "TRAFO_TYPE_1", 75311, "CB302"),
     "channel axis twice": Bad(
         robx_text(NR6, axes_in=(1, 2, 3, 4, 5, 5)), ("channel axis 5 twice",), "AXES_IN_1[5]", 75311, "CB302"
     ),

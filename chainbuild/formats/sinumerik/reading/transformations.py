@@ -58,7 +58,7 @@ class DatumReport:
 
 ROBX_TYPE: Final = 4100
 TE4_TYPE: Final = 4099
-_DATA_SETS = range(1, 11)
+_DATA_SETS = range(1, 21)
 
 
 def find_transformations(table: DataTable, collector: Collector) -> tuple[Robx, ...]:
@@ -67,6 +67,7 @@ def find_transformations(table: DataTable, collector: Collector) -> tuple[Robx, 
     Raises:
         MachineDataError: a wrong TRAFO_TYPE (alarm 75312), or no transformation at all.
     """
+    _refuse_inches(table, collector)
     found: list[Robx] = []
     refused = False
     for channel in sorted({row.channel for row in table.reading.assignments if row.datum.prefix == "MC"}):
@@ -84,6 +85,16 @@ def find_transformations(table: DataTable, collector: Collector) -> tuple[Robx, 
             error=UnsupportedKinematicError,
         )
     return tuple(found)
+
+
+def _refuse_inches(table: DataTable, collector: Collector) -> None:
+    """Refuse a file whose control counts lengths in inches: everything here reads mm."""
+    row = table.shared("SCALING_SYSTEM_IS_METRIC", None)
+    if row is not None and row.value == 0.0:
+        name = "$MN_SCALING_SYSTEM_IS_METRIC"
+        text = f"{name} is 0: the lengths of this file are inches, which is not read"
+        hint = "convert machine data and tool data to the metric system on the control (or all lengths by 25.4)"
+        collector.add("CB125", text, span=row.span, parameter=name, permitted="1", hint=hint)
 
 
 def _transformation(table: DataTable, channel: int, n: int) -> Robx | None:

@@ -17,7 +17,7 @@ from chainbuild.errors import UnsupportedKinematicError
 from chainbuild.findings import Collector
 from chainbuild.formats.sinumerik.reading.assignment import Assignment
 from chainbuild.formats.sinumerik.reading.data_table import DataTable, written_name
-from chainbuild.formats.sinumerik.reading.robx import ExtraAxis, ExtraGroup, Robx
+from chainbuild.formats.sinumerik.reading.robx import ExtraAxis, ExtraGroup, Robx, inputs_by_default
 from chainbuild.formats.sinumerik.reading.transformations import DatumReport
 from chainbuild.formats.sinumerik.rules.plausible import check_plausible
 
@@ -63,6 +63,10 @@ def _check_inputs(report: DatumReport) -> None:
     name = f"TRAFO_AXES_IN_{robx.transformation}"
     robot = robx.axes_in[:_ROBOT_INPUTS]
     named = sum(1 for axis in robot if axis)
+    default = inputs_by_default(robx.data, robx.transformation)
+    if default:
+        shown = ", ".join(f"[{n}] = {robot[n]}" for n in default)
+        report.add("CB124", f"$MC_{name} is given in part: {shown} is the control's default", general=name)
     if named != robx.num_axes or 0 in robot[: robx.num_axes]:
         lacks = "" if robx.given("NUM_AXES") else f" (the default: {robx.parameter('NUM_AXES')} is missing)"
         shown = ", ".join(str(axis) for axis in robot)
