@@ -221,7 +221,7 @@ def _build(
     machine: RobxMachine, robx: Robx, tool_length_mm: float, gripper: bool, choose: Choices, collector: Collector
 ) -> Chain:
     if gripper:
-        check_gripper(robx, collector, asked=True)
+        check_gripper(robx, choose, collector)
     translation = translate(robx, machine.tool(robx), tool_length_mm, gripper, choose)
     check_geometry(robx, translation, machine.tool(robx), choose, collector)
     basic = basic_moves(translation.basic)
@@ -244,7 +244,7 @@ def _build(
         angle_mode="orirpy2" if robx.tool_dir == 1 else "orirpy",
         task="direction" if robx.num_axes == 5 else "pose",
         constraints=constraints(robx, translation, axes, choose),
-        absolute_c=absolute_c(robx, translation, axes, choose),
+        absolute_c=absolute_c(robx, translation, axes, choose, collector),
         tool_axis="z" if robx.tool_dir == 1 else "x",
         follows_c=robx.num_axes == 4,
         controller_solver=controller_solver(robx, translation, axes),
