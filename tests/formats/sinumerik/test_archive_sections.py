@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from chainbuild.errors import ChainbuildError
+from chainbuild.errors import ChainbuildError, UnsupportedKinematicError
 from chainbuild.findings import Finding
+from chainbuild.formats.load import load
 from chainbuild.formats.sinumerik.machine import RobxMachine
 from tests.kit.robx_files import CC4, NR6, T, close, pose_of, read, robx_text
 
@@ -206,3 +207,35 @@ def test_tools_of_another_channel_are_not_taken():
     machine = read(f"{robx_text(NR6)}\n%_N_TO2_TOA\n{edge({3: 55})}\n")
     assert close(pose_of(machine.chain(), AXES), PLAIN)
     assert "tool area 2" in found(machine, "CB126")[0].text
+
+
+# ---------------------------------------------------------------- files of another kind
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "line"),
+    [
+        ("N24100 $MC_TRAFO_TYPE_1=0\n$MC_TRAFO_TYPE_2=24\n$MC_TRAFO5_TOOL_VECTOR_1=2", "TRAFO_TYPE 24 is an ori", 2),
+        ("$MC_TRAFO_TYPE_1=72", "72 is an orientation transformation (TRAORI) whose data", 1),
+        ("$MC_TRAFO_TYPE_11=256", "256 is a polar transformation (TRANSMIT)", 1),
+        ("$MC_TRAFO_TYPE_1=4000", "4000 is another one", 1),
+        ('; chain\nN10 $NK_NAME[0]="ROOT"\n$NK_TYPE[1]="AXIS_ROT_W"', "a chain of $NK_ elements", 2),
+        ('$MN_AXCONF_MACHAX_NAME_TAB[0]="X"', "configures no ROBX transformation;", None),
+    ],
+)
+def test_a_file_without_robx_is_named_for_what_it_is(text, words, line):
+    with pytest.raises(UnsupportedKinematicError) as caught:
+        read(text)
+    assert words in str(caught.value)
+    assert (caught.value.code, caught.value.line) == ("CB303", line)
+
+
+def test_files_of_other_kinds_are_found_by_content(tmp_path):
+    chain = tmp_path / "chain.ini"
+    chain.write_text('$NK_NAME[0]="ROOT"\n')
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text('<?xml version="1.0"?>\n<robot name="arm"><link name="base"/></robot>\n')
+    with pytest.raises(ChainbuildError, match=r"chain of \$NK_ elements.*types 91"):
+        load(chain)
+    with pytest.raises(ChainbuildError, match=r"arm.urdf:2: .*\(URDF\).*from_urdf"):
+        load(urdf)

@@ -53,6 +53,7 @@ _ASSIGNMENT = re.compile(
 )
 # Names that no NC program uses for anything else, so that they are known without their $ and prefix, too.
 _PLAIN_NAME = re.compile(r"(?:ROBX|TRAFO6|TRAFO_TYPE|TRAFO_AXES_IN|TRAFO_INCLUDES_TOOL|AXCONF)_[A-Z0-9_]+", _ANY_CASE)
+_KINEMATIC_CHAIN = re.compile(r"\s*(?:N\d+\s*)?\$NK_", _ANY_CASE)
 _TOOL_OFFSETS = re.compile(r"\$TC_(ADPT|CARR|SCP|ECP)", _ANY_CASE)
 _BIT = re.compile(r"\.\s*bit\s*(\d{1,2})\s*={0,2}\s*([01]|TRUE|FALSE)", _ANY_CASE)
 _MISPRINT = ("ROBX_AXIS_SEQ", "23", "3")  # ROBX manual 5.3.15 prints [23] for [3]
@@ -73,6 +74,7 @@ class Reading:
         channels: Channels that CHANDATA or headers name, in file order; (1,) where none is named.
         ignored: Number of lines with data that are not used.
         refused: Number of lines that were refused (lenient collector only).
+        kinematic_chain: The first line of a kinematic chain ($NK_), or None.
     """
 
     file: str
@@ -80,6 +82,7 @@ class Reading:
     channels: tuple[int, ...]
     ignored: int
     refused: int
+    kinematic_chain: Span | None = None
 
 
 @dataclass(slots=True)
@@ -99,6 +102,7 @@ class _State:
     sections: list[Section] = field(default_factory=list)
     notations: list[Span] = field(default_factory=list)
     tool_offsets: dict[str, Span] = field(default_factory=dict)
+    kinematic_chain: Span | None = None
 
 
 def read_assignments(source: SourceText, collector: Collector) -> Reading:
@@ -126,7 +130,8 @@ def read_assignments(source: SourceText, collector: Collector) -> Reading:
     if state.ignored:
         text = f"unrelated lines ignored: {state.ignored}"
         collector.add("CB110", text, span=Span(source.file))
-    return Reading(source.file, tuple(state.assignments), state.channels or (1,), state.ignored, state.refused)
+    channels = state.channels or (1,)
+    return Reading(source.file, tuple(state.assignments), channels, state.ignored, state.refused, state.kinematic_chain)
 
 
 def _read_line(state: _State, number: int, raw: str) -> None:
@@ -305,6 +310,8 @@ def _compare_number(state: _State, match: re.Match[str], datum: MachineDatum, te
 def _not_ours(state: _State, span: Span, line: str, match: re.Match[str] | None) -> None:
     """Count a line that assigns no known datum; warn where it nevertheless names one of the transformation."""
     state.ignored += 1
+    if state.kinematic_chain is None and _KINEMATIC_CHAIN.match(line):
+        state.kinematic_chain = span
     if offsets := _TOOL_OFFSETS.search(line):
         state.tool_offsets.setdefault(offsets[1].upper(), span)
     if not has_own_name(line):
