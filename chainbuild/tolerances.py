@@ -56,8 +56,8 @@ HUGE_AXIS_VALUE: Final = 1e9
 ARM_LENGTH_RATIO: Final = 50.0
 ARM_REACH_MM: Final = (50.0, 50_000.0)
 
-# A count of 1e-4 mm or degrees below this (0.1 mm) with a fraction leaves a warning: it looks like a value in mm.
-FRACTIONAL_COUNT: Final = 1000.0
+# Counts of 1e-4 mm or degrees below this (0.1 mm) leave a warning: with a fraction, or where all lengths are below.
+SMALL_COUNT: Final = 1000.0
 
 # A pose farther away than this [m] is taken as a mistake.
 HUGE_POSITION_M: Final = 1e6

@@ -153,7 +153,7 @@ _TWINCAT: Final = re.compile(
     rf"^[ \t]*(?:{'|'.join(sorted(TWINCAT_ROOTS - {'ori'}))})(?=[ \t\[.]|$)", re.MULTILINE | re.IGNORECASE
 )
 _SINUMERIK: Final = re.compile(
-    r"\\?\$(?:M[NCA]|S[NCA]|TC|ON)_[A-Z]"
+    r"\\?\$(?:M[NCA]|S[NCA]|TC|ON|NK|NT)_[A-Z]"
     r"|^[ \t]*(?:CHANDATA[ \t]*\(|%_N_\w|(?:ROBX|TRAFO6|TRAFO_TYPE)_[A-Z0-9]|(?:N|MD)[ \t]*62[69]\d\d\b)",
     re.IGNORECASE | re.ASCII | re.MULTILINE,
 )

@@ -54,7 +54,7 @@ def input_values(md: dict[str, Any], axes: Sequence[float], c: dict[str, str]) -
     if get(md, "GRIP_REL_MOVE", c):
         if get(md, "NUM_AXES", c) < 6:
             raise ValueError("gripper-referred motion needs six robot axes (9.2.1)")
-        if any(i >= 9 for i in value):
+        if any(i >= 9 for i in value) and c["gripper_extra_axes"] == "refused":
             raise ValueError("gripper-referred motion allows additional axes in the BCS only (9.1.3)")
     return value
 
@@ -113,7 +113,8 @@ def flange_axes(md: dict[str, Any], value: dict[int, float], c: dict[str, str]) 
     T = np.eye(4)
     before = ("EXT_FL_ROT_BASE_OFFSET", "EXT_FL_ROT_JOINT_OFF_1", "EXT_FL_ROT_JOINT_OFF_2")
     for i, name in enumerate(before):
-        T = T @ shift(*get(md, name, c))
+        if c["leftover_joint_offset"] == "counts" or i == 0 or any(12 + k in value for k in range(i, 3)):
+            T = T @ shift(*get(md, name, c))
         if 12 + i in value:
             angle = value[12 + i] - get(md, "EXT_FL_ROT_AX_OFFSET", c)[i]
             T = T @ rot_about(get(md, f"EXT_FL_ROT_AX_VECTOR_{i + 1}", c), angle)
@@ -150,7 +151,8 @@ def table(md: dict[str, Any], value: dict[int, float], c: dict[str, str]) -> Mat
     T = shift(origin[0], origin[1], origin[2])
     before = ("EXT_ROT_BASE_OFFSET", "EXT_ROT_JOINT_OFFSET_1", "EXT_ROT_JOINT_OFFSET_2")
     for i, name in enumerate(before):
-        T = T @ shift(*get(md, name, c))
+        if c["leftover_joint_offset"] == "counts" or i == 0 or any(9 + k in value for k in range(i, 3)):
+            T = T @ shift(*get(md, name, c))
         if 9 + i in value:
             angle = value[9 + i] - get(md, "EXT_ROT_AX_OFFSET", c)[i]
             T = T @ rot_about(get(md, f"EXT_ROT_AX_VECTOR_{i + 1}", c), angle)
@@ -159,13 +161,15 @@ def table(md: dict[str, Any], value: dict[int, float], c: dict[str, str]) -> Mat
 
 def gripper_pose(md: dict[str, Any], value: dict[int, float], c: dict[str, str]) -> Matrix:
     """Returns the fixed tool, standing on WO, seen from the flange that holds the workpiece (9.1.2)."""
+    W = table(md, value, c)  # the table turns what stands on it: here the fixed tool
     T_FL_WO = inverse(flange(md, value, c))
+    E = inverse(flange_axes(md, value, c))  # the flange axes turn what the robot carries: here the workpiece
     if c["gripper_flange_data"] == "unused":
-        return T_FL_WO @ tool_lengths(md, c) @ tool_rotation(md, c)
-    carrier = flange_to_tool(md, value, c)
+        return E @ T_FL_WO @ W @ tool_lengths(md, c) @ tool_rotation(md, c)
     if c["gripper_flange_data"] == "robot_side":
-        return inverse(carrier) @ T_FL_WO @ tool(md, c)
-    return T_FL_WO @ carrier @ tool(md, c)  # tool_side
+        return inverse(flange_to_tool(md, value, c)) @ T_FL_WO @ W @ tool(md, c)
+    carrier = flange_to_tool(md, {i: v for i, v in value.items() if i < 12}, c)
+    return E @ T_FL_WO @ W @ carrier @ tool(md, c)  # tool_side
 
 
 def inverse(T: Matrix) -> Matrix:

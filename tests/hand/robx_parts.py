@@ -90,6 +90,8 @@ CONVENTIONS: dict[str, str] = {
     "table_origin": "robot_base",
     "gripper_trowo": "as_is",
     "gripper_flange_data": "unused",
+    "leftover_joint_offset": "counts",
+    "gripper_extra_axes": "refused",
     "tool_length_plane": "cyclic",
     "dpvn_axis": "y",
     "c_sum": "plain",

@@ -257,6 +257,7 @@ USERS: dict[str, dict[str, Any]] = {
     "table_origin": TABLE,
     "gripper_trowo": {**NR, "GRIP_REL_MOVE": 1},
     "gripper_flange_data": {**NR, "GRIP_REL_MOVE": 1},
+    "leftover_joint_offset": {**TABLE, "EXT_ROT_JOINT_OFFSET_2": [5.0, 6.0, 7.0]},
     "tool_length_plane": {**NR, "G_PLANE": 18, "TC_DP4": 20.0},
     "dpvn_axis": {**ARM, "CC_TOA_START_NUM": -1, "TC_DPV": [1, 0, 0], "TC_DPVN": [0, 1, 0]},
     "tflwp_default_c": ARM,

@@ -18,7 +18,7 @@ from chainbuild.formats.machine import Datum, Machine, ParameterRow
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.selection import KinematicEntry, Selected, checked_channel, checked_kinematic
 from chainbuild.formats.sinumerik.geometry.robot_axes import basic_moves
-from chainbuild.formats.sinumerik.geometry.tool import Tool, active_tool
+from chainbuild.formats.sinumerik.geometry.tool import Tool, tools_of_channels
 from chainbuild.formats.sinumerik.geometry.translate import translate
 from chainbuild.formats.sinumerik.parameters import geometry_data, parameter_rows
 from chainbuild.formats.sinumerik.reading.data_table import DataTable, tabulate, with_values
@@ -77,7 +77,7 @@ class RobxMachine(Machine):
     Attributes:
         table: All data of the file.
         transformations: The ROBX and TE4 transformations, in the order of channels and data sets.
-        tool: The active tool.
+        tools: The active tool of each channel.
     """
 
     dialect = "SINUMERIK ROBX"
@@ -89,12 +89,12 @@ class RobxMachine(Machine):
         collector: Collector,
         table: DataTable,
         transformations: tuple[Robx, ...],
-        tool: Tool,
+        tools: Mapping[int, Tool],
     ) -> None:
         super().__init__(table.reading.file, path, overlay, collector)
         self.table = table
         self.transformations = transformations
-        self.tool = tool
+        self.tools = tools
         self._configured = tuple(one for robx in transformations for one in _entries(robx, robx is transformations[0]))
 
     def kinematics(self) -> tuple[KinematicEntry, ...]:
@@ -105,7 +105,8 @@ class RobxMachine(Machine):
         self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
     ) -> tuple[ParameterRow, ...]:
         """Return every datum of a transformation with value, meaning and source."""
-        return parameter_rows(self.transformation(kinematic, channel), self.tool, Choices(self.overlay.conventions))
+        robx = self.transformation(kinematic, channel)
+        return parameter_rows(robx, self.tool(robx), Choices(self.overlay.conventions))
 
     def geometry(
         self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
@@ -131,6 +132,10 @@ class RobxMachine(Machine):
         """Return the typed data of a transformation; `control` holds motion limits and the iteration's budget."""
         selected = self._select(checked_kinematic(kinematic), checked_channel(channel), Collector())
         return self._found(selected.entry).robx
+
+    def tool(self, robx: Robx) -> Tool:
+        """Return the active tool of a transformation's channel."""
+        return self.tools[robx.data.channel_number]
 
     def examine(self) -> None:
         """Check every transformation with the overlay's conventions; `chain` returns what is built here.
@@ -207,8 +212,9 @@ def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Co
     # Refused data would appear as missing: the rest is not checked.
     transformations = find_transformations(table, Collector(strict=False) if reading.refused else collector)
     warn_of_orphans(table, transformations, collector)
-    tool = active_tool(table, overlay, collector)
-    machine = RobxMachine(path, overlay, collector, table, transformations, tool)
+    channels = list(dict.fromkeys(robx.data.channel_number for robx in transformations)) or [1]
+    tools = tools_of_channels(table, channels, overlay, collector)
+    machine = RobxMachine(path, overlay, collector, table, transformations, tools)
     if not reading.refused:
         machine.examine()
     return machine
@@ -233,9 +239,9 @@ def _build(
     machine: RobxMachine, robx: Robx, tool_length_mm: float, gripper: bool, choose: Choices, collector: Collector
 ) -> Chain:
     if gripper:
-        check_gripper(robx, collector, asked=True)
-    translation = translate(robx, machine.tool, tool_length_mm, gripper, choose)
-    check_geometry(robx, translation, machine.tool, choose, collector)
+        check_gripper(robx, choose, collector)
+    translation = translate(robx, machine.tool(robx), tool_length_mm, gripper, choose)
+    check_geometry(robx, translation, machine.tool(robx), choose, collector)
     basic = basic_moves(translation.basic)
     axes = machine_axes(robx, machine.table, translation.internal, basic, gripper, collector)
     named = machine.overlay.apply_limits(axes)
@@ -256,7 +262,7 @@ def _build(
         angle_mode="orirpy2" if robx.tool_dir == 1 else "orirpy",
         task="direction" if robx.num_axes == 5 else "pose",
         constraints=constraints(robx, translation, axes, choose),
-        absolute_c=absolute_c(robx, translation, axes, choose),
+        absolute_c=absolute_c(robx, translation, axes, choose, collector),
         tool_axis="z" if robx.tool_dir == 1 else "x",
         follows_c=robx.num_axes == 4,
         controller_solver=controller_solver(robx, translation, axes),

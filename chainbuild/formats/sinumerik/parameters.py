@@ -119,6 +119,7 @@ def _tool_rows(tool: Tool) -> Iterator[ParameterRow]:
         return
     lengths = zip((3, 4, 5), tool.lengths_mm, strict=True)
     values = [(f"DP{n}", value, "mm") for n, value in lengths]
+    values += [("DP6", tool.radius_mm, "mm")] if tool.radius_mm else []
     values += [(f"DPC{n}", value, "deg") for n, value in enumerate(tool.angles_deg, start=1) if value]
     for name, value, unit in values:
         datum = catalogue()[name]
@@ -129,6 +130,6 @@ def _tool_rows(tool: Tool) -> Iterator[ParameterRow]:
             unit=unit,
             meaning=datum.meaning,
             given=True,
-            source=f"ROBX manual {datum.manual}",
+            source=f"ROBX manual {datum.manual}" if datum.manual else "",
             span=tool.span,
         )

@@ -190,7 +190,7 @@ def test_lookup_finds_every_spelling(spelling: str, name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["ROBX_MAIN_AXIS", "TRAFO_TYPE_11", "TRAFO_TYPE_{n}", "$MA_ROBX_MAIN_AXES", "DPC11", "$", ""]
+    "name", ["ROBX_MAIN_AXIS", "TRAFO_TYPE_21", "TRAFO_TYPE_{n}", "$MA_ROBX_MAIN_AXES", "DPC11", "$", ""]
 )
 def test_lookup_refuses_what_it_does_not_know(name: str) -> None:
     assert lookup(name) is None
@@ -198,7 +198,7 @@ def test_lookup_refuses_what_it_does_not_know(name: str) -> None:
 
 def test_data_sets_have_the_controllers_numbers() -> None:
     types = {datum.member: datum.number for datum in catalogue().values() if datum.family == "TRAFO_TYPE_{n}"}
-    assert list(types) == list(range(1, 11))
+    assert list(types) == list(range(1, 21))
     assert [types[n] for n in range(1, 6)] == [24100, 24200, 24300, 24400, 24430]
     assert catalogue()["TRAFO_AXES_IN_1"].number == 24110
     assert catalogue()["TRAFO_AXES_IN_5"].number == 24432

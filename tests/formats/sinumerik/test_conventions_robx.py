@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from chainbuild.convention import conventions
+from chainbuild.errors import ChainbuildError
 from chainbuild.formats.overlay import Overlay
 from chainbuild.frames import angles_from_matrix
 from tests.kit.robx_files import CC4, FLANGE, NR6, TABLE, TE4_ARM, F, R, T, chain_of, close, pose_of
@@ -165,6 +166,42 @@ def test_gripper_flange_data(choice):
         "tool_side": flange @ G @ H,
     }
     assert close(pose_of(chain, AXES), expected[choice])
+
+
+BOTH = (1, 2, 3, 4, 5, 6, 0, 0, 0, 7, 8, 0, 9)  # two axes under the workpiece, one at the flange
+
+
+@pytest.mark.parametrize("choice", choices("leftover_joint_offset"))
+def test_leftover_joint_offset(choice):
+    data = {**FLANGE, **TABLE, "EXT_ROT_JOINT_OFFSET_2": (5, 6, 7), "EXT_FL_ROT_BASE_OFFSET": (50, 0, 0)}
+    chain = chain_of(data, axes_in=BOTH, conventions={"leftover_joint_offset": choice})
+    counts = choice == "counts"
+    table = T(900, 0, 200) @ R("z", 25) @ T(30) @ R("y", -35) @ (T(5, 6, 7) if counts else T()) @ T(z=40)
+    flange = T(50) @ R("z", 15) @ (T(60, 0, -70) if counts else T()) @ F((0, 0, -80), (0, 90, 0))
+    expected = np.linalg.inv(table) @ pose_of(chain_of(NR6), AXES) @ flange
+    assert close(pose_of(chain, (*AXES, 25, -35, 15)), expected)
+    assert [f.code for f in chain.findings].count("CB335") == 2
+
+
+def test_leftover_joint_offset_is_asked_only_where_there_is_one():
+    chain = chain_of({**TABLE}, axes_in=(1, 2, 3, 4, 5, 6, 0, 0, 0, 7, 8))
+    assert "leftover_joint_offset" not in [item.convention.name for item in chain.conventions]
+
+
+@pytest.mark.parametrize("choice", choices("gripper_extra_axes"))
+def test_gripper_extra_axes(choice):
+    data = {**FLANGE, **TABLE, "EXT_FL_ROT_JOINT_OFF_1": (0, 0, 0), "TTCFL_POS": (0, 0, 0), "TTCFL_RPY": (0, 0, 0)}
+    options = {"axes_in": BOTH, "kinematic": "gripper", "conventions": {"gripper_extra_axes": choice}}
+    if choice == "refused":
+        with pytest.raises(ChainbuildError, match="gripper_extra_axes=built") as caught:
+            chain_of(data, **options)
+        assert (caught.value.code, caught.value.parameter) == ("CB328", "$MC_TRAFO_AXES_IN_1")
+        return
+    chain = chain_of(data, extra="$TC_DP3[1,1]=120", **options)
+    table = T(900, 0, 200) @ R("z", 25) @ T(30) @ R("y", -35) @ T(z=40)
+    carried = pose_of(chain_of(NR6), AXES) @ T(50) @ R("z", 15)
+    assert close(pose_of(chain, (*AXES, 25, -35, 15)), np.linalg.inv(carried) @ table @ T(z=120))
+    assert [axis.carries for axis in chain.axes[6:]] == ["tool", "tool", "workpiece"]
 
 
 LENGTHS = {

@@ -360,3 +360,21 @@ def test_tool_length_adds_to_length_1(direction: int, tmp_path: Path) -> None:
     axes = random_axes(md, rng)
     wanted = pose_mm(md | {"TC_DP3": md["TC_DP3"] + 123.4}, axes)
     np.testing.assert_allclose(robot.fk(axes).translation * 1000.0, wanted[:3, 3], atol=POSITION_MM)
+
+
+@pytest.mark.parametrize("choice", conventions()["leftover_joint_offset"].choices)
+def test_offsets_behind_the_last_additional_axis(choice: str, tmp_path: Path) -> None:
+    rng = np.random.default_rng(seed_of("leftover", choice))
+    for slots in ((9,), (9, 10), (10,), (9, 11), (12,), (12, 13), (9, 12)):
+        md = with_extra_axes(six_axis(rng, "NR", 2), rng, slots)
+        compare(md, tmp_path, rng, 10, {"leftover_joint_offset": choice})
+
+
+@pytest.mark.parametrize("flange_data", conventions()["gripper_flange_data"].choices)
+def test_gripper_referred_motion_with_rotary_additional_axes(flange_data: str, tmp_path: Path) -> None:
+    rng = np.random.default_rng(seed_of("gripper axes", flange_data))
+    conv = {"gripper_extra_axes": "built", "gripper_flange_data": flange_data}
+    for slots in ((9,), (12,), (9, 10, 12, 13), (6, 9, 10, 11, 12, 13, 14)):
+        for place in ("after_ttcfl", "after_fl", "orientation_only"):
+            md = with_extra_axes(six_axis(rng, "NR", 2), rng, slots)
+            compare(md, tmp_path, rng, 5, conv | {"tfl_ext": place}, gripper=True)

@@ -102,7 +102,7 @@ def test_of_several_tools_none_is_active_until_named():
 
 def test_the_only_tool_is_active_and_noted():
     machine = read(robx_text(NR6, extra=LENGTHS))
-    assert machine.tool.name == "T1 D1"
+    assert machine.tools[1].name == "T1 D1"
     assert "CB338" in {finding.code for finding in machine.findings}
 
 

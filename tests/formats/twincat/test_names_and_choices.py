@@ -47,7 +47,7 @@ def test_a_parameter_of_another_type_is_a_warning() -> None:
 
 
 def test_names_that_are_read_leave_no_finding() -> None:
-    text = "trafo[0].id 9\ntrafo[0].name A\ntrafo[0].type 9\ntrafo[0].param[0] 1\ntrafo[0].base[2] 5\n"
+    text = "trafo[0].id 9\ntrafo[0].name A\ntrafo[0].type 9\ntrafo[0].param[0] 1000\ntrafo[0].base[2] 5\n"
     assert codes(machine(text + "trafo[0].lock_dof[0] 1\n")) == []
 
 
@@ -72,7 +72,7 @@ def test_a_tool_entry_that_looks_like_geometry_is_a_warning(line: str, hint: str
 
 
 def test_other_tool_entries_are_left_alone() -> None:
-    text = "trafo[0].id 9\nwz[1].nr 1\nwz[1].typ 0\nwz[1].gueltig 1\nwz[1].ax_versatz[0] 5\nwz[1].laenge 5\n"
+    text = "trafo[0].id 9\nwz[1].nr 1\nwz[1].typ 0\nwz[1].gueltig 1\nwz[1].ax_versatz[0] 5\nwz[1].laenge 1000\n"
     assert codes(machine(text)) == ["CB246"]  # the tool is not active
 
 

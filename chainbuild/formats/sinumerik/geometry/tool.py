@@ -5,7 +5,8 @@ The active tool is the overlay's, else the only cutting edge that the file gives
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -34,7 +35,8 @@ class Tool:
     """The active tool.
 
     Attributes:
-        lengths_mm: Lengths 1, 2, 3: $TC_DP3, $TC_DP4, $TC_DP5.
+        lengths_mm: Lengths 1, 2, 3: $TC_DP3 … $TC_DP5, with wear $TC_DP12 … and base lengths $TC_DP21 … added.
+        radius_mm: Radius with its wear: $TC_DP6 + $TC_DP15.
         angles_deg: $TC_DPC1 … $TC_DPC10.
         predefined: $TC_DPV; 0 takes the vector.
         direction: $TC_DPV3 … $TC_DPV5.
@@ -45,6 +47,7 @@ class Tool:
     """
 
     lengths_mm: Vector3 = (0.0, 0.0, 0.0)
+    radius_mm: float = 0.0
     angles_deg: tuple[float, ...] = (0.0,) * 10
     predefined: int = 0
     direction: Vector3 = (0.0, 0.0, 0.0)
@@ -119,13 +122,42 @@ _CHOOSERS = ("number", "edge", "plane")
 _WORKING_PLANES: Final = (17, 18, 19)  # G codes of the working planes
 _G17: Final = 17  # the plane that the control starts with
 _DATA = (
-    "DP1", "DP3", "DP4", "DP5", *(f"DPC{n}" for n in range(1, 11)),
-    "DPV", "DPV3", "DPV4", "DPV5", "DPVN3", "DPVN4", "DPVN5",
+    "DP1", "DP3", "DP4", "DP5", "DP6", "DP12", "DP13", "DP14", "DP15", "DP21", "DP22", "DP23",
+    *(f"DPC{n}" for n in range(1, 11)), "DPV", "DPV3", "DPV4", "DPV5", "DPVN3", "DPVN4", "DPVN5",
 )  # fmt: skip
 
 
-def active_tool(table: DataTable, overlay: Overlay, collector: Collector) -> Tool:
-    """Return the active tool.
+# Each length is the sum of geometry, wear and base dimension.
+_LENGTHS = (("DP3", "DP12", "DP21"), ("DP4", "DP13", "DP22"), ("DP5", "DP14", "DP23"))
+_RADIUS = ("DP6", "DP15")
+
+
+def tools_of_channels(
+    table: DataTable, channels: Sequence[int], overlay: Overlay, collector: Collector
+) -> Mapping[int, Tool]:
+    """Return the active tool of each channel: that of the tool area the channel is linked to (MD28085).
+
+    Raises:
+        OverlayError: see `active_tool`.
+    """
+    areas = {number: _area(table, number) for number in channels}
+    others = [area for area in table.tool_areas() if area not in areas.values()]
+    if others:
+        text = f"tools of other channels are not used: tool area {', '.join(map(str, others))}"
+        collector.add("CB126", text, span=Span(table.reading.file), hint="$MC_MM_LINK_TOA_UNIT links a channel to one")
+    tools = {area: active_tool(table, overlay, collector, area) for area in dict.fromkeys(areas.values())}
+    return {number: tools[area] for number, area in areas.items()}
+
+
+def _area(table: DataTable, channel: int) -> int:
+    """Return the tool area of a channel, 0 where the file has no areas; by default the channel's own number."""
+    if not table.tool_areas():
+        return 0
+    return int(table.channel(channel).number("MM_LINK_TOA_UNIT")) or channel
+
+
+def active_tool(table: DataTable, overlay: Overlay, collector: Collector, area: int = 0) -> Tool:
+    """Return the active tool of a tool area.
 
     The overlay's table `tool` may hold tool data (`TC_DP3 = 120`), name a tool of the file (`number = 4`, `edge = 1`)
     and the working plane (`plane = 18`); its data win over the file's. Without it the only cutting edge of the file is
@@ -138,7 +170,7 @@ def active_tool(table: DataTable, overlay: Overlay, collector: Collector) -> Too
     plane = int(settings.get("plane", _G17))
     if plane not in _WORKING_PLANES:
         raise _error(overlay, "plane", "17, 18 or 19")
-    values, name, span = _from_file(table, overlay, settings, collector)
+    values, name, span = _from_file(table, area, overlay, settings, collector)
     own = {key.removeprefix("TC_"): value for key, value in settings.items() if key not in _CHOOSERS}
     if own:
         values, name = {**values, **own}, f"{name} and overlay" if name else "overlay"
@@ -166,9 +198,9 @@ def _error(overlay: Overlay, key: str, permitted: str) -> OverlayError:
 
 
 def _from_file(
-    table: DataTable, overlay: Overlay, settings: Mapping[str, float], collector: Collector
+    table: DataTable, area: int, overlay: Overlay, settings: Mapping[str, float], collector: Collector
 ) -> tuple[dict[str, float], str, Span | None]:
-    edges = table.tools()
+    edges = table.tools(area)
     if "number" in settings:
         wanted = (int(settings["number"]), int(settings.get("edge", 1)))
         if wanted not in edges:
@@ -193,7 +225,8 @@ def _tool(values: Mapping[str, float], plane: int, name: str, span: Span | None)
         return values.get(key, 0.0)
 
     return Tool(
-        lengths_mm=(get("DP3"), get("DP4"), get("DP5")),
+        lengths_mm=_sums(values),
+        radius_mm=math.fsum(get(name) for name in _RADIUS),
         angles_deg=tuple(get(f"DPC{n}") for n in range(1, 11)),
         predefined=int(get("DPV")),
         direction=(get("DPV3"), get("DPV4"), get("DPV5")),
@@ -202,3 +235,8 @@ def _tool(values: Mapping[str, float], plane: int, name: str, span: Span | None)
         name=name,
         span=span,
     )
+
+
+def _sums(values: Mapping[str, float]) -> Vector3:
+    first, second, third = (math.fsum(values.get(name, 0.0) for name in parts) for parts in _LENGTHS)
+    return first, second, third

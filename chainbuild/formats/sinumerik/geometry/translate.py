@@ -48,22 +48,27 @@ def table_axes(robx: Robx, choose: Choices) -> list[Element]:
         start = base_axes(robx, suffix="_table")
     if origin != "wo":
         start.append(shift(*robx.trowo.position_mm))
-    return [*start, *_group(robx.table), shift(*robx.table.part_mm)]
+    return [*start, *_group(robx.table, choose), shift(*robx.table.part_mm)]
 
 
-def flange_axes(robx: Robx) -> list[Element]:
+def flange_axes(robx: Robx, choose: Choices) -> list[Element]:
     """Return the axes that turn the tool, from FL on; nothing where there are none."""
-    return _group(robx.flange) if robx.flange.axes else []
+    return _group(robx.flange, choose) if robx.flange.axes else []
 
 
-def _group(group: ExtraGroup) -> list[Element]:
-    """Return Trans(base)·R(1)·Trans(joint 1)·R(2)·Trans(joint 2)·R(3); an axis that does not exist does not turn."""
+def _group(group: ExtraGroup, choose: Choices) -> list[Element]:
+    """Return Trans(base)·R(1)·Trans(joint 1)·R(2)·Trans(joint 2)·R(3); an axis that does not exist does not turn.
+
+    Convention: `leftover_joint_offset`, where an offset is given but no axis follows on it.
+    """
     by_slot = {axis.slot: axis for axis in group.axes}
     elements: list[Element] = [shift(*group.base_mm)]
     for slot in range(3):
         elements += _turn(by_slot.get(slot))
         if slot < len(group.joints_mm):
-            elements.append(shift(*group.joints_mm[slot]))
+            leftover = slot >= max(by_slot) and any(group.joints_mm[slot])
+            if not leftover or choose["leftover_joint_offset"] == "counts":
+                elements.append(shift(*group.joints_mm[slot]))
     return elements
 
 
@@ -126,7 +131,7 @@ def flange_frame(robx: Robx, choose: Choices) -> FrameData:
 def _from_flange(robx: Robx, length: Matrix, turn: Matrix, choose: Choices) -> list[Element]:
     """Return the elements behind FL; the place of TFL_EXT is the convention `tfl_ext`."""
     before, carrier, after = _carrier(robx, choose)
-    return [Fixed(before), *flange_axes(robx), Fixed(carrier), Fixed(length), Fixed(after), Fixed(turn)]
+    return [Fixed(before), *flange_axes(robx, choose), Fixed(carrier), Fixed(length), Fixed(after), Fixed(turn)]
 
 
 def _carrier(robx: Robx, choose: Choices) -> tuple[Matrix, Matrix, Matrix]:
@@ -148,18 +153,25 @@ def _gripper(
 ) -> tuple[tuple[Element, ...], tuple[Element, ...]]:
     """Return both branches of gripper-referred motion: the robot carries the workpiece, WO the tool.
 
+    Axes of the flange then turn the workpiece that the robot carries, those of the workpiece the fixed tool; whether
+    this is permitted at all, `rules.axes` decides.
+
     Conventions: `gripper_trowo` and `gripper_flange_data`, each where its data are not zero.
     """
     trowo = robx.trowo.T()
     if not np.allclose(trowo, np.eye(4), atol=0.0) and choose["gripper_trowo"] == "inverse":
         trowo = frames.inverse(trowo)
-    tool_side, robot_side, tip = np.eye(4), np.eye(4), length @ turn
+    table, turned, tip = table_axes(robx, choose), flange_axes(robx, choose), length @ turn
+    robot_side: list[Element] = turned
+    tool_side = np.eye(4)
     if not np.allclose(robx.ttcfl.T(), np.eye(4), atol=0.0) or any(robx.tfl_ext_rpy_deg):
         used = choose["gripper_flange_data"]
         if used != "unused":
             before, carrier, after = _carrier(robx, choose)
             tip = length @ after @ turn
-            carrier = before @ carrier
-            tool_side, robot_side = (carrier, np.eye(4)) if used == "tool_side" else (np.eye(4), carrier)
-    robot = [*base_axes(robx), Fixed(trowo), *arm, Fixed(robot_side)]
-    return (Fixed(tool_side @ tip),), tuple(robot)
+            if used == "tool_side":
+                tool_side = before @ carrier
+            else:
+                robot_side = [Fixed(before), *turned, Fixed(carrier)]
+    robot = [*base_axes(robx), Fixed(trowo), *arm, *robot_side]
+    return (*table, Fixed(tool_side @ tip)), tuple(robot)

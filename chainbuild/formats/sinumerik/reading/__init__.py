@@ -1,5 +1,5 @@
 """From text to the typed data of a transformation.
 
-In reading order: `catalogue`, `values`, `assignment`, `reader`, `misspelt`, `data_table`, `robx`, `transformations`,
-`alarms`.
+In reading order: `catalogue`, `values`, `assignment`, `reader`, `sections`, `misspelt`, `data_table`, `robx`,
+`transformations`, `alarms`.
 """

@@ -20,6 +20,7 @@ class Assignment:
         value: Number or string, checked against the catalogue.
         channel: Channel of the line, 1 where the file names none.
         span: The place of the value.
+        area: Tool area of the section, 0 where none is named.
     """
 
     datum: MachineDatum
@@ -28,3 +29,4 @@ class Assignment:
     value: Value
     channel: int
     span: Span
+    area: int = 0

@@ -23,7 +23,7 @@ class DataTable:
 
     Attributes:
         reading: What was read.
-        rows: (channel or 0, TE4 name?, datum name, index) → the assignment that won.
+        rows: (channel, tool area or 0, TE4 name?, datum name, index) → the assignment that won.
     """
 
     reading: Reading
@@ -45,11 +45,15 @@ class DataTable:
         """Return all strings of a datum in capitals, those of all channels together."""
         return {str(row.value).upper() for row in self.rows.values() if row.datum.name == name}
 
-    def tools(self) -> Mapping[tuple[int, int], Mapping[str, Assignment]]:
-        """Return the tool data by (tool, cutting edge) and name."""
+    def tool_areas(self) -> tuple[int, ...]:
+        """Return the tool areas that sections of the file name."""
+        return tuple(sorted({row.area for row in self.rows.values() if row.datum.prefix == "TC" and row.area}))
+
+    def tools(self, area: int) -> Mapping[tuple[int, int], Mapping[str, Assignment]]:
+        """Return the tool data of an area by (tool, cutting edge) and name, with those of no area."""
         result: dict[tuple[int, int], dict[str, Assignment]] = {}
-        for row in self.rows.values():
-            if isinstance(row.index, tuple):
+        for row in sorted(self.rows.values(), key=lambda row: row.area):
+            if isinstance(row.index, tuple) and row.area in (_SHARED, area):
                 result.setdefault(row.index, {})[row.datum.name] = row
         return result
 
@@ -120,7 +124,7 @@ def tabulate(reading: Reading, collector: Collector) -> DataTable:
     rows: dict[_Key, Assignment] = {}
     equal: list[Assignment] = []
     for row in reading.assignments:
-        channel = row.channel if row.datum.prefix == "MC" else _SHARED
+        channel = row.channel if row.datum.prefix == "MC" else row.area if row.datum.prefix == "TC" else _SHARED
         key = (channel, row.te4, row.datum.name, row.index)
         before = rows.pop(key, None)
         if before is not None and before.value == row.value:

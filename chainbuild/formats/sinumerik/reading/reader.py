@@ -19,6 +19,13 @@ from chainbuild.formats.sinumerik.reading.misspelt import (
     warn_nameless,
     warn_of_unknown,
 )
+from chainbuild.formats.sinumerik.reading.sections import (
+    Section,
+    report_notations,
+    report_sections,
+    report_tool_offsets,
+    section_without_data,
+)
 from chainbuild.formats.sinumerik.reading.values import (
     ElementIndex,
     Refusal,
@@ -27,13 +34,14 @@ from chainbuild.formats.sinumerik.reading.values import (
     elements_of,
     parse_index,
     parse_value,
+    printed_elements,
     without_checksum,
 )
 from chainbuild.formats.text import SourceText
 
 # Blanks only before the words, no line ends: a run of empty lines would be tried again from each of them.
 _ANY_CASE = re.IGNORECASE | re.ASCII
-_HEADER = re.compile(r"\s*%_N_(?:CH(\d{1,2})_)?", _ANY_CASE)
+_HEADER = re.compile(r"\s*%(?=\w)(?:_N_)?(?:CH(?P<channel>\d{1,2})_|TOA?(?P<area>\d{1,2})_)?\w*", _ANY_CASE)
 _CHANDATA = re.compile(r"\s*(?:N\d+\s*)?CHANDATA\b\s*(.*)$", _ANY_CASE)
 # The value runs to the end of the line, whose blanks are cut off beforehand: it always fits, nothing is tried twice.
 _ASSIGNMENT = re.compile(
@@ -45,6 +53,10 @@ _ASSIGNMENT = re.compile(
 )
 # Names that no NC program uses for anything else, so that they are known without their $ and prefix, too.
 _PLAIN_NAME = re.compile(r"(?:ROBX|TRAFO6|TRAFO_TYPE|TRAFO_AXES_IN|TRAFO_INCLUDES_TOOL|AXCONF)_[A-Z0-9_]+", _ANY_CASE)
+_KINEMATIC_CHAIN = re.compile(r"\s*(?:N\d+\s*)?\$NK_", _ANY_CASE)
+_TOOL_OFFSETS = re.compile(r"\$TC_(ADPT|CARR|SCP|ECP)", _ANY_CASE)
+_BIT = re.compile(r"\.\s*bit\s*(\d{1,2})\s*={0,2}\s*([01]|TRUE|FALSE)", _ANY_CASE)
+_MISPRINT = ("ROBX_AXIS_SEQ", "23", "3")  # ROBX manual 5.3.15 prints [23] for [3]
 _PROGRAM_END = re.compile(r"\s*(?:N\d+\s*)?(?:M0?2|M17|M30|RET)\s*", _ANY_CASE)
 _ESCAPE = re.compile(r"\\([$_\[\]])")
 _DATUM_MARKS = ("MD", "SD")
@@ -62,6 +74,7 @@ class Reading:
         channels: Channels that CHANDATA or headers name, in file order; (1,) where none is named.
         ignored: Number of lines with data that are not used.
         refused: Number of lines that were refused (lenient collector only).
+        kinematic_chain: The first line of a kinematic chain ($NK_), or None.
     """
 
     file: str
@@ -69,6 +82,7 @@ class Reading:
     channels: tuple[int, ...]
     ignored: int
     refused: int
+    kinematic_chain: Span | None = None
 
 
 @dataclass(slots=True)
@@ -80,9 +94,15 @@ class _State:
     assignments: list[Assignment] = field(default_factory=list)
     channel: int = 1
     channels: tuple[int, ...] = ()
+    area: int = 0
     ignored: int = 0
     refused: int = 0
     unknown_data: list[UnknownDatum] = field(default_factory=list)
+    section: Section | None = None
+    sections: list[Section] = field(default_factory=list)
+    notations: list[Span] = field(default_factory=list)
+    tool_offsets: dict[str, Span] = field(default_factory=dict)
+    kinematic_chain: Span | None = None
 
 
 def read_assignments(source: SourceText, collector: Collector) -> Reading:
@@ -101,10 +121,17 @@ def read_assignments(source: SourceText, collector: Collector) -> Reading:
         _read_line(state, number, raw)
     for unknown in state.unknown_data:
         warn_of_unknown(unknown, state.assignments, collector)
+    if state.sections:
+        report_sections(state.sections, collector)
+    if state.notations:
+        report_notations(state.notations, collector)
+    if state.tool_offsets:
+        report_tool_offsets(state.tool_offsets, collector)
     if state.ignored:
         text = f"unrelated lines ignored: {state.ignored}"
         collector.add("CB110", text, span=Span(source.file))
-    return Reading(source.file, tuple(state.assignments), state.channels or (1,), state.ignored, state.refused)
+    channels = state.channels or (1,)
+    return Reading(source.file, tuple(state.assignments), channels, state.ignored, state.refused, state.kinematic_chain)
 
 
 def _read_line(state: _State, number: int, raw: str) -> None:
@@ -112,7 +139,9 @@ def _read_line(state: _State, number: int, raw: str) -> None:
     if not line.strip():
         return
     if match := _HEADER.match(line):
-        _enter_channel(state, int(match[1]) if match[1] else None)
+        _enter_section(state, match, Span(state.file, number, 1, raw))
+    elif state.section is not None:
+        state.section.own += has_own_name(line)
     elif match := _CHANDATA.match(line):
         _chandata(state, match[1], Span(state.file, number, raw.find("(") + 2, raw))
     elif not _PROGRAM_END.fullmatch(line):
@@ -144,8 +173,19 @@ def _chandata(state: _State, rest: str, span: Span) -> None:
     state.collector.add("CB112", text, span=span, permitted=permitted, error=ParseError)
 
 
+def _enter_section(state: _State, match: re.Match[str], span: Span) -> None:
+    """Go on with the channel, tool area and kind of section that a header names."""
+    state.section = section_without_data(match[0].strip(), span)
+    if state.section is not None:
+        state.sections.append(state.section)
+        return
+    _enter_channel(state, int(match["channel"]) if match["channel"] else None)
+    state.area = int(match["area"] or 0)
+
+
 def _enter_channel(state: _State, channel: int | None) -> None:
     state.channel = 1 if channel is None else channel
+    state.area = 0
     if channel is not None and channel not in state.channels:
         state.channels += (channel,)
 
@@ -160,27 +200,50 @@ def _assignment(state: _State, line_span: Span, line: str) -> None:
     span = _at(line_span, match)
     _compare_number(state, match, datum, te4, span)
     try:
-        for index, value in _values(datum, match):
-            state.assignments.append(Assignment(datum, te4, index, value, state.channel, span))
+        for index, value in _values(state, datum, match, span):
+            state.assignments.append(Assignment(datum, te4, index, value, state.channel, span, state.area))
     except Refusal as refusal:
         _refuse(state, refusal, _designation(datum, te4, match["index"]), span)
 
 
-def _values(datum: MachineDatum, match: re.Match[str]) -> Iterator[tuple[ElementIndex, Value]]:
-    """Yield index and value of what a line assigns: one element, or with SET several from its index on."""
+def _values(
+    state: _State, datum: MachineDatum, match: re.Match[str], span: Span
+) -> Iterator[tuple[ElementIndex, Value]]:
+    """Yield index and value of what a line assigns: one element, or with SET and REP several from its index on."""
     text = without_checksum(match["value"])
-    elements = elements_of(text)
+    bit = _BIT.fullmatch(text) if datum.type == "hex" else None
+    if bit is not None:
+        state.notations.append(span)
+        index = _index(datum, match)
+        yield index, _with_bit(state, datum, index, bit)
+        return
+    printed = printed_elements(match["index"], text) if datum.indexed_by == "element" else None
+    if printed is not None or (datum.name, match["index"]) == _MISPRINT[:2]:
+        state.notations.append(span)
+    start = _index(datum, match) if match["index"] is not None and printed is None else None
+    first = start if isinstance(start, int) else 0
+    elements = elements_of(text, max(datum.dimension - first, 0)) if printed is None else printed
     if elements is None:
         index = _index(datum, match)
         yield index, _checked(datum, index, text)
         return
     if datum.indexed_by != "element":
-        raise Refusal("CB105", "SET assigns the elements of an array, not axes or tools", "one value a line")
-    start = _index(datum, match) if match["index"] is not None else 0
-    first = start if isinstance(start, int) else 0
+        raise Refusal("CB105", "SET and REP assign the elements of an array, not axes or tools", "one value a line")
     for n, element in enumerate(elements, start=first):
         index = parse_index(datum, str(n))
         yield index, _checked(datum, index, element)
+
+
+def _with_bit(state: _State, datum: MachineDatum, index: ElementIndex, bit: re.Match[str]) -> float:
+    """Return a mask with one bit changed: that of the file so far, else the default."""
+    element = index if isinstance(index, int) else 0
+    value = (datum.default or (0.0,) * (element + 1))[element]
+    for row in state.assignments:
+        if row.datum is datum and (row.index, row.channel) == (index, state.channel):
+            value = row.value if isinstance(row.value, float) else value
+    mask = 1 << int(bit[1])
+    changed = int(value) | mask if bit[2].upper() in ("1", "TRUE") else int(value) & ~mask
+    return float(changed)
 
 
 def _checked(datum: MachineDatum, index: ElementIndex, text: str) -> Value:
@@ -203,7 +266,8 @@ def _datum(match: re.Match[str]) -> MachineDatum | None:
 def _index(datum: MachineDatum, match: re.Match[str]) -> ElementIndex:
     if match["index"] is not None and match["close"] is None:
         raise Refusal("CB101", "the bracket of the index is not closed", "NAME[index]=value")
-    return parse_index(datum, match["index"])
+    name, misprint, meant = _MISPRINT
+    return parse_index(datum, meant if (datum.name, match["index"]) == (name, misprint) else match["index"])
 
 
 def _at(line_span: Span, match: re.Match[str]) -> Span:
@@ -246,6 +310,10 @@ def _compare_number(state: _State, match: re.Match[str], datum: MachineDatum, te
 def _not_ours(state: _State, span: Span, line: str, match: re.Match[str] | None) -> None:
     """Count a line that assigns no known datum; warn where it nevertheless names one of the transformation."""
     state.ignored += 1
+    if state.kinematic_chain is None and _KINEMATIC_CHAIN.match(line):
+        state.kinematic_chain = span
+    if offsets := _TOOL_OFFSETS.search(line):
+        state.tool_offsets.setdefault(offsets[1].upper(), span)
     if not has_own_name(line):
         warn_nameless(match, span, state.collector)
     elif unknown := unknown_datum(line, state.channel, span, state.collector):

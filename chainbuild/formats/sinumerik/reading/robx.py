@@ -7,7 +7,7 @@ the iteration's budget do not change the geometry.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -244,7 +244,7 @@ class Robx:
 
 def read_robx(data: ChannelData, transformation: int) -> Robx:
     """Type the data of one transformation; values the file does not give are the catalogue's defaults."""
-    axes_in = data.integers(f"TRAFO_AXES_IN_{transformation}")
+    axes_in = _inputs(data, transformation)
     return Robx(
         data=data,
         transformation=transformation,
@@ -277,6 +277,27 @@ def read_robx(data: ChannelData, transformation: int) -> Robx:
         parallel_limits_deg=_pair(data, "SW_LIMITS_PARALLEL"),
         control=read_control(data),
     )
+
+
+# MD24110 of an unchanged control. An archive of changed data alone leaves them out.
+_DEFAULT_INPUTS: Final = (1, 2, 3, 4, 5)
+
+
+def _inputs(data: ChannelData, transformation: int) -> tuple[int, ...]:
+    """Return TRAFO_AXES_IN: the file's, else the control's default for the robot's own axes, else none.
+
+    Beyond NUM_AXES nothing is taken by default: a list that names the robot's axes only is meant so.
+    """
+    given = list(data.integers(f"TRAFO_AXES_IN_{transformation}"))
+    for n in inputs_by_default(data, transformation):
+        given[n] = _DEFAULT_INPUTS[n]
+    return tuple(given)
+
+
+def inputs_by_default(data: ChannelData, transformation: int) -> list[int]:
+    """Return the elements of TRAFO_AXES_IN for which the control's default counts."""
+    count = min(_integer(data, "NUM_AXES"), len(_DEFAULT_INPUTS))
+    return [n for n in range(count) if data.row(f"TRAFO_AXES_IN_{transformation}", n) is None]
 
 
 def _integer(data: ChannelData, name: str) -> int:

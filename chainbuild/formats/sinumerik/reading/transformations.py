@@ -58,7 +58,16 @@ class DatumReport:
 
 ROBX_TYPE: Final = 4100
 TE4_TYPE: Final = 4099
-_DATA_SETS = range(1, 11)
+_DATA_SETS = range(1, 21)
+# Transformations that the control has without a compile cycle.
+_OTHER_TYPES = {
+    range(16, 72): "an orientation transformation (TRAORI)",
+    range(72, 73): "an orientation transformation (TRAORI) whose data stand in a tool carrier",
+    range(148, 149): "an orientation transformation (TRAORI) with a cardanic head",
+    range(256, 259): "a polar transformation (TRANSMIT)",
+    range(512, 516): "a cylinder transformation (TRACYL)",
+    range(1024, 1025): "the transformation of an inclined axis (TRAANG)",
+}
 
 
 def find_transformations(table: DataTable, collector: Collector) -> tuple[Robx, ...]:
@@ -67,6 +76,7 @@ def find_transformations(table: DataTable, collector: Collector) -> tuple[Robx, 
     Raises:
         MachineDataError: a wrong TRAFO_TYPE (alarm 75312), or no transformation at all.
     """
+    _refuse_inches(table, collector)
     found: list[Robx] = []
     refused = False
     for channel in sorted({row.channel for row in table.reading.assignments if row.datum.prefix == "MC"}):
@@ -75,15 +85,46 @@ def find_transformations(table: DataTable, collector: Collector) -> tuple[Robx, 
         _warn_of_other_package(table, channel, here, collector)
         refused = _refuse_untransformed(table, channel, here, collector) or refused
     if not found and not refused:
+        text, span, hint = _what_it_is(table)
         collector.add(
             "CB303",
-            "the file configures no ROBX transformation",
-            span=Span(table.reading.file),
+            f"the file configures no ROBX transformation{text}",
+            span=span,
             parameter="$MC_TRAFO_TYPE_1",
             permitted=f"{ROBX_TYPE} with $MC_ROBX_… data, {TE4_TYPE} with $MC_TRAFO6_… data",
+            hint=hint,
             error=UnsupportedKinematicError,
         )
     return tuple(found)
+
+
+def _what_it_is(table: DataTable) -> tuple[str, Span, str | None]:
+    """Say what a file without ROBX describes instead: text, place, and what could be done with it."""
+    file = table.reading.file
+    rows = (row for row in table.reading.assignments if row.datum.family == "TRAFO_TYPE_{n}" and row.value)
+    row = next(rows, None)
+    kind = int(row.value) if row is not None and isinstance(row.value, float) else 0
+    name = next((words for numbers, words in _OTHER_TYPES.items() if kind in numbers), None)
+    if row is not None and name is not None:
+        text = f": TRAFO_TYPE {kind} is {name} of the control itself"
+        return text, row.span, "describe its axes as a TwinCAT list of a machine of this kind: `chainbuild types`"
+    if row is not None:
+        return f": TRAFO_TYPE {kind} is another one", row.span, None
+    if table.reading.kinematic_chain is not None:
+        text = ": its kinematic is a chain of $NK_ elements"
+        hint = "enter offsets and directions of its axes as a universal kinematic 91: `chainbuild types 91`"
+        return text, table.reading.kinematic_chain, hint
+    return "", Span(file), None
+
+
+def _refuse_inches(table: DataTable, collector: Collector) -> None:
+    """Refuse a file whose control counts lengths in inches: everything here reads mm."""
+    row = table.shared("SCALING_SYSTEM_IS_METRIC", None)
+    if row is not None and row.value == 0.0:
+        name = "$MN_SCALING_SYSTEM_IS_METRIC"
+        text = f"{name} is 0: the lengths of this file are inches, which is not read"
+        hint = "convert machine data and tool data to the metric system on the control (or all lengths by 25.4)"
+        collector.add("CB125", text, span=row.span, parameter=name, permitted="1", hint=hint)
 
 
 def _transformation(table: DataTable, channel: int, n: int) -> Robx | None:

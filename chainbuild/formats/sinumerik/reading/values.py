@@ -21,7 +21,9 @@ _NOT_FINITE = re.compile(r"[+-]?(?:nan|inf|infinity|1\.#\w+)", _ANY_CASE)
 _AXIS = re.compile(r"(?:\d+\s*,\s*)?([A-Z_][A-Z0-9_]*)", _ANY_CASE)
 _TOOL = re.compile(r"(\d{1,9})(?:\s*,\s*(\d{1,9}))?", re.ASCII)
 _ELEMENT = re.compile(r"\d{1,9}", re.ASCII)
-_SET = re.compile(r"SET\s*\((.*)\)", _ANY_CASE)
+_ARRAY = re.compile(r"(SET|REP)\s*\((.*)\)", _ANY_CASE)
+_REP_ARGUMENTS: Final = 2  # value and count
+_LONGEST_ARRAY: Final = 100  # elements: more than any array of machine data that is read here
 _CHECKSUM = re.compile(r"[0-9A-F]{1,4}", _ANY_CASE)
 _WORDS = {"TRUE": 1.0, "FALSE": 0.0}
 _BASES = {"H": 16, "B": 2}
@@ -56,18 +58,48 @@ def without_checksum(text: str) -> str:
     return text
 
 
-def elements_of(text: str) -> list[str] | None:
+def elements_of(text: str, room: int = 0) -> list[str] | None:
     """Return the texts of the elements of an array assignment, or None for a single value.
 
-    >>> elements_of('SET(1, -1.5,"A,B")'), elements_of("1")
-    (['1', ' -1.5', '"A,B"'], None)
+    >>> elements_of('SET(1, -1.5,"A,B")'), elements_of("1"), elements_of("REP(7, 2)"), elements_of("REP(7)", 3)
+    (['1', ' -1.5', '"A,B"'], None, ['7', '7'], ['7', '7', '7'])
+
+    Args:
+        text: The value.
+        room: Elements from the assigned one to the end of the array, which REP(value) fills; 0 where not known.
+
+    Raises:
+        Refusal: REP without a value, or with a count that is none.
     """
-    match = _SET.fullmatch(text.strip())
+    match = _ARRAY.fullmatch(text.strip())
     if match is None:
         return None
+    parts = _split(match[2])
+    if match[1].upper() == "SET":
+        return parts
+    count = parts[1].strip() if len(parts) == _REP_ARGUMENTS else str(room or _LONGEST_ARRAY)
+    if len(parts) > _REP_ARGUMENTS or not _ELEMENT.fullmatch(count) or not 0 < int(count) <= _LONGEST_ARRAY:
+        raise Refusal("CB102", f"'{text[:40]}' is no repetition", "REP(value) or REP(value, number of elements)")
+    return [parts[0].strip()] * int(count)
+
+
+def printed_elements(index: str | None, text: str) -> list[str] | None:
+    """Return the elements that the manual prints in one cell: NAME [25, 500] or NAME = [25, 500]; else None.
+
+    >>> printed_elements("25, 500", ""), printed_elements(None, "[25,500]"), printed_elements("1", "500")
+    (['25', ' 500'], ['25', '500'], None)
+    """
+    if index is not None and "," in index and not text:
+        return _split(index)
+    text = text.strip()
+    return _split(text[1:-1]) if index is None and text.startswith("[") and text.endswith("]") else None
+
+
+def _split(text: str) -> list[str]:
+    """Return the parts between commas outside double quotes."""
     parts: list[list[str]] = [[]]
     quoted = False
-    for character in match[1]:
+    for character in text:
         quoted ^= character == '"'
         if character == "," and not quoted:
             parts.append([])

@@ -13,11 +13,12 @@ from typing import Final
 from chainbuild import tolerances
 from chainbuild.chain.elements import Axis
 from chainbuild.chain.names import channel_names, name_fault
+from chainbuild.convention import Choices
 from chainbuild.errors import UnsupportedKinematicError
 from chainbuild.findings import Collector
 from chainbuild.formats.sinumerik.reading.assignment import Assignment
 from chainbuild.formats.sinumerik.reading.data_table import DataTable, written_name
-from chainbuild.formats.sinumerik.reading.robx import ExtraAxis, ExtraGroup, Robx
+from chainbuild.formats.sinumerik.reading.robx import ExtraAxis, ExtraGroup, Robx, inputs_by_default
 from chainbuild.formats.sinumerik.reading.transformations import DatumReport
 from chainbuild.formats.sinumerik.rules.plausible import check_plausible
 
@@ -53,7 +54,7 @@ def check_axes(robx: Robx, table: DataTable, collector: Collector) -> None:
     _check_offsets(report, robx.table, "workpiece", "EXT_ROT_BASE_OFFSET", "EXT_ROT_JOINT_OFFSET")
     _check_offsets(report, robx.flange, "flange", "EXT_FL_ROT_BASE_OFFSET", "EXT_FL_ROT_JOINT_OFF")
     _check_flange_axes(report)
-    check_gripper(robx, collector, asked=False)
+    _note_gripper(report)
     _check_features(report, table)
     check_plausible(robx, collector)
 
@@ -63,6 +64,10 @@ def _check_inputs(report: DatumReport) -> None:
     name = f"TRAFO_AXES_IN_{robx.transformation}"
     robot = robx.axes_in[:_ROBOT_INPUTS]
     named = sum(1 for axis in robot if axis)
+    default = inputs_by_default(robx.data, robx.transformation)
+    if default:
+        shown = ", ".join(f"[{n}] = {robot[n]}" for n in default)
+        report.add("CB124", f"$MC_{name} is given in part: {shown} is the control's default", general=name)
     if named != robx.num_axes or 0 in robot[: robx.num_axes]:
         lacks = "" if robx.given("NUM_AXES") else f" (the default: {robx.parameter('NUM_AXES')} is missing)"
         shown = ", ".join(str(axis) for axis in robot)
@@ -183,8 +188,8 @@ def _check_offsets(report: DatumReport, group: ExtraGroup, where: str, base: str
         f"{joint}_{n + 1}" for n, offset in enumerate(group.joints_mm) if any(offset) and not max(slots, default=0) > n
     ]
     for name in unused:
-        what = "still counts" if slots else "has no effect"
-        report.add("CB335", f"{name} is given, but no additional axis of the {where} follows on it: it {what}", (name,))
+        what = "the convention leftover_joint_offset says whether it counts" if slots else "it has no effect"
+        report.add("CB335", f"{name} is given, but no additional axis of the {where} follows on it: {what}", (name,))
 
 
 def _check_flange_axes(report: DatumReport) -> None:
@@ -199,29 +204,47 @@ def _check_flange_axes(report: DatumReport) -> None:
         )
 
 
-def check_gripper(robx: Robx, collector: Collector, *, asked: bool) -> None:
-    """Check gripper-referred motion: six axes, no additional axes of workpiece or flange (ROBX manual 9.2.1).
+def _note_gripper(report: DatumReport) -> None:
+    """Check gripper-referred motion where MD62951 switches it on after a reset: the chain is built without it."""
+    robx = report.robx
+    if robx.control.grip_reset_mode != _GRIPPER_ON:
+        return
+    if robx.num_axes < _ROBOT_INPUTS:
+        _refuse_few_axes(report)
+        return
+    text = "after a reset this machine is in gripper-referred motion; the chain is built without it"
+    report.add("CB329", text, ("GRIP_REL_RESET_MODE",), hint="choose the kinematic 'gripper' for it")
 
-    The alarm's own text (11.5) also speaks of some 5-axis robots; 9.2.1 excludes them, and 9.2.1 is followed.
+
+def check_gripper(robx: Robx, choose: Choices, collector: Collector) -> None:
+    """Check gripper-referred motion that is asked for: six axes (ROBX manual 9.2.1).
+
+    9.1.3 names additional axes of the base only; whether those of workpiece and flange are permitted is the convention
+    `gripper_extra_axes`.
 
     Args:
         robx: The transformation.
+        choose: Conventions.
         collector: Takes the findings.
-        asked: True where the user asks for it; False: only where MD62951 switches it on after a reset.
     """
     report = DatumReport(robx, collector)
-    if not asked and robx.control.grip_reset_mode != _GRIPPER_ON:
-        return
     if robx.num_axes < _ROBOT_INPUTS:
-        hint = "the alarm's text also names 5-axis robots of type SS, CC or SC; section 9.2.1 excludes them"
-        text = f"gripper-referred motion needs a robot of six axes, not {robx.num_axes}"
-        report.add("CB327", text, ("GRIP_REL_RESET_MODE", "NUM_AXES"), permitted="0 or 1", alarm=75321, hint=hint)
-    elif robx.table.axes or robx.flange.axes:
-        text = "gripper-referred motion excludes additional axes of the workpiece and of the flange"
-        report.add("CB328", text, ("GRIP_REL_RESET_MODE",), permitted="additional axes of the base only")
-    elif not asked:
-        text = "after a reset this machine is in gripper-referred motion; the chain is built without it"
-        report.add("CB329", text, ("GRIP_REL_RESET_MODE",), hint="choose the kinematic 'gripper' for it")
+        _refuse_few_axes(report)
+    elif (robx.table.axes or robx.flange.axes) and choose["gripper_extra_axes"] == "refused":
+        text = "the manual names no gripper-referred motion with additional axes of the workpiece or of the flange"
+        permitted = "additional axes of the base only"
+        hint = "the convention gripper_extra_axes=built builds it"
+        report.add("CB328", text, general=f"TRAFO_AXES_IN_{robx.transformation}", permitted=permitted, hint=hint)
+
+
+def _refuse_few_axes(report: DatumReport) -> None:
+    """Refuse gripper-referred motion with fewer axes than six.
+
+    The alarm's own text (11.5) also speaks of some 5-axis robots; 9.2.1 excludes them, and 9.2.1 is followed.
+    """
+    hint = "the alarm's text also names 5-axis robots of type SS, CC or SC; section 9.2.1 excludes them"
+    text = f"gripper-referred motion needs a robot of six axes, not {report.robx.num_axes}"
+    report.add("CB327", text, ("GRIP_REL_RESET_MODE", "NUM_AXES"), permitted="0 or 1", alarm=75321, hint=hint)
 
 
 def _check_features(report: DatumReport, table: DataTable) -> None:

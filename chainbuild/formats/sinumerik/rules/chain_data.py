@@ -27,6 +27,7 @@ from chainbuild.formats.sinumerik.reading.data_table import DataTable, written_n
 from chainbuild.formats.sinumerik.reading.robx import Robx
 from chainbuild.formats.sinumerik.reading.transformations import DatumReport
 from chainbuild.formats.sinumerik.rules.axes import names_of_axes
+from chainbuild.frames import angles_from_matrix
 from chainbuild.units import AxisKind, deg_from_rad, m_s_from_mm_min, mm_from_m, rad_s_from_rpm
 
 # The control's own default for an axis without software limits is ±1e8.
@@ -63,7 +64,8 @@ def machine_axes(
         if kind == "rotary" and _ENDLESS in (robx.axes_type[i], robx.axes_type[number]):
             endless.add(name)
     for extra in (*robx.base_axes, *robx.table.axes, *robx.flange.axes):
-        carries = "workpiece" if extra.name.startswith("EW") else robot
+        other: Literal["tool", "workpiece"] = "tool" if gripper else "workpiece"
+        carries = other if extra.name.startswith("EW") else robot
         extra_kind: AxisKind = "linear" if extra.name.startswith("EX") else "rotary"
         axis = replace(Axis.unlimited(extra.name, extra_kind, carries), held=True)
         plain.append((axis, extra.channel_axis))
@@ -72,8 +74,21 @@ def machine_axes(
     for axis, number, name in zip(axes, numbers, names_of_axes(axes, numbers, robx, collector), strict=True):
         named = replace(axis, name=name, generic="" if name == axis.name else axis.name)
         limited = _limited(named, robx, table, number, collector)
+        _check_kind(named, robx, table, number, collector)
         found.append(_endless(limited) if axis.name in endless else limited)
     return tuple(found)
+
+
+def _check_kind(axis: Axis, robx: Robx, table: DataTable, channel_axis: int, collector: Collector) -> None:
+    """Warn where IS_ROT_AX makes a rotary axis of the robot linear, or the reverse."""
+    for name in machine_axis_names(robx, table, channel_axis):
+        row = table.axis("IS_ROT_AX", name)
+        if row is not None and bool(_number(row)) != (axis.kind == "rotary"):
+            parameter = written_name(row.datum, False, row.index)
+            text = f"{parameter} is {_number(row):g}, but axis {axis.name} of the transformation is {axis.kind}"
+            permitted = "1" if axis.kind == "rotary" else "0"
+            collector.add("CB356", text, span=row.span, parameter=parameter, permitted=permitted)
+            return
 
 
 def _endless(axis: Axis) -> Axis:
@@ -186,6 +201,7 @@ def _number(row: Assignment) -> float:
 ALARM_PARALLELOGRAM: Final = 75329
 ALARM_EXCESSIVE_SPEED: Final = 75324
 _SCARA = ("CC", "SC", "CS")
+_ANGLE_DEG: Final = 1e-6  # degrees: far below what machine data are written to
 _PARALLEL: Final = 1e-6  # cosine: far below what machine data are written to
 _WITH_HAND: Final = 5  # axes: from the fifth on there is an angle of the hand
 
@@ -237,7 +253,9 @@ def shows_absolute_c(robx: Robx) -> bool:
     return bool(robx.feature_mask & 1) and robx.num_axes == 4 and robx.a4par and robx.arrangement in _SCARA
 
 
-def absolute_c(robx: Robx, translation: Translation, axes: Sequence[Axis], choose: Choices) -> AxisSum | None:
+def absolute_c(
+    robx: Robx, translation: Translation, axes: Sequence[Axis], choose: Choices, collector: Collector
+) -> AxisSum | None:
     """Return the absolute angle C as a sum of the rotary axes, or None where C is an angle of the pose.
 
     Conventions: `c_sum`, `c_offset`.
@@ -245,6 +263,7 @@ def absolute_c(robx: Robx, translation: Translation, axes: Sequence[Axis], choos
     if not shows_absolute_c(robx):
         return None
     signs = _turning_signs(translation) if choose["c_sum"] == "signed" else {}
+    _check_c_offset(robx, translation, collector)
     factors: dict[str, float] = {}
     offset = 0.0
     for axis in _rotary(translation):
@@ -254,6 +273,20 @@ def absolute_c(robx: Robx, translation: Translation, axes: Sequence[Axis], choos
             factors[name] = factors.get(name, 0.0) + sign * factor
     given = robx.c_angle_offset_deg
     return _sum(axes, factors, offset + (given if choose["c_offset"] == "add" else -given))
+
+
+def _check_c_offset(robx: Robx, translation: Translation, collector: Collector) -> None:
+    """Warn where C_ANGLE_OFFSET is missing and the pose at mathematical zero shows a C (ROBX manual 5.3.20)."""
+    if robx.given("C_ANGLE_OFFSET"):
+        return
+    T: Matrix = np.eye(4)
+    for element in translation.tool:
+        T = T @ element.T if isinstance(element, Fixed) else T
+    shown = angles_from_matrix("orirpy2" if robx.tool_dir == 1 else "orirpy", T[:3, :3])[2]
+    if abs(shown) > _ANGLE_DEG:
+        text = f"C_ANGLE_OFFSET is missing, but the pose at mathematical zero shows C = {shown:.6g}: the absolute C"
+        hint = f"ROBX manual 5.3.20: {robx.parameter('C_ANGLE_OFFSET')} = {-shown:.6g}"
+        DatumReport(robx, collector).add("CB357", f"{text} starts at 0 there", ("C_ANGLE_OFFSET",), hint=hint)
 
 
 def controller_solver(robx: Robx, translation: Translation, axes: Sequence[Axis]) -> ControllerSolver:

@@ -45,11 +45,12 @@ def _check_flange_x(report: DatumReport, choose: Choices) -> None:
     distance = abs(float(T[:3, 3] @ across)) / float(np.linalg.norm(across))
     if distance > _LENGTH_MM:
         text = f"X of the flange passes axis 5 at a distance of {distance:.6g} mm"
-        report.add("CB313", text, ("TFLWP_RPY", "TFLWP_POS"), permitted=permitted, alarm=75310)
+        report.add("CB313", text, ("TFLWP_POS", "TFLWP_RPY"), permitted=permitted, alarm=75310)
     x, y, _ = robx.tflwp.position_mm
-    if robx.arrangement in ("NR", "RR") and (x or y or any(robx.tflwp.rpy_deg[1:])):
+    turned = any(robx.tflwp.rpy_deg[1:])
+    if robx.arrangement in ("NR", "RR") and (x or y or turned):
         text = "an articulated arm of five axes has TFLWP_POS = (0, 0, Z) and TFLWP_RPY = (A, 0, 0)"
-        report.add("CB314", text, ("TFLWP_RPY", "TFLWP_POS"))
+        report.add("CB314", text, ("TFLWP_RPY", "TFLWP_POS") if turned else ("TFLWP_POS", "TFLWP_RPY"))
 
 
 def _check_wrist_frame(report: DatumReport) -> None:
@@ -72,7 +73,7 @@ def _check_tool(report: DatumReport, tool: Tool, choose: Choices) -> None:
     if y or (z and not robx.a4par):
         form = "(X, 0, Z)" if robx.a4par else "(X, 0, 0)"
         text = f"the tool of an articulated arm of five axes has the form {form} in flange axes"
-        report.add("CB316", text, ("NUM_AXES",), permitted=form)
+        report.collector.add("CB316", text, span=tool.span, parameter="$TC_DP3 to $TC_DP5", permitted=form)
 
 
 def check_four_axes(report: DatumReport, translation: Translation) -> None:
@@ -95,11 +96,13 @@ def _check_base(report: DatumReport, translation: Translation) -> None:
     """The first rotary axis lies along an axis of WO; some arrangements also need Z of IRO along Z of WO."""
     robx = report.robx
     first = _first_rotary(translation)
-    if max(abs(float(c)) for c in first) < 1.0 - _ANGLE:
+    if not _along_an_axis(first):
+        # What TIRORO alone leaves upright, TROWO has tilted.
+        upright = _along_an_axis(robx.trowo.T()[:3, :3].T @ first)
         report.add(
             "CB318",
             "the first rotary axis of a 4-axis robot is not parallel to an axis of the world frame",
-            ("TIRORO_RPY", "TROWO_RPY"),
+            ("TROWO_RPY", "TIRORO_RPY") if upright else ("TIRORO_RPY", "TROWO_RPY"),
             permitted="the first rotary axis parallel or antiparallel to X, Y or Z of WO",
             alarm=75310,
         )
@@ -107,13 +110,18 @@ def _check_base(report: DatumReport, translation: Translation) -> None:
         return
     z_iro = (robx.trowo.T() @ robx.tiroro.T())[:3, 2]
     if abs(float(z_iro[2])) < 1.0 - _ANGLE:
+        upright = abs(float(robx.tiroro.T()[2, 2])) >= 1.0 - _ANGLE
         report.add(
             "CB318",
             f"Z of IRO is not parallel to Z of the world frame, as a 4-axis {robx.arrangement} needs it",
-            ("TIRORO_RPY", "TROWO_RPY"),
+            ("TROWO_RPY", "TIRORO_RPY") if upright else ("TIRORO_RPY", "TROWO_RPY"),
             permitted="Z of IRO parallel to Z of WO",
             alarm=75310,
         )
+
+
+def _along_an_axis(direction: Matrix) -> bool:
+    return max(abs(float(c)) for c in direction) >= 1.0 - _ANGLE
 
 
 def _first_rotary(translation: Translation) -> Matrix:

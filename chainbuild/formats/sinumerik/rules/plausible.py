@@ -12,16 +12,31 @@ from typing import Final
 from chainbuild import tolerances
 from chainbuild.chain.check import ArmLength, check_length_magnitudes, check_reach_magnitude
 from chainbuild.findings import Collector
+from chainbuild.formats.sinumerik.reading.assignment import Assignment
 from chainbuild.formats.sinumerik.reading.catalogue import catalogue
 from chainbuild.formats.sinumerik.reading.robx import Robx
 from chainbuild.formats.sinumerik.reading.transformations import DatumReport
 
 _LETTERS = "XYZ"
+_TURNS: Final = "ORIAX_TURN_TAB_1"
+_TOOL_ANGLES: Final = 3  # $TC_DPC parameters with the angles A, B, C
+_WITH_NORMAL: Final = 3  # MM_ENABLE_TOOL_ORIENT with which $TC_DPVN exists
+_MOST_INDICES: Final = 10  # elements of a datum whose dimension no source states
+_BASIC_AXES: Final = 3  # axes before the wrist
+_ROTARY_BASIC = {
+    "NR": (0, 1, 2),
+    "NN": (0, 1, 2),
+    "CC": (1, 2),
+    "SC": (2,),
+    "CS": (0,),
+}  # RR: its order is a convention
 _USE_LENGTH_B = ("NR", "CC", "NN")
 _BEND = ("NR", "CC", "SC")
 _REACH = ("NR", "CC", "NN")
 _QUARTER: Final = math.pi / 2.0  # rad
 _MAX_QUARTERS: Final = 4  # a whole turn; larger values are no angles in radians
+_STEP: Final = math.pi / 12.0  # rad
+_STEP_DIGITS: Final = 5e-5  # 0.7854 is 45° in radians, 0.785 may be an angle
 _RADIAN_DIGITS: Final = 5e-4  # 1.571, 1.5708 and 1.570796 are quarter turns, 1.57 may be an angle
 
 
@@ -35,20 +50,81 @@ def check_plausible(robx: Robx, collector: Collector) -> None:
     _check_upper_arm(report)
     _check_lengths(report)
     _check_radians(report)
+    _check_orientation_axes(report)
+    _check_tool_parameters(report)
+    _check_block_elements(report)
 
 
 def _check_radians(report: DatumReport) -> None:
-    """Warn of angles that are quarter turns in radians, to the digits given: machine data are in degrees."""
+    """Warn of angles that are whole parts of a turn in radians, to the digits given: machine data are in degrees."""
     data = report.robx.data
     for row in data.package_rows(te4=data.te4):
-        if row.datum.unit != "deg" or isinstance(row.value, str):
+        if isinstance(row.value, str) or not (row.datum.unit == "deg" or _is_zero_of_rotary(report, row)):
             continue
-        quarters = round(row.value / _QUARTER)
-        if quarters and abs(quarters) <= _MAX_QUARTERS and abs(row.value - quarters * _QUARTER) < _RADIAN_DIGITS:
+        degrees = _meant_by_radians(row.value)
+        if degrees is not None:
             name = row.datum.name.removeprefix("ROBX_")
             element = "" if row.index is None else f"[{row.index}]"
-            text = f"{name}{element} is {row.value:g}: machine data give angles in degrees; is {90 * quarters}° meant?"
+            text = f"{name}{element} is {row.value:g}: machine data give angles in degrees; is {degrees}° meant?"
             report.collector.add("CB350", text, span=row.span, parameter=report.robx.parameter(name))
+
+
+def _is_zero_of_rotary(report: DatumReport, row: Assignment) -> bool:
+    """Tell whether a row is the zero offset (MAMES) of a rotary axis."""
+    if row.datum.name != "ROBX_MAMES" or not isinstance(row.index, int):
+        return False
+    arrangement = report.robx.arrangement
+    return row.index >= _BASIC_AXES or row.index in _ROTARY_BASIC.get(arrangement, ())
+
+
+def _meant_by_radians(value: float) -> int | None:
+    """Return the degrees of an angle in radians: quarter turns to three digits, other multiples of 15° to four."""
+    quarters = round(value / _QUARTER)
+    if quarters and abs(quarters) <= _MAX_QUARTERS and abs(value - quarters * _QUARTER) < _RADIAN_DIGITS:
+        return 90 * quarters
+    steps = round(value / _STEP)
+    near = abs(value - steps * _STEP) < _STEP_DIGITS
+    return 15 * steps if near and steps and abs(value) <= _MAX_QUARTERS * _QUARTER else None
+
+
+def _check_orientation_axes(report: DatumReport) -> None:
+    """Warn where MD21120 turns the orientation axes in another sequence than TOOL_DIR (ROBX manual 6.1.3)."""
+    robx = report.robx
+    wanted = (1, 2, 3) if robx.tool_dir == 1 else (3, 2, 1)
+    rows = [robx.data.row(_TURNS, n) for n in range(len(wanted))]
+    for row, axis in zip(rows, wanted, strict=True):
+        if row is not None and row.value != axis:
+            order = ", ".join(str(number) for number in wanted)
+            text = f"$MC_{_TURNS} contradicts TOOL_DIR = {robx.tool_dir}, by which it is {order}; TOOL_DIR is used"
+            report.add("CB352", text, general=_TURNS, permitted=order)
+            return
+
+
+def _check_tool_parameters(report: DatumReport) -> None:
+    """Warn of tool angles and vectors that the control has not reserved (ROBX manual 6.1.1, 6.1.2)."""
+    robx, start = report.robx, report.robx.toa_start
+    table = robx.data.table
+    reserved, enabled = (table.shared(name, None) for name in ("MM_NUM_CC_TOA_PARAM", "MM_ENABLE_TOOL_ORIENT"))
+    if start > 0 and reserved is not None and isinstance(reserved.value, float):
+        last = start + _TOOL_ANGLES - 1
+        if reserved.value < last:
+            text = f"CC_TOA_START_NUM = {start} reads $TC_DPC{start} to $TC_DPC{last}, but $MN_MM_NUM_CC_TOA_PARAM"
+            text += f" reserves {reserved.value:g}"
+            report.add("CB353", text, ("CC_TOA_START_NUM",), permitted=f"MM_NUM_CC_TOA_PARAM of {last} or more")
+    if start < 0 and enabled is not None and enabled.value != _WITH_NORMAL:
+        text = f"CC_TOA_START_NUM = -1 reads $TC_DPV and $TC_DPVN, but $MN_MM_ENABLE_TOOL_ORIENT is {enabled.value:g}"
+        report.collector.add(
+            "CB354", text, span=enabled.span, parameter="$MN_MM_ENABLE_TOOL_ORIENT", permitted=str(_WITH_NORMAL)
+        )
+
+
+def _check_block_elements(report: DatumReport) -> None:
+    """Warn where no block elements are reserved for compile cycles: ROBX needs one (ROBX manual 5.1.1)."""
+    data, name = report.robx.data, "MM_NUM_CC_BLOCK_ELEMENTS"
+    rows = [row for n in (None, *range(_MOST_INDICES)) if (row := data.row(name, n)) is not None]
+    if rows and all(row.value == 0.0 for row in rows):
+        text = f"$MC_{name} is 0: the transformation needs a block element of compile cycles"
+        report.collector.add("CB355", text, span=rows[0].span, parameter=f"$MC_{name}", permitted="1 or more")
 
 
 def _check_extra_vectors(report: DatumReport) -> None:

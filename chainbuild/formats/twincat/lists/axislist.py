@@ -14,8 +14,8 @@ from chainbuild.chain.elements import Axis
 from chainbuild.chain.names import generic_name
 from chainbuild.errors import Span
 from chainbuild.findings import Collector
-from chainbuild.formats.twincat.lists.config import ChannelAxis, errors_collected_by
-from chainbuild.formats.twincat.lists.counts import Unit, check_number
+from chainbuild.formats.twincat.lists.config import ChannelAxis, RawValue, errors_collected_by
+from chainbuild.formats.twincat.lists.counts import Unit, check_lengths, check_number
 from chainbuild.formats.twincat.lists.reader import ParameterList
 from chainbuild.units import deg_from_raw, mm_from_tenth_um
 
@@ -83,14 +83,23 @@ def read_axis_list(parameters: ParameterList, facts: Mapping[str, str], collecto
     with errors_collected_by(collector):
         modulo = mode is not None and bool(mode.integer(0, _UNS32) & _MODULO)
     axis_number, drive_type = number("kopf.achs_nr"), number("kenngr.antr_typ")
+    lower, upper = (number(name) for name in _LIMITS)
+    ends = zip(_LIMITS, (lower, upper), strict=True)
+    limits = [
+        RawValue(value, entry.name, entry.span, entry.raw)
+        for name, value in ends
+        if value is not None and (entry := parameters.get(name)) is not None
+    ]
+    shown = next((name for name in names if name), "without a name")
+    check_lengths(limits, f"the software limits of axis {shown} are", "mm or deg", collector)
     index = facts.get("DefaultIndex", "")
     return AxisList(
         span=parameters.span,
         names=tuple(name for name in names if name),
         number=None if axis_number is None else int(axis_number),
         index=int(index) if index.isascii() and index.isdigit() else None,
-        lower=number(_LIMITS[0]),
-        upper=number(_LIMITS[1]),
+        lower=lower,
+        upper=upper,
         modulo=modulo,
         drive_type=None if drive_type is None else int(drive_type),
         measures=bool(number("kenngr.messachse")),

@@ -17,7 +17,7 @@ from chainbuild.formats.twincat.lists.config import (
     errors_collected_by,
     short_name,
 )
-from chainbuild.formats.twincat.lists.counts import Unit, check_number
+from chainbuild.formats.twincat.lists.counts import Unit, check_lengths, check_number
 from chainbuild.formats.twincat.lists.reader import Assignment, ParameterList
 from chainbuild.units import mm_from_tenth_um
 
@@ -73,6 +73,7 @@ def read_tools(parameters: ParameterList, collector: Collector) -> dict[int, Too
 
 def _tool(number: int, entries: Iterable[Assignment], collector: Collector) -> Tool:
     values: dict[str, float] = {}
+    lengths: list[RawValue] = []
     params: dict[int, RawValue] = {}
     offsets: dict[int, RawValue] = {}
     kin_name, span = "", None
@@ -95,8 +96,11 @@ def _tool(number: int, entries: Iterable[Assignment], collector: Collector) -> T
                     values[key] = entry.number()
                     unit: Unit = "mm" if key in ("laenge", "radius") else ""
                     check_number(values[key], entry.raw, entry.name, entry.span, unit, collector)
+                    if unit:
+                        lengths.append(RawValue(values[key], entry.name, entry.span, entry.raw))
                 case _:
                     _warn_misspelt(entry, collector)
+    check_lengths(lengths, f"length and radius of tool {number} are", "mm", collector)
     assert span is not None  # a tool exists by its entries
     return Tool(
         number=number,

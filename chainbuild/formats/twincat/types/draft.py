@@ -15,7 +15,7 @@ from chainbuild.formats.twincat.lists.config import Orientation, RawValue
 from chainbuild.formats.twincat.lists.counts import check_param_counts
 from chainbuild.formats.twincat.lists.source import DIALECT, Source
 from chainbuild.formats.twincat.lists.toollist import acting_params
-from chainbuild.formats.twincat.recipes.arms import check_arm_magnitudes
+from chainbuild.formats.twincat.recipes.arms import check_arm_magnitudes, check_tilt
 from chainbuild.formats.twincat.recipes.recipe import Params
 from chainbuild.formats.twincat.types.catalogue import KinType, kin_type
 from chainbuild.formats.twincat.types.displays import display_of
@@ -64,6 +64,7 @@ def serial_draft(source: Source, choose: Choices, collector: Collector) -> Chain
     params = build_params(source, kind, collector)
     recipe = kind.recipe(params, choose)
     check_arm_magnitudes(params)
+    check_tilt(params)
     axes = recipe.axes or params.axes
     mode = recipe.angle_mode or angle_mode(source.channel.angle_mode, choose, collector)
     vectors = None
