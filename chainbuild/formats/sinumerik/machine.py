@@ -124,7 +124,7 @@ class RobxMachine(Machine):
         table = with_values(self.table, changed)
         collector = Collector(self._collector.strict, list(self._reading))
         transformations = find_transformations(table, Collector(strict=False))
-        return RobxMachine(self.path, self.overlay, collector, table, transformations, self.tool)
+        return RobxMachine(self.path, self.overlay, collector, table, transformations, self.tools)
 
     def transformation(
         self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
