@@ -179,7 +179,8 @@ def _limited(chain: Chain, ahead: int, source: Source, collector: Collector) -> 
     limits = []
     for n in behind:
         limit = DriveLimit(n)
-        if (listed[n].lower, listed[n].upper) != (unknown[n].lower, unknown[n].upper) and not listed[n].endless:
+        one_sided = (listed[n].lower, listed[n].upper) != (unknown[n].lower, unknown[n].upper)
+        if (one_sided or not listed[n].assumed) and not listed[n].endless:
             limit = DriveLimit(n, listed[n].lower, listed[n].upper)
         limit = overlay.drive_limit(axes, limit)
         if limit.bounded or limit.max_speed is not None:

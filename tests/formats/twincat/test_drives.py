@@ -313,3 +313,12 @@ def test_the_reach_of_wide_limits_set_later_raises_nothing(tmp_path: Path) -> No
     shown = make_map(robot, MapSpec("axes", ("C", "B"), cells=8), workers=1)
     assert np.count_nonzero(shown.count) == 32
     assert make_map(robot, MapSpec("xz", cells=4, samples=200), workers=1).count.sum() > 0
+
+
+def test_a_full_turn_as_the_limit_of_a_drive_counts(tmp_path: Path) -> None:
+    path = machine_file(tmp_path, text_of(28, GEAR_2), 'axis_lists = ["a.lis"]\n')
+    rows = "kopf.log_achs_name A\nkenngr.swe_neg -3600000\nkenngr.swe_pos 3600000\nEnde\n"
+    (tmp_path / "a.lis").write_text(rows, "utf-8")
+    robot = chainbuild.Robot.load(path)
+    assert robot.violated_limits([0.0, 0.0, 0.0, 0.0, 185.0]) == ("A_drive",)
+    assert robot.violated_limits([0.0, 0.0, 0.0, 0.0, 170.0]) == ()
