@@ -135,7 +135,7 @@ def test_shapes_of_every_kind(tmp_path: Path) -> None:
     assert distances["hull"] == pytest.approx(distances["box"], abs=2e-6)
     assert distances["mesh"] == pytest.approx(distances["box"], abs=2e-6)
     missing = replace(chain, geometry=Geometry(shapes={"base": (Shape("mesh", file=tmp_path / "no.stl"),)}))
-    with pytest.raises(FileAccessError, match="mesh cannot be read"):
+    with pytest.raises(FileAccessError, match="the mesh of link base cannot be read"):
         CollisionModel(chainbuild.Robot(missing))
 
 

@@ -46,7 +46,8 @@ def chains() -> dict[str, Chain]:
 
 
 def test_the_record_is_of_these_cases() -> None:
-    assert set(BEFORE) == set(chains())
+    since = {name for name in chains() if name.startswith("comau_calibrated/")}  # shipped after the fold
+    assert set(BEFORE) | since == set(chains())
 
 
 @pytest.mark.parametrize("name", BEFORE)
@@ -107,7 +108,7 @@ def test_a_joint_that_one_axis_drives_has_its_value(name: str) -> None:
 
 def test_most_shipped_machines_need_no_map() -> None:
     identical = [name for name in chainbuild.shipped() if is_identity(chainbuild.load(name).chain())]
-    assert len(identical) == 42  # 24 before; what is left couples axes or bends them
+    assert len(identical) == 43  # 24 before; what is left couples axes or bends them
 
 
 def is_identity(chain: Chain) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -153,10 +154,11 @@ def test_an_unknown_mimic_and_a_missing_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["status", "X_mm", "is", "A_drive", "tool"])
-def test_joints_whose_names_mean_other_things_are_refused(tmp_path: Path, name: str) -> None:
+def test_joints_whose_names_mean_other_things_are_renamed(tmp_path: Path, name: str) -> None:
     text = """<robot name="r"><link name="base"/><link name="end"/><joint name="NAME" type="revolute">
 <parent link="base"/><child link="end"/><axis xyz="0 0 1"/>
 <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
-    with pytest.raises(ChainbuildError, match="the axis is called") as caught:
-        chainbuild.Robot.from_urdf(written(tmp_path, text.replace("NAME", name)), tool="end")
-    assert caught.value.permitted
+    robot = chainbuild.Robot.from_urdf(written(tmp_path, text.replace("NAME", name)), tool="end")
+    assert [(axis.name, axis.generic) for axis in robot.axes] == [(f"{name}_joint", name)]
+    with pytest.raises(ChainbuildError, match="the axis is called"):
+        chainbuild.Robot(replace(robot.chain, axes=(replace(robot.axes[0], name=name, generic=""),)))
