@@ -155,11 +155,11 @@ class _Shown:
     def print_position(self) -> None:
         out, report = console(), self.reports[0][1]
         measures = report.measures
-        values = ", ".join(f"{value:.4g}" for value in measures.singular_values)
+        values = ", ".join(f"{value + 0.0:.4g}" for value in measures.singular_values)
         shown = empty_table("Measures", "Measure", "Value")
         shown.add_row("singular values, scaled", values)
-        shown.add_row("smallest", f"{measures.smallest:.6g}")
-        shown.add_row("manipulability", f"{measures.manipulability:.4g}")
+        shown.add_row("smallest", f"{measures.smallest + 0.0:.6g}")
+        shown.add_row("manipulability", f"{measures.manipulability + 0.0:.4g}")
         shown.add_row("condition", f"{measures.condition:.4g}")
         shown.add_row("characteristic length", f"{mm_from_m(measures.length):.6g} mm")
         assessment = self.assessments.get(0)

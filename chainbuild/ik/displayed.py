@@ -32,7 +32,7 @@ from chainbuild.ik.solve import solve
 from chainbuild.kinematics.displayed import plane_angle, vector_of_angles
 from chainbuild.kinematics.inputs import real_numbers
 from chainbuild.kinematics.mechanism import Mechanism
-from chainbuild.tables.form import C_COLUMN, PoseColumns, PoseForm, length_fault
+from chainbuild.tables.form import C_COLUMN, PoseColumns, PoseForm
 from chainbuild.tables.reader import canonical_columns
 from chainbuild.units import M_PER_MM, m_from_mm
 
@@ -162,7 +162,7 @@ class _Asked(NamedTuple):
         Raises:
             ChainbuildError: it is one.
         """
-        if fault := length_fault(self.orientation.columns, given):
+        if fault := self.form.length_fault(self.orientation, given):
             raise ChainbuildError(fault[0], parameter="shown", permitted=fault[1])
 
     def number(self, name: str) -> float:

@@ -154,7 +154,7 @@ def two_angles(display: Display, tool: Vector, near: Sequence[float] | None = No
             a, b = math.atan2(side * v_j, -sense * side * v_k), math.atan2(side * across, v_i)
         else:  # along k: v = sense·sin b, -sense·sin a·cos b, cos a·cos b
             a, b = math.atan2(-sense * side * v_j, side * v_k), math.atan2(sense * v_i, side * across)
-        pairs.append((deg_from_rad(a), deg_from_rad(b)))
+        pairs.append((deg_from_rad(a) + 0.0, deg_from_rad(b) + 0.0))  # without signed zeros
     if across < tolerances.GIMBAL_LOCK:
         kept = near[0] if near else 0.0
         pairs = [(kept, b) for _, b in pairs]

@@ -151,6 +151,21 @@ class PoseForm:
         listed = ", ".join(self.columns)
         return f"this kinematic is programmed by position{f' and {listed}' if listed else ' alone'}"
 
+    def length_fault(self, orientation: PoseColumns, values: Sequence[float]) -> tuple[str, str] | None:
+        """Return what is wrong with the length of a quaternion or vector, and what is permitted; None if nothing is.
+
+        A vector that is programmed may have any length but zero.
+        """
+        source, columns = orientation
+        if not columns or not set(columns) <= UNIT_COLUMNS:
+            return None
+        norm, listed = math.hypot(*values), ", ".join(columns)
+        if source in {"vector", "shown"}:
+            zero = f"({listed}) is the zero vector", "any other vector"
+            return zero if norm < tolerances.ZERO_VECTOR else None
+        length = f"({listed}) has the length {norm:.6g}", f"1 ± {tolerances.QUATERNION_NORM:g}"
+        return None if abs(norm - 1.0) <= tolerances.QUATERNION_NORM else length
+
     def rotation(self, orientation: PoseColumns, values: Sequence[float]) -> Matrix | None:
         """Return a rotation (3, 3) that the values of an orientation describe, None where they alone describe none.
 
@@ -178,15 +193,3 @@ class PoseForm:
         tilt, turn = math.atan2(math.hypot(x, y), z), math.atan2(y, x)
         R: Matrix = frames.rot_z(deg_from_rad(turn)) @ frames.rot_y(deg_from_rad(tilt))
         return R if self.tool_axis == "z" else R @ frames.rot_y(-90.0)
-
-
-def length_fault(columns: tuple[str, ...], values: Sequence[float]) -> tuple[str, str] | None:
-    """Return what is wrong with the length of a quaternion or a vector, and what is permitted; None if nothing is."""
-    if not columns or not set(columns) <= UNIT_COLUMNS:
-        return None
-    norm = math.hypot(*values)
-    if columns == VECTOR_COLUMNS:
-        zero = f"({', '.join(columns)}) is the zero vector", "any other vector"
-        return zero if norm < tolerances.ZERO_VECTOR else None
-    length = f"({', '.join(columns)}) has the length {norm:.6g}", f"1 ± {tolerances.QUATERNION_NORM:g}"
-    return None if abs(norm - 1.0) <= tolerances.QUATERNION_NORM else length

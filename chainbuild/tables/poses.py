@@ -23,7 +23,7 @@ from chainbuild.chain.programmed.status import parse_status, parse_turn
 from chainbuild.chain.programmed.vectors import VECTOR_COLUMNS, kept_angle, rotation_from_vector
 from chainbuild.errors import ChainbuildError, Span
 from chainbuild.tables.axes import DECIMALS, UNIT_DECIMALS, VIOLATIONS_COLUMN, names_field, number_field
-from chainbuild.tables.form import C_COLUMN, UNIT_COLUMNS, PoseForm, length_fault
+from chainbuild.tables.form import C_COLUMN, UNIT_COLUMNS, PoseForm
 from chainbuild.tables.reader import Choice, Table
 from chainbuild.units import m_from_mm, mm_from_m, rad_from_deg
 
@@ -159,7 +159,7 @@ class PoseTable(Table):
 
     def _row_of(self, line: int, place: Sequence[float], values: list[float]) -> PoseRow:
         given, beside = tuple(values[self._orientation]), values[len(self.wanted) :]
-        self._check_vector(line, given, self.orientation.columns)
+        self._check_vector(line, given)
         rotation = self._rotation(line, given)
         T = frames.transform(rotation, place)
         status, turn = (self._whole(name, values) for name in STATUS_COLUMNS)
@@ -226,8 +226,8 @@ class PoseTable(Table):
             return frames.matrix_from_quaternion(beside)
         return self.form.rotation(self.orientation._replace(source="tool"), beside)
 
-    def _check_vector(self, line: int, values: Sequence[float], columns: tuple[str, ...]) -> None:
-        if fault := length_fault(columns, values):
+    def _check_vector(self, line: int, values: Sequence[float]) -> None:
+        if fault := self.form.length_fault(self.orientation, values):
             raise self.error_at(line, *fault)
 
 
