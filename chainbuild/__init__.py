@@ -96,12 +96,12 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.findings import Finding as Finding
     from chainbuild.findings import Findings as Findings
     from chainbuild.findings import Severity as Severity
+    from chainbuild.formats.entries import Datum as Datum
+    from chainbuild.formats.entries import KinematicEntry as KinematicEntry
+    from chainbuild.formats.entries import ParameterRow as ParameterRow
     from chainbuild.formats.load import check as check
     from chainbuild.formats.load import load as load
-    from chainbuild.formats.machine import Datum as Datum
     from chainbuild.formats.machine import Machine as Machine
-    from chainbuild.formats.machine import ParameterRow as ParameterRow
-    from chainbuild.formats.selection import KinematicEntry as KinematicEntry
     from chainbuild.formats.twincat.lists.hdtable import AxisRow as AxisRow
     from chainbuild.formats.twincat.lists.hdtable import HdRow as HdRow
     from chainbuild.formats.twincat.lists.hdtable import TypeData as TypeData
@@ -178,8 +178,8 @@ _HOMES = {
     ),
     "chainbuild.findings": "Finding Findings Severity",
     "chainbuild.formats.load": "check load",
-    "chainbuild.formats.machine": "Datum Machine ParameterRow",
-    "chainbuild.formats.selection": "KinematicEntry",
+    "chainbuild.formats.machine": "Machine",
+    "chainbuild.formats.entries": "Datum KinematicEntry ParameterRow",
     "chainbuild.formats.twincat.lists.hdtable": "AxisRow HdRow TypeData",
     "chainbuild.formats.twincat.types.catalogue": "KinType catalogue",
     "chainbuild.formats.twincat.universal.as_universal": "as_universal",

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain
     from chainbuild.chain.programmed.vectors import VectorProgramming
     from chainbuild.convention import UsedConvention
-    from chainbuild.formats.machine import Machine, ParameterRow
-    from chainbuild.formats.selection import KinematicEntry
+    from chainbuild.formats.entries import KinematicEntry, ParameterRow
+    from chainbuild.formats.machine import Machine
 
 
 def info(

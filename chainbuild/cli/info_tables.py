@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from chainbuild.chain.elements import Axis, Chain
     from chainbuild.convention import UsedConvention
     from chainbuild.errors import Span
-    from chainbuild.formats.machine import Machine, ParameterRow
-    from chainbuild.formats.selection import KinematicEntry
+    from chainbuild.formats.entries import KinematicEntry, ParameterRow
+    from chainbuild.formats.machine import Machine
 
 _KINEMATICS_SHOWN: Final = 200  # far more than a machine has; a table of thousands takes seconds
 _WIDE: Final = 120  # columns of a terminal on which long texts fit side by side

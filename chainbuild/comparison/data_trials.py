@@ -24,7 +24,8 @@ from chainbuild.shown import fields_shown
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Task
-    from chainbuild.formats.machine import Datum, Machine
+    from chainbuild.formats.entries import Datum
+    from chainbuild.formats.machine import Machine
 
 
 _MAX_POSES: Final = 40  # determine one number many times over; a value that fits is tried on all poses

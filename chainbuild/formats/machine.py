@@ -11,11 +11,12 @@ from pathlib import Path
 from chainbuild.chain.check import check_chain
 from chainbuild.chain.elements import Chain
 from chainbuild.convention import Choices
-from chainbuild.errors import ChainbuildError, ConventionError, MachineDataError, Span
+from chainbuild.errors import ChainbuildError, ConventionError, MachineDataError
 from chainbuild.findings import Collector, Finding, Findings, refuse_errors
-from chainbuild.formats.overlay import Overlay
-from chainbuild.formats.selection import (
+from chainbuild.formats.entries import (
+    Datum,
     KinematicEntry,
+    ParameterRow,
     Selected,
     Wanted,
     checked_channel,
@@ -25,70 +26,9 @@ from chainbuild.formats.selection import (
     finite_length_mm,
     name_right_channel,
 )
+from chainbuild.formats.overlay import Overlay
 from chainbuild.html import html_table
-from chainbuild.shown import fields_shown, two_lines
-
-
-@dataclass(frozen=True, slots=True)
-class ParameterRow:
-    """One parameter of a kinematic as `info` shows it.
-
-    Attributes:
-        name: Name in the file: "$MC_ROBX_TX3P3_POS[0]", "trafo[0].param[6]".
-        symbol: Short name: "MD62908", "HD7".
-        value: Value in `unit`.
-        unit: "mm", "deg" or an empty string.
-        meaning: What it does.
-        given: True where the file gives it, False for a default.
-        source: Manual section.
-        span: Where the file gives it.
-        si: Value in `si_unit`, for dynamics that the file counts otherwise.
-        si_unit: "m/s", "rad/s", "rad/s²", or an empty string.
-    """
-
-    __repr__ = fields_shown
-
-    name: str
-    symbol: str
-    value: float | int | str | None
-    unit: str
-    meaning: str
-    given: bool
-    source: str
-    span: Span | None = None
-    si: float | None = None
-    si_unit: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Datum:
-    """One number of a file that places or directs something: a length, an angle, a direction.
-
-    Attributes:
-        name: Name in the file: "$MC_ROBX_AXES_DIR[2]", "trafo[0].param[4]".
-        symbol: Short name: "MD62918", "HD5"; empty where it has none.
-        value: Value in `unit`.
-        unit: "mm", "deg" or an empty string.
-        span: Where the file gives it; None for a default.
-        channel: Its channel.
-        key: How its machine finds it.
-        others: Values that a bare number may have besides.
-        counts: What the file counts for one unit.
-        twins: Names of two zeros: both 180 degrees on may be the same arm as this direction reversed.
-    """
-
-    __repr__ = fields_shown
-
-    name: str
-    symbol: str
-    value: float
-    unit: str
-    span: Span | None
-    channel: int
-    key: tuple[str, int | None]
-    others: tuple[float, ...] = ()
-    counts: float = 1.0
-    twins: tuple[str, ...] = ()
+from chainbuild.shown import two_lines
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,8 @@ import pytest
 import chainbuild
 from chainbuild.comparison.data_trials import DataTrial, Evidence, try_data
 from chainbuild.comparison.samples import make_samples
-from chainbuild.formats.machine import Datum, Machine
+from chainbuild.formats.entries import Datum
+from chainbuild.formats.machine import Machine
 from chainbuild.machines import shipped_path
 from chainbuild.tables.recording import Recording
 

@@ -14,9 +14,9 @@ from chainbuild.chain.programmed.display import POSE_ANGLES, Display
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, MachineDataError, Span
 from chainbuild.findings import Collector, refuse_errors
-from chainbuild.formats.machine import Datum, Machine, ParameterRow
+from chainbuild.formats.entries import Datum, KinematicEntry, ParameterRow, Selected, checked_channel, checked_kinematic
+from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay
-from chainbuild.formats.selection import KinematicEntry, Selected, checked_channel, checked_kinematic
 from chainbuild.formats.sinumerik.geometry.robot_axes import basic_moves
 from chainbuild.formats.sinumerik.geometry.tool import Tool, tools_of_channels
 from chainbuild.formats.sinumerik.geometry.translate import translate

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final
 
 from chainbuild.convention import Choices
-from chainbuild.formats.machine import Datum, ParameterRow
+from chainbuild.formats.entries import Datum, ParameterRow
 from chainbuild.formats.sinumerik.geometry.robot_axes import RECIPES, ArmData, basic_moves, internal_axes
 from chainbuild.formats.sinumerik.geometry.tool import Tool
 from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum, catalogue

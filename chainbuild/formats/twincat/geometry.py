@@ -9,7 +9,7 @@ from typing import Final
 
 from chainbuild.errors import ChainbuildError
 from chainbuild.findings import Collector
-from chainbuild.formats.machine import Datum
+from chainbuild.formats.entries import Datum
 from chainbuild.formats.twincat.coupling.coupling_groups import COUPLING, read_groups
 from chainbuild.formats.twincat.lists.config import Channel, RawValue, Trafo
 from chainbuild.formats.twincat.lists.hdtable import HdRow, type_data

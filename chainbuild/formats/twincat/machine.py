@@ -13,9 +13,17 @@ from chainbuild.closest import listed
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, MachineDataError, Span
 from chainbuild.findings import Collector
-from chainbuild.formats.machine import Datum, Machine, ParameterRow
+from chainbuild.formats.entries import (
+    Datum,
+    KinematicEntry,
+    ParameterRow,
+    Selected,
+    checked_channel,
+    checked_kinematic,
+    matching_id,
+)
+from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay
-from chainbuild.formats.selection import KinematicEntry, Selected, checked_channel, checked_kinematic, matching_id
 from chainbuild.formats.twincat.geometry import geometry_data, with_values
 from chainbuild.formats.twincat.lists.axislist import AxisList
 from chainbuild.formats.twincat.lists.config import UNKNOWN_ID_ALARM, Channel, Trafo

@@ -8,7 +8,7 @@ from chainbuild import frames
 from chainbuild.chain.programmed.vectors import FIXED_AXIS_INDEX
 from chainbuild.errors import ChainbuildError
 from chainbuild.findings import Collector
-from chainbuild.formats.machine import ParameterRow
+from chainbuild.formats.entries import ParameterRow
 from chainbuild.formats.twincat.lists.config import Orientation
 from chainbuild.formats.twincat.lists.hdtable import type_data
 from chainbuild.formats.twincat.lists.named_parameters import named_parameter, slot_name

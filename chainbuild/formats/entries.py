@@ -1,4 +1,4 @@
-"""Which kinematic of a machine is meant: the arguments of `Machine.chain` checked, and what they choose."""
+"""What a machine file lists: kinematics, parameters, geometric data; and which kinematic an id or name means."""
 
 from __future__ import annotations
 
@@ -20,6 +20,68 @@ Wanted = int | str | tuple[int | str, int | str]
 _PERMITTED: Final = "an id, a name, a pair of these for the two steps, or None"
 _ID_DIGITS: Final = 9  # more than any id has
 _HUGE_NUMBER: Final = 10**_ID_DIGITS  # beyond any id or channel
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterRow:
+    """One parameter of a kinematic as `info` shows it.
+
+    Attributes:
+        name: Name in the file: "$MC_ROBX_TX3P3_POS[0]", "trafo[0].param[6]".
+        symbol: Short name: "MD62908", "HD7".
+        value: Value in `unit`.
+        unit: "mm", "deg" or an empty string.
+        meaning: What it does.
+        given: True where the file gives it, False for a default.
+        source: Manual section.
+        span: Where the file gives it.
+        si: Value in `si_unit`, for dynamics that the file counts otherwise.
+        si_unit: "m/s", "rad/s", "rad/s²", or an empty string.
+    """
+
+    __repr__ = fields_shown
+
+    name: str
+    symbol: str
+    value: float | int | str | None
+    unit: str
+    meaning: str
+    given: bool
+    source: str
+    span: Span | None = None
+    si: float | None = None
+    si_unit: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Datum:
+    """One number of a file that places or directs something: a length, an angle, a direction.
+
+    Attributes:
+        name: Name in the file: "$MC_ROBX_AXES_DIR[2]", "trafo[0].param[4]".
+        symbol: Short name: "MD62918", "HD5"; empty where it has none.
+        value: Value in `unit`.
+        unit: "mm", "deg" or an empty string.
+        span: Where the file gives it; None for a default.
+        channel: Its channel.
+        key: How its machine finds it.
+        others: Values that a bare number may have besides.
+        counts: What the file counts for one unit.
+        twins: Names of two zeros: both 180 degrees on may be the same arm as this direction reversed.
+    """
+
+    __repr__ = fields_shown
+
+    name: str
+    symbol: str
+    value: float
+    unit: str
+    span: Span | None
+    channel: int
+    key: tuple[str, int | None]
+    others: tuple[float, ...] = ()
+    counts: float = 1.0
+    twins: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
