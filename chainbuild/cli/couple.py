@@ -68,7 +68,7 @@ def couple(
 
 def _pairs(option: str, words: Iterable[str]) -> list[tuple[str, float]]:
     """Return NAME=VALUE words, or several joined by commas, as pairs."""
-    found = []
+    found: list[tuple[str, float]] = []
     for word in (part for text in words for part in text.split(",")):
         name, equals, value = word.partition("=")
         try:
@@ -77,6 +77,8 @@ def _pairs(option: str, words: Iterable[str]) -> list[tuple[str, float]]:
             equals = ""
         if not (name.strip() and equals):
             raise UsageError(f"{option} {word}: expected NAME=VALUE with a number as VALUE")
+        if name.strip().casefold() in [known.casefold() for known, _ in found[:-1]]:
+            raise UsageError(f"{option} {word}: expected NAME=VALUE once for each name")
     return found
 
 

@@ -123,8 +123,8 @@ def _angle_mode(robot: Robot, name: str | None) -> str | None:
 
 def _rows(given: Sequence[NDArray[np.float64]], table: AxisTable | None) -> Iterator[tuple[Span, NDArray[np.float64]]]:
     """Yield axis values (n_axes,) and their place in the input: those of the command line, then those of the table."""
-    for values in given:
-        yield Span(_AT), values
+    for number, values in enumerate(given, start=1):
+        yield Span(_AT, number if len(given) > 1 else 0), values
     if table is not None:
         for line, values in with_progress(table.rows(), table, "poses"):
             yield Span(table.file, line), values

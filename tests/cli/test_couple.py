@@ -45,7 +45,9 @@ def test_partials_programmed_alone_move_the_tcp(run: Run, machine_file: str) -> 
     assert json.loads(outcome.out)["tcp"]["X"] == 1500.0
 
 
-@pytest.mark.parametrize("words", [["--tcp", "X"], ["--tcp", "X=a"], ["--current", "X=1"], ["--program", "=1"]])
+@pytest.mark.parametrize(
+    "words", [["--tcp", "X"], ["--tcp", "X=a"], ["--current", "X=1"], ["--program", "=1"], ["--tcp", "X=1,x=2"]]
+)
 def test_wrong_usage(run: Run, machine_file: str, words: list[str]) -> None:
     outcome = run("couple", machine_file, *words)
     assert outcome.code == 2

@@ -258,3 +258,10 @@ def test_conventions_of_what_is_displayed_are_found(
     assert told.code == 3, told.out
     assert f"{convention}={choice}" in told.out
     assert "Conventions that would make it agree" in told.out, told.out
+
+
+def test_the_pose_that_no_head_has_is_named_by_its_number(run: Any) -> None:
+    told = run("fk", "cardan_head_kin59", "--at", "0,0,0,0,10", "--at", "0,0,0,0,120")
+    assert (told.code, told.err.startswith("--at:2: the head cannot tilt the tool by A = 120 deg")) == (1, True)
+    told = run("fk", "cardan_head_kin59", "--at", "0,0,0,0,120")
+    assert told.err.startswith("--at: the head")
