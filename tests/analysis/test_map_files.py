@@ -23,9 +23,11 @@ from chainbuild.analysis.workspace.maps import make_map, read_map
 from chainbuild.analysis.workspace.mapspec import MapSpec
 from chainbuild.errors import ChainbuildError, FileAccessError
 from chainbuild.machines import shipped
+from tests.kit.bad_mutants import mutants
 from tests.kit.command_line import PROGRAM
 
 SPEC = MapSpec("rz", cells=8, samples=200)
+MUTANTS = 20_000
 
 
 @pytest.fixture(scope="module")
@@ -196,3 +198,26 @@ def test_workers_end_with_their_parent(number: signal.Signals, tmp_path: Path) -
         time.sleep(0.02)
     if number == signal.SIGTERM:
         assert not list(tmp_path.glob(".*.part"))
+
+
+@pytest.mark.slow
+def test_thousands_of_damaged_maps_are_read_or_refused(path: Path, tmp_path: Path) -> None:
+    """Headers changed in structure, and files with bytes flipped, cut and doubled."""
+    good, bad, refused = path.read_bytes(), tmp_path / "bad.npz", 0
+    with np.load(path) as data:
+        header = str(data["header"])
+    rng = np.random.default_rng(5)
+    for n, text in enumerate(mutants(header, MUTANTS, 4)):
+        changed = bytearray(good)
+        if n % 2:
+            changed = bytearray(rewritten(path, header=text.replace("\x00", "")))
+        for _ in range(0 if n % 2 else int(rng.integers(1, 4))):
+            at = int(rng.integers(len(changed)))
+            how = int(rng.integers(3))
+            changed[at : at + 1 if how == 0 else at + 40] = bytes([int(rng.integers(256))]) * how
+        bad.write_bytes(changed)
+        try:
+            read_map(bad)
+        except FileAccessError:
+            refused += 1
+    assert MUTANTS / 4 < refused < MUTANTS
