@@ -81,6 +81,11 @@ class UrdfJoint:
         if origin is None:
             return None
         roll, pitch, yaw = (deg_from_rad(angle) for angle in origin.numbers("rpy", (0.0, 0.0, 0.0)))
+        if max(abs(roll), abs(pitch), abs(yaw)) > tolerances.HUGE_AXIS_VALUE:
+            permitted = f"up to {tolerances.HUGE_AXIS_VALUE:.0e} degrees, in radians"
+            raise ParseError(
+                f"joint {self.name} is turned by too much", span=origin.span, parameter="rpy", permitted=permitted
+            )
         place = origin.numbers("xyz", (0.0, 0.0, 0.0))
         if max(map(abs, place)) > tolerances.HUGE_POSITION_M:
             permitted = f"up to {tolerances.HUGE_POSITION_M:g} m"

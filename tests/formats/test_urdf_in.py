@@ -162,3 +162,13 @@ def test_joints_whose_names_mean_other_things_are_renamed(tmp_path: Path, name: 
     assert [(axis.name, axis.generic) for axis in robot.axes] == [(f"{name}_joint", name)]
     with pytest.raises(ChainbuildError, match="the axis is called"):
         chainbuild.Robot(replace(robot.chain, axes=(replace(robot.axes[0], name=name, generic=""),)))
+
+
+def test_an_angle_beyond_all_numbers_is_refused(tmp_path: Path) -> None:
+    text = """<robot name="r"><link name="base"/><link name="end"/><joint name="A" type="revolute">
+<parent link="base"/><child link="end"/><origin rpy="1e308 0.5 0"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+    with pytest.raises(ParseError, match="joint A is turned by too much") as caught:
+        chainbuild.Robot.from_urdf(written(tmp_path, text), tool="end")
+    assert caught.value.span is not None
+    assert caught.value.span.line == 2
