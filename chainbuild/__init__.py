@@ -19,6 +19,14 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.analysis.collision.paths import Contact as Contact
     from chainbuild.analysis.collision.paths import contacts as contacts
     from chainbuild.analysis.collision.sweep import FreeInterval as FreeInterval
+    from chainbuild.analysis.path.along import PathOptions as PathOptions
+    from chainbuild.analysis.path.along import path_report as path_report
+    from chainbuild.analysis.path.places import PathMinimum as PathMinimum
+    from chainbuild.analysis.path.places import PathPlace as PathPlace
+    from chainbuild.analysis.path.places import PathReport as PathReport
+    from chainbuild.analysis.path.places import PathSpeed as PathSpeed
+    from chainbuild.analysis.path.places import PathStretch as PathStretch
+    from chainbuild.analysis.path.places import PathViolation as PathViolation
     from chainbuild.analysis.singularity.measures import Measures as Measures
     from chainbuild.analysis.singularity.measures import MeasureTable as MeasureTable
     from chainbuild.analysis.singularity.measures import measure_batch as measure_batch
@@ -147,6 +155,8 @@ _HOMES = {
     "chainbuild.analysis.collision.paths": "Contact contacts",
     "chainbuild.analysis.collision.sweep": "FreeInterval",
     "chainbuild.analysis.singularity.measures": "MeasureTable Measures measure_batch",
+    "chainbuild.analysis.path.along": "PathOptions path_report",
+    "chainbuild.analysis.path.places": "PathMinimum PathPlace PathReport PathSpeed PathStretch PathViolation",
     "chainbuild.analysis.singularity.names": "SingularityReport examine",
     "chainbuild.analysis.singularity.nearest": "Nearest nearest_singularity",
     "chainbuild.analysis.singularity.singularity": "Singularity",

@@ -1,4 +1,5 @@
 """What a position, a path or a workspace is like.
 
-`singularity`: measures and words; `collision`: paths, free intervals, parallelograms; `workspace`: maps.
+`singularity`: measures and words; `vanishing`: where along a motion they are small; `path`: whole paths, between their
+rows, too; `collision`: contacts, free intervals, parallelograms; `workspace`: maps.
 """

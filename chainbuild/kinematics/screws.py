@@ -5,7 +5,7 @@ from __future__ import annotations
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from chainbuild.arrays import Matrix
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import BASE_LINK, Chain
 from chainbuild.kinematics.evaluation import frame_jacobian
 from chainbuild.kinematics.mechanism import Mechanism
@@ -20,8 +20,13 @@ def joint_screws(robot: Mechanism, axes: ArrayLike) -> Matrix:
     Raises:
         AxisValueError: wrong count or not finite.
     """
+    return screws_at(robot, robot.q(axes))
+
+
+def screws_at(robot: Mechanism, q: Vector) -> Matrix:
+    """Return the Jacobian (6, n_q) by joint values at joint values (n_q,); see `joint_screws`."""
     model, data = robot.model, robot.kinematics.data
-    pin.computeJointJacobians(model, data, robot.q(axes))
+    pin.computeJointJacobians(model, data, q)
     tool, workpiece = model.getFrameId("tool"), model.getFrameId("workpiece")
     T_tool, T_workpiece = (pin.updateFramePlacement(model, data, frame).copy() for frame in (tool, workpiece))
     back = T_tool.actInv(T_workpiece).toActionMatrix()

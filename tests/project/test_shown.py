@@ -79,6 +79,12 @@ def report() -> chainbuild.SingularityReport:
 
 
 @cache
+def path() -> chainbuild.PathReport:
+    rows = [[*AXES[:4], -8.0, 0.0], [*AXES[:4], 8.0, 400.0]]
+    return chainbuild.path_report(robot(), rows, options=chainbuild.PathOptions(feed_mm_min=6000.0))
+
+
+@cache
 def workspace() -> chainbuild.Map:
     return chainbuild.make_map(robot(), MapSpec(cells=5, samples=50), workers=1)
 
@@ -138,6 +144,13 @@ OBJECTS: dict[str, Callable[[], Any]] = {
     "Nearest": lambda: chainbuild.nearest_singularity(robot(), AXES),
     "ParameterRow": lambda: chainbuild.load("kr6r900").parameters()[0],
     "Partial": lambda: robot("gantry_robot_kin210").chain.partials[0],
+    "PathMinimum": lambda: path().stretches[0].minima[0],
+    "PathOptions": lambda: chainbuild.PathOptions(feed_mm_min=6000.0),
+    "PathPlace": lambda: path().stretches[0].begin,
+    "PathReport": path,
+    "PathSpeed": lambda: path().speeds[0],
+    "PathStretch": lambda: path().stretches[0],
+    "PathViolation": lambda: path().violations[0],
     "PartialPose": lambda: distribution().partials[0],
     "Recording": lambda: chainbuild.Recording(np.zeros((90, 6)), np.zeros((90, 4, 4))),
     "SingularityReport": report,

@@ -15,7 +15,7 @@ from chainbuild.analysis.singularity.factors import Factor, factors
 from chainbuild.analysis.singularity.measures import Measures, measure, measure_batch, smallest_value
 from chainbuild.analysis.singularity.singularity import Singularity
 from chainbuild.analysis.singularity.speeds import SpeedReport, speeds
-from chainbuild.analysis.singularity.structure import SingularityKind, lines_at, singular_structure
+from chainbuild.analysis.singularity.structure import CartesianForm, SingularityKind, lines_at, singular_structure
 from chainbuild.arrays import Vector
 from chainbuild.closest import and_joined
 from chainbuild.kinematics.mechanism import Mechanism
@@ -31,6 +31,7 @@ _SECOND: Final = 0.01
 _NEAR_UNNAMED: Final = 0.005
 # Share of shifts in the lost motion below which the sentence speaks of the speed of turns.
 _NO_SHIFT: Final = 1e-3
+_EXACT_DEG: Final = 1e-5  # what a search for a minimum leaves of 0
 _ALIASES: Final = {"wrist": "alpha5", "elbow": "alpha2", "shoulder": "alpha1"}
 
 
@@ -85,6 +86,42 @@ def names_at(robot: Mechanism, axes: ArrayLike) -> tuple[Singularity, ...]:
     """Return the singularities at or close to axis values (n_axes,), the closest first."""
     values = robot.axis_values(axes)
     return examine(robot, values).names if smallest_value(robot, values) <= NEAR else ()
+
+
+def sentence_at(robot: Mechanism, axes: ArrayLike, kind: SingularityKind, tool_speed: float) -> str:
+    """Return the sentence on one kind of singularity at axis values (n_axes,), however far it is.
+
+    Args:
+        robot: The robot.
+        axes: Axis values.
+        kind: Of the singularity; "other": the closest one.
+        tool_speed: Speed of the tool in the sentence [mm/s; deg/s if only rotations are lost].
+    """
+    values = robot.axis_values(axes)
+    report = examine(robot, values, tool_speed_mm=tool_speed)
+    wanted = ("pole", "tilt_end") if kind == "pole" else (kind,)
+    for found in report.names:
+        if found.kind in wanted or kind == "other":
+            return found.sentence
+    direction = np.eye(3)[robot.chain.tool_column]
+    for factor in factors(singular_structure(robot), lines_at(robot, values), robot.task, direction):
+        if factor.kind in wanted:
+            return words.condition(robot, values, factor)[0]
+    return "the axes work against one another"
+
+
+def vector_words(robot: Mechanism, sine: float) -> str:
+    """Return what a tool vector meets on its way where the rotary axes are not programmed.
+
+    Args:
+        robot: A machine with linear axes and a pole.
+        sine: Of the angle between the tool and the pole's axis, or of the turn that brings it into the plane of both.
+    """
+    form = singular_structure(robot).form
+    names = [robot.chain.joints[n].name for n in form.rotary] if isinstance(form, CartesianForm) else []
+    angle = math.degrees(math.asin(min(sine, 1.0)))
+    how = "through" if angle < _EXACT_DEG else f"within {angle:.3g}° of"
+    return f"a tool vector as the target would pass {how} the singular position of {and_joined(names)}"
 
 
 def examine_path(

@@ -17,7 +17,7 @@ from chainbuild.analysis.singularity.measures import characteristic_length
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Chain
 from chainbuild.kinematics.mechanism import Mechanism
-from chainbuild.kinematics.screws import joint_screws, joints_between_tips
+from chainbuild.kinematics.screws import joints_between_tips, screws_at
 
 SingularityKind = Literal["wrist", "elbow", "shoulder", "pole", "tilt_end", "other", "gimbal_lock", "dead_point"]
 
@@ -111,7 +111,12 @@ def _found(robot: Mechanism) -> SingularStructure:
 
 def lines_at(robot: Mechanism, axes: ArrayLike) -> Lines:
     """Return the lines of all joints at axis values (n_axes,), mm and degrees."""
-    screws = joint_screws(robot, axes).T
+    return lines_at_q(robot, robot.q(axes))
+
+
+def lines_at_q(robot: Mechanism, q: Vector) -> Lines:
+    """Return the lines of all joints at joint values (n_q,): metres and radians, coupled or not."""
+    screws = screws_at(robot, q).T
     turning = np.array([joint.kind == "revolute" for joint in robot.chain.joints])
     directions = np.where(turning[:, None], screws[:, 3:], screws[:, :3])
     return Lines(directions, np.where(turning[:, None], np.cross(screws[:, 3:], screws[:, :3]), 0.0))

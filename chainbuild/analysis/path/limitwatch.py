@@ -1,0 +1,146 @@
+"""Limits of axes, sums of axes and drives along a path, between its rows, too.
+
+Along straight axes a sum of axes is linear: it is beyond a limit between two rows only if it is at one of them. Along
+lines, and for drives behind a map that is no sum of axes, the path is looked at in between.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chainbuild.analysis.path.collect import BlockRun
+from chainbuild.analysis.path.motion import StraightMotion
+from chainbuild.analysis.path.places import PathPlace, PathViolation
+from chainbuild.analysis.vanishing.tracing import Blocks
+from chainbuild.arrays import Matrix, Vector
+from chainbuild.kinematics.limits import Limits
+from chainbuild.tolerances import LIMIT_SLACK
+
+_SAMPLES: Final = 16  # places a block that is looked at in between
+_BULGE: Final = 2.0  # times its change over a block: an axis that comes no closer to a limit is taken to stay inside
+
+
+@dataclass(slots=True, eq=False)
+class _Open:
+    begin: PathPlace
+    end: PathPlace
+    worst: PathPlace
+    excess: float
+
+
+class LimitWatch:
+    """Follows all limits along a path, chunk by chunk."""
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits = limits
+        drives = set(limits.from_drives.values())
+        own = [(n, side) for n in range(len(limits.axes)) for side in (-1, 1) if (n, side) not in limits.from_drives]
+        # An end of an axis that is the limit of its drive is watched there; without drives of its own it is the axis'.
+        self.ends = [one for one in own if np.isfinite((limits.lower if one[1] < 0 else limits.upper)[one[0]])]
+        self.names = [limits.axes[n].name for n, _ in self.ends]
+        self.names += [one.name for one in limits.sums for _ in range(2)]
+        self.curved = limits.drives if limits.curved else ()
+        self.names += [limits.drive_name(one) for one in self.curved for _ in range(2)]
+        assert drives <= set(self.names)
+        self._open: dict[int, _Open] = {}
+        self._sampled = False
+
+    def excess(self, rows: Matrix) -> Matrix:
+        """Return how far (N, limits) rows (N, n_axes) are beyond each limit; negative inside."""
+        columns = [(rows[:, n] - self._end(n, side)) * side for n, side in self.ends]
+        for one in self.limits.sums:
+            total = rows @ np.array(one.sum.coefficients) + one.sum.offset
+            columns += [one.lower - total, total - one.upper]
+        if self.curved and self.limits.drive_map is not None:
+            at = np.array([self.limits.drive_map.drives(row) for row in rows])
+            for limit in self.curved:
+                columns += [limit.lower - at[:, limit.axis], at[:, limit.axis] - limit.upper]
+        return np.stack(columns, axis=1) if columns else np.empty((len(rows), 0))
+
+    def _end(self, n: int, side: int) -> float:
+        return float((self.limits.lower if side < 0 else self.limits.upper)[n])
+
+    def take(self, chunk: BlockRun, close: Blocks) -> Iterator[PathViolation]:
+        """Take a chunk and yield the violations that have ended.
+
+        Args:
+            chunk: The blocks.
+            close: Those that come close to a singularity: along a line axes do not change evenly there.
+        """
+        blocks, shares, axes = self._looked_at(chunk, close)
+        excess = self.excess(axes)
+        for limit in range(len(self.names)):
+            outside = excess[:, limit] > LIMIT_SLACK
+            if limit in self._open or outside.any():
+                yield from self._follow(chunk, limit, (blocks, shares, axes), excess[:, limit], outside)
+
+    def finish(self) -> Iterator[PathViolation]:
+        """Yield the violations that the path ends in."""
+        for limit in sorted(self._open):
+            yield self._done(limit)
+        self._open.clear()
+
+    def _looked_at(self, chunk: BlockRun, close: Blocks) -> tuple[Blocks, Vector, Matrix]:
+        """Return block, share and axis values of the places of a chunk that are looked at, in order."""
+        rows, count = chunk.motion.rows, len(chunk.motion.rows) - 1
+        between = np.empty(0, dtype=np.intp)
+        if self.curved:
+            between = np.arange(count)
+        elif not isinstance(chunk.motion, StraightMotion):
+            margins = -self.excess(rows)
+            change = np.abs(np.diff(margins, axis=0))
+            near = (np.minimum(margins[:-1], margins[1:]) < _BULGE * change).any(axis=1)
+            between = np.unique(np.concatenate([np.flatnonzero(near), close]))
+        self._sampled |= bool(self.curved) or not isinstance(chunk.motion, StraightMotion)
+        inner = np.arange(1, _SAMPLES) / _SAMPLES
+        blocks = np.concatenate([np.arange(count), np.repeat(between, len(inner)), [count - 1]])
+        shares = np.concatenate([np.zeros(count), np.tile(inner, len(between)), [1.0]])
+        order = np.lexsort((shares, blocks))
+        blocks, shares = blocks[order], shares[order]
+        axes = chunk.motion.axes(blocks, shares)
+        known = np.isfinite(axes).all(axis=1)
+        return blocks[known], shares[known], axes[known]
+
+    def _follow(
+        self,
+        chunk: BlockRun,
+        limit: int,
+        looked_at: tuple[Blocks, Vector, Matrix],
+        excess: Vector,
+        outside: NDArray[np.bool_],
+    ) -> Iterator[PathViolation]:
+        blocks, shares, _ = looked_at
+        for n in range(len(blocks)):
+            if outside[n]:
+                place = chunk.places([int(blocks[n])], [float(shares[n])])[0]
+                known = self._open.get(limit)
+                if known is None:
+                    begin = place if n == 0 else self._crossing(chunk, looked_at, excess, n)
+                    self._open[limit] = _Open(begin, place, place, float(excess[n]))
+                    continue
+                known.end = place
+                if excess[n] > known.excess:
+                    known.worst, known.excess = place, float(excess[n])
+            elif limit in self._open:
+                if n:
+                    self._open[limit].end = self._crossing(chunk, looked_at, excess, n)
+                yield self._done(limit)
+                del self._open[limit]
+
+    def _crossing(self, chunk: BlockRun, looked_at: tuple[Blocks, Vector, Matrix], excess: Vector, n: int) -> PathPlace:
+        """Return where a limit is crossed between two places that follow one another."""
+        blocks, shares, _ = looked_at
+        before = float(blocks[n - 1] + shares[n - 1])
+        at = before + (float(blocks[n] + shares[n]) - before) * float(excess[n - 1] / (excess[n - 1] - excess[n]))
+        block = min(int(at), len(chunk.motion.rows) - 2)
+        return chunk.places([block], [at - block])[0]
+
+    def _done(self, limit: int) -> PathViolation:
+        found, name = self._open[limit], self.names[limit]
+        words = dict(self.limits.violations(found.worst.axes)).get(name, name)
+        return PathViolation(name, found.begin, found.end, found.worst, found.excess, words, not self._sampled)
