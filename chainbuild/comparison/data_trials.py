@@ -83,7 +83,8 @@ def try_data(
     some = evidence.some(_MAX_POSES)
     if len(some.axes) < _LEAST_POSES:
         return ()
-    data = machine.geometry(selection.kinematic, selection.channel)
+    where = selection.kinematic, selection.channel
+    data = (*machine.geometry(*where), *machine.tool_data(*where, tool_length_mm=selection.tool_length_mm))
     bench = _Bench(machine, selection, chosen, some)
     before = some.score(bench.trial({}))
     found: list[DataTrial] = []

@@ -59,11 +59,11 @@ class Datum:
 
     Attributes:
         name: Name in the file: "$MC_ROBX_AXES_DIR[2]", "trafo[0].param[4]".
-        symbol: Short name: "MD62918", "HD5"; empty where it has none.
+        symbol: Short name: "MD62918", "HD5", "T4 D1" of a tool, "overlay"; empty where it has none.
         value: Value in `unit`.
         unit: "mm", "deg" or an empty string.
         span: Where the file gives it; None for a default.
-        channel: Its channel.
+        channel: Its channel; of SINUMERIK tool data the tool area.
         key: How its machine finds it.
         others: Values that a bare number may have besides.
         counts: What the file counts for one unit.
@@ -78,10 +78,14 @@ class Datum:
     unit: str
     span: Span | None
     channel: int
-    key: tuple[str, int | None]
+    key: tuple[str, int | tuple[int, int] | None]
     others: tuple[float, ...] = ()
     counts: float = 1.0
     twins: tuple[str, ...] = ()
+
+
+TOOL_LENGTH: Final = "tool_length_mm"  # what the argument and the overlay call it
+TOOL_TABLE: Final = "tool."  # of the overlay: keys of data there begin with it
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,6 +14,8 @@ from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, ConventionError, MachineDataError
 from chainbuild.findings import Collector, Finding, Findings, refuse_errors
 from chainbuild.formats.entries import (
+    TOOL_LENGTH,
+    TOOL_TABLE,
     Datum,
     KinematicEntry,
     ParameterRow,
@@ -106,11 +108,49 @@ class Machine(ABC):
     def geometry(
         self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
     ) -> tuple[Datum, ...]:
-        """Return the numbers that place and direct a kinematic, given or default; those of the tool are not among them.
+        """Return the numbers that place and direct a kinematic, given or default; `tool_data` returns the tool's.
 
         Raises:
             MachineDataError: the kinematic or channel does not exist.
         """
+
+    def tool_data(
+        self,
+        kinematic: int | str | tuple[int | str, int | str] | None = None,
+        channel: int | None = None,
+        *,
+        tool_length_mm: float = 0.0,
+    ) -> tuple[Datum, ...]:
+        """Return the numbers of the active tool: those of the file and the overlay, and the length added to it.
+
+        Without any of them the added length is there all the same: it is 0.
+
+        Raises:
+            MachineDataError: the kinematic or channel does not exist.
+        """
+        selected = self._select(checked_kinematic(kinematic), checked_channel(channel), Collector(strict=False))
+        own, added = list(self._tool_data(selected)), self.overlay.tool_length_mm
+        key = (TOOL_LENGTH, None)
+        if added:
+            own.append(Datum(TOOL_LENGTH, "overlay", added, "mm", self.overlay.span(TOOL_LENGTH), 0, key))
+        if tool_length_mm or not own:
+            own.append(Datum(TOOL_LENGTH, "--tool-length", finite_length_mm(tool_length_mm), "mm", None, 0, key))
+        return tuple(own)
+
+    @abstractmethod
+    def _tool_data(self, selected: Selected) -> Iterable[Datum]:
+        """Return the numbers of the active tool that the file gives, and the overlay in its table `tool`."""
+
+    def _changed_overlay(self, values: Mapping[Datum, float]) -> Overlay:
+        """Return the overlay with other values of its tool data; a length added by the caller is added here."""
+        added = [value - one.value for one, value in values.items() if one.key[0] == TOOL_LENGTH]
+        tool = {
+            one.key[0].removeprefix(TOOL_TABLE): v for one, v in values.items() if one.key[0].startswith(TOOL_TABLE)
+        }
+        if not added and not tool:
+            return self.overlay
+        length_mm = self.overlay.tool_length_mm + sum(added)
+        return replace(self.overlay, tool_length_mm=length_mm, tool={**self.overlay.tool, **tool})
 
     @abstractmethod
     def with_values(self, values: Mapping[Datum, float]) -> Machine:
@@ -119,7 +159,7 @@ class Machine(ABC):
         Rules on a single value are those of reading and not asked again; rules of the geometry are, by `chain`.
 
         Args:
-            values: Data of `geometry` → new values in their units.
+            values: Data of `geometry` and `tool_data` → new values in their units.
         """
 
     def trial_chain(

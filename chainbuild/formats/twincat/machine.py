@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -24,7 +24,7 @@ from chainbuild.formats.entries import (
 )
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay
-from chainbuild.formats.twincat.geometry import geometry_data, with_values
+from chainbuild.formats.twincat.geometry import geometry_data, tool_data, with_tool_values, with_values
 from chainbuild.formats.twincat.lists.axislist import AxisList
 from chainbuild.formats.twincat.lists.config import UNKNOWN_ID_ALARM, Channel, Trafo
 from chainbuild.formats.twincat.lists.source import DIALECT, Source, chain_name
@@ -102,8 +102,12 @@ class TwinCatMachine(Machine):
         """Return the machine with other values of some data."""
         channels = tuple(with_values(channel, values) for channel in self.channels)
         collector = Collector(self._collector.strict, list(self._reading))
-        content = replace(self._content, channels=channels)
-        return TwinCatMachine(self.file, self.path, self.overlay, collector, content)
+        tools = tuple({n: with_tool_values(tool, values) for n, tool in own.items()} for own in self._tools)
+        content = replace(self._content, channels=channels, tools=tools)
+        return TwinCatMachine(self.file, self.path, self._changed_overlay(values), collector, content)
+
+    def _tool_data(self, selected: Selected) -> Iterator[Datum]:
+        return tool_data(self._source(selected, 0.0))
 
     def _translate(self, selected: Selected, tool_length_mm: float, choose: Choices, collector: Collector) -> Chain:
         source, default = self._source(selected, tool_length_mm), self._default_source
