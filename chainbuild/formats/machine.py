@@ -14,13 +14,12 @@ from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, ConventionError, MachineDataError
 from chainbuild.findings import Collector, Finding, Findings, refuse_errors
 from chainbuild.formats.entries import (
-    TOOL_LENGTH,
-    TOOL_TABLE,
     Datum,
     KinematicEntry,
     ParameterRow,
     Selected,
     Wanted,
+    added_lengths,
     checked_channel,
     checked_kinematic,
     choose_kinematic,
@@ -66,6 +65,8 @@ class Machine(ABC):
         self._collector = collector
         self._reading = tuple(collector.findings)
         self._refused = tuple(finding for finding in self._reading if finding.severity == "error")
+        self._noted: set[Finding] = set()
+        self._seen = 0  # of the collector's findings, how many are among the noted ones
         self._kept: dict[Selected, _Outcome] = {}
 
     def __repr__(self) -> str:
@@ -129,28 +130,12 @@ class Machine(ABC):
             MachineDataError: the kinematic or channel does not exist.
         """
         selected = self._select(checked_kinematic(kinematic), checked_channel(channel), Collector(strict=False))
-        own, added = list(self._tool_data(selected)), self.overlay.tool_length_mm
-        key = (TOOL_LENGTH, None)
-        if added:
-            own.append(Datum(TOOL_LENGTH, "overlay", added, "mm", self.overlay.span(TOOL_LENGTH), 0, key))
-        if tool_length_mm or not own:
-            own.append(Datum(TOOL_LENGTH, "--tool-length", finite_length_mm(tool_length_mm), "mm", None, 0, key))
-        return tuple(own)
+        own = tuple(self._tool_data(selected))
+        return (*own, *added_lengths(self.overlay, finite_length_mm(tool_length_mm), bool(own)))
 
     @abstractmethod
     def _tool_data(self, selected: Selected) -> Iterable[Datum]:
         """Return the numbers of the active tool that the file gives, and the overlay in its table `tool`."""
-
-    def _changed_overlay(self, values: Mapping[Datum, float]) -> Overlay:
-        """Return the overlay with other values of its tool data; a length added by the caller is added here."""
-        added = [value - one.value for one, value in values.items() if one.key[0] == TOOL_LENGTH]
-        tool = {
-            one.key[0].removeprefix(TOOL_TABLE): v for one, v in values.items() if one.key[0].startswith(TOOL_TABLE)
-        }
-        if not added and not tool:
-            return self.overlay
-        length_mm = self.overlay.tool_length_mm + sum(added)
-        return replace(self.overlay, tool_length_mm=length_mm, tool={**self.overlay.tool, **tool})
 
     @abstractmethod
     def with_values(self, values: Mapping[Datum, float]) -> Machine:
@@ -206,10 +191,24 @@ class Machine(ABC):
             ConventionError: an unknown convention or choice.
             ChainError: the chain contradicts itself.
         """
+        chain = self.translated(kinematic, channel, tool_length_mm, conventions)
+        return replace(chain, findings=Findings(dict.fromkeys((*self._reading, *chain.findings))))
+
+    def translated(
+        self,
+        kinematic: int | str | tuple[int | str, int | str] | None = None,
+        channel: int | None = None,
+        tool_length_mm: float = 0.0,
+        conventions: Mapping[str, str] | None = None,
+    ) -> Chain:
+        """Translate a kinematic as `chain` does; the chain's findings are without those of reading the file.
+
+        A file of thousands of kinematics may have as many findings of reading.
+        """
         kinematic, channel = checked_kinematic(kinematic), checked_channel(channel)
         tool_length_mm = finite_length_mm(tool_length_mm)
         chosen = self.chosen_conventions(conventions)
-        collector = Collector(self._collector.strict, list(self._reading))
+        collector = Collector(self._collector.strict)
         try:
             selected = self._select(kinematic, channel, collector)
             chain = self._translated(selected, tool_length_mm, chosen, collector)
@@ -339,5 +338,9 @@ class Machine(ABC):
 
     def _note(self, findings: Iterable[Finding]) -> None:
         """Add the findings that are new to the machine's."""
-        known = set(self._collector.findings)
-        self._collector.findings.extend(one for one in dict.fromkeys(findings) if one not in known)
+        kept = self._collector.findings  # whoever owns the collector may add to it, too
+        self._noted.update(kept[self._seen :])
+        new = [one for one in dict.fromkeys(findings) if one not in self._noted]
+        kept.extend(new)
+        self._noted.update(new)
+        self._seen = len(kept)

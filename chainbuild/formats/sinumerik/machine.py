@@ -14,7 +14,15 @@ from chainbuild.chain.programmed.display import POSE_ANGLES, Display
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, MachineDataError, Span
 from chainbuild.findings import Collector, refuse_errors
-from chainbuild.formats.entries import Datum, KinematicEntry, ParameterRow, Selected, checked_channel, checked_kinematic
+from chainbuild.formats.entries import (
+    Datum,
+    KinematicEntry,
+    ParameterRow,
+    Selected,
+    changed_overlay,
+    checked_channel,
+    checked_kinematic,
+)
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.sinumerik.geometry.robot_axes import basic_moves
@@ -126,7 +134,7 @@ class RobxMachine(Machine):
             for one, value in values.items()
             if one.key[0] in catalogue()
         }
-        table, overlay = with_values(self.table, changed), self._changed_overlay(values)
+        table, overlay = with_values(self.table, changed), changed_overlay(self.overlay, values)
         collector = Collector(self._collector.strict, list(self._reading))
         transformations = find_transformations(table, Collector(strict=False))
         tools = tools_of_channels(table, list(self.tools), overlay, Collector(strict=False))

@@ -18,6 +18,7 @@ from chainbuild.formats.entries import (
     KinematicEntry,
     ParameterRow,
     Selected,
+    changed_overlay,
     checked_channel,
     checked_kinematic,
     matching_id,
@@ -104,7 +105,7 @@ class TwinCatMachine(Machine):
         collector = Collector(self._collector.strict, list(self._reading))
         tools = tuple({n: with_tool_values(tool, values) for n, tool in own.items()} for own in self._tools)
         content = replace(self._content, channels=channels, tools=tools)
-        return TwinCatMachine(self.file, self.path, self._changed_overlay(values), collector, content)
+        return TwinCatMachine(self.file, self.path, changed_overlay(self.overlay, values), collector, content)
 
     def _tool_data(self, selected: Selected) -> Iterator[Datum]:
         return tool_data(self._source(selected, 0.0))
