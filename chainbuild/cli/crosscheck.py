@@ -125,4 +125,4 @@ def _print(check: CrossCheck, as_json: bool) -> None:
     if as_json:
         print_json(crosscheck_data(check))
     else:
-        say(crosscheck_text(check), end="")
+        say(crosscheck_text(check), end="", lines=True)

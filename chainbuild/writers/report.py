@@ -14,6 +14,7 @@ from chainbuild.comparison.convention_trials import Trial
 from chainbuild.comparison.crosscheck import CrossCheck
 from chainbuild.comparison.data_trials import DataTrial
 from chainbuild.comparison.diagnosis import Explanation
+from chainbuild.files import printable
 from chainbuild.formats.entries import TOOL_LENGTH
 from chainbuild.units import deg_from_rad, mm_from_m
 
@@ -34,7 +35,7 @@ def crosscheck_text(check: CrossCheck) -> str:
         lines += _inverse_lines(check.inverse, check.complete)
     lines += _structure_lines(check)
     lines.append("Result: agrees" if check.agrees else "Result: differs")
-    return "\n".join(lines) + "\n"
+    return "".join(f"{printable(line, lines=False)}\n" for line in lines)
 
 
 def _forward_lines(forward: Forward, axes: Sequence[str]) -> list[str]:
