@@ -96,16 +96,13 @@ def test_a_wrong_number_of_a_cutting_edge_is_named(tmp_path: Path, old: str, new
 
 def test_wrong_numbers_of_the_overlay_are_named(tmp_path: Path) -> None:
     overlay = "tool_length_mm = 30\n[tool]\nTC_DP4 = 5\nTC_DP5 = 14\n"
+    there = [arm(tmp_path, overlay.replace(*change)) for change in (("= 30", "= 33"), ("DP4 = 5", "DP4 = 9.25"))]
     here = arm(tmp_path, overlay)
-    for old, new, said in (
-        ("_mm = 30", "_mm = 33", "overlay tool_length_mm (line 1): 30 to 33 mm"),
-        ("_mm = 30", "_mm = 33", "T3 D2 $TC_DP3[3,2] (line {}): 120 to 123 mm"),
-        ("TC_DP4 = 5", "TC_DP4 = 9.25", "overlay tool.TC_DP4 (line 3): 5 to 9.25 mm"),
-    ):
-        there = arm(tmp_path, overlay.replace(old, new))
-        line = here.path.read_text("utf-8").splitlines().index("$TC_DP3[3,2]=120") + 1
-        arm(tmp_path, overlay)
-        assert said.format(line) in lines_of(here, there)
+    line = here.path.read_text("utf-8").splitlines().index("$TC_DP3[3,2]=120") + 1
+    found = lines_of(here, there[0])
+    assert "overlay tool_length_mm (line 1): 30 to 33 mm" in found
+    assert f"T3 D2 $TC_DP3[3,2] (line {line}): 120 to 123 mm" in found
+    assert "overlay tool.TC_DP4 (line 3): 5 to 9.25 mm" in lines_of(here, there[1])
 
 
 def test_a_wrong_length_of_the_caller_is_named(tmp_path: Path) -> None:
