@@ -52,10 +52,11 @@ class Recording:
         Raises:
             ChainbuildError: its poses have other columns.
         """
-        read = self._rows
-        if read is None or (read.form.whole and PoseForm.of(chain, "direction") == read.form):
-            return self.poses if rows is None else self.poses[rows]
-        return read.poses(chain, np.arange(len(read.lines)) if rows is None else rows)
+        read, chosen = self._rows, np.arange(len(self.poses)) if rows is None else rows
+        if read is None or len(read.lines) != len(self.poses):  # made of arrays, maybe of some rows of a file
+            return self.poses[chosen]
+        same = read.form.whole and _form(chain) == read.form
+        return self.poses[chosen] if same else read.poses(chain, chosen)
 
 
 def read_recording(path: Path | str, chain: Chain) -> Recording:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -48,6 +49,8 @@ def test_a_recording_is_read_once(tmp_path: Path) -> None:
     assert np.abs(recording.read_for(there, rows=np.array([5, 2])) - meant[[5, 2]]).max() == 0.0
     assert np.abs(recording.poses - meant).max() > 1e-3
     np.testing.assert_array_equal(recording.read_for(here), recording.poses)
+    some = replace(recording, axes=recording.axes[3:], poses=recording.poses[3:])
+    np.testing.assert_array_equal(some.read_for(there), some.poses)  # the rows of the file are others
 
 
 def test_a_chain_that_shows_other_columns_is_refused(tmp_path: Path) -> None:

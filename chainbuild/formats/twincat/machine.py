@@ -71,7 +71,6 @@ class TwinCatMachine(Machine):
         self._content = content
         self.channels = content.channels
         self._tools = content.tools
-        self._axis_lists = content.axis_lists
         self._configured = {channel.index: tuple(_entries(channel)) for channel in content.channels}
         self._listed = tuple(one.entry for here in self._configured.values() for one in here)
 
@@ -132,13 +131,24 @@ class TwinCatMachine(Machine):
             channel=found.channel,
             tool=tool,
             tool_length_mm=tool_length_mm + (tool.length_mm if tool else 0.0),
-            axis_lists=[
-                entry for entry, number in self._axis_lists if number in ("", "0", str(found.channel.index + 1))
-            ],
+            axis_lists=self._axis_lists_of(found.channel),
             overlay=self.overlay,
             second=self._found(second).trafo if second else None,
             main=self._is_main(selected),
         )
+
+    def _axis_lists_of(self, channel: Channel) -> list[AxisList]:
+        """Return the axis lists of a channel and those of any, in file order."""
+        places = [n for number in ("", "0", str(channel.index + 1)) for n in self._by_number.get(number, ())]
+        return [self._content.axis_lists[n][0] for n in sorted(places)]
+
+    @cached_property
+    def _by_number(self) -> Mapping[str, Sequence[int]]:
+        """Places of the axis lists by the number of their channel; looked up, since there may be thousands of both."""
+        found: dict[str, list[int]] = {}
+        for n, (_, number) in enumerate(self._content.axis_lists):
+            found.setdefault(number, []).append(n)
+        return found
 
     def _is_main(self, selected: Selected) -> bool:
         """Tell whether the overlay is written for a kinematic: the one it names, else the default of the channel."""
