@@ -95,7 +95,7 @@ def _try_chain(
     from chainbuild.kinematics.mechanism import Mechanism  # reading alone needs no Pinocchio
 
     try:
-        chain = Mechanism(machine.chain(kinematic=kinematic, channel=channel)).chain
+        chain = Mechanism(machine.translated(kinematic=kinematic, channel=channel)).chain
         collector.findings.extend(chain.findings)
         return chain
     except UnsupportedKinematicError as error:
