@@ -41,6 +41,15 @@ def test_two_maps_side_by_side() -> None:
     assert apart.differing == (1, 2)
     assert apart.derivative(axes).tolist() == [[1, 0, 0], [0.5, 2, 0], [0, 0, 1]]
     assert apart.follows.tolist() == [[True, False, False], [True, True, False], [False, False, True]]
+    assert apart.turning == (0, 1, 2)
+
+
+def test_a_reach_keeps_its_axis_behind_another_chain() -> None:
+    """By 2.29 sin(A/2) is sin HD7 at most: with HD7 = 45 degrees A reaches 90."""
+    head = Robot.load("cardan_head_kin59").chain.drives
+    assert head is not None
+    assert DrivesSideBySide(GEAR, head, 2).reach == {6: pytest.approx((-90.0, 90.0))}
+    assert DrivesSideBySide(head, GEAR, 5).reach == {4: pytest.approx((-90.0, 90.0))}
 
 
 @pytest.mark.parametrize("other", ["cardan_head_kin59", "ac_table_kin58", "irb2600"])
