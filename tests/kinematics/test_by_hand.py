@@ -11,8 +11,9 @@ import pytest
 from chainbuild import AffineDrives, AxisConstraint, AxisSum, DriveLimit, Robot
 from chainbuild.chain.assemble import linear, rotary
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.programmed.display import Display
 from chainbuild.frames import rot_about, rot_y, rot_z
-from chainbuild.kinematics.displayed import raised_and_turned
+from chainbuild.kinematics.displayed import raised_and_turned, vector_of_angles
 from chainbuild.kinematics.evaluation import tilt
 from chainbuild.kinematics.limits import Limits
 from chainbuild.kinematics.newton import damped_step, shrinking
@@ -155,6 +156,12 @@ def test_the_factors_of_pitch_and_turn() -> None:
         assert abs(a) == pytest.approx(abs(axes[0]))
         expected = rot_z(a) @ rot_y(25.0) @ rot_z(35.0 - a)
         np.testing.assert_allclose(raised_and_turned(robot.chain, values, 25.0, 35.0), expected, atol=1e-14)
+
+
+def test_two_angles_turn_z_unless_said_otherwise() -> None:
+    display = Display("direction", ("c_deg", "a_deg"), letters="CA")
+    assert vector_of_angles(display, (0.0, 0.0)).tolist() == [0.0, 0.0, 1.0]
+    assert vector_of_angles(display, (90.0, 30.0)) == pytest.approx([0.5, 0.0, math.sqrt(0.75)])
 
 
 def test_rows_inside_limits_of_sums_and_drives() -> None:

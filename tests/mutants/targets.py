@@ -11,11 +11,10 @@ ROOT = Path(__file__).parent.parent.parent
 TYPES_ONLY = "--mutant-types="  # among pytest's arguments: keep the tests of these KIN_TYPs
 
 TWINCAT = "tests/formats/twincat"
-TWINCAT_SHARED = (
-    TWINCAT,
-    "-k",
-    "(hand or reference or arm45 or families or bounds or kin98 or domain) and not pitch_and_turn",
-)
+# Not the one that takes as long as all others.
+GEOMETRY = "(hand or reference or arm45 or families or bounds or kin98 or domain) and not pitch_and_turn"
+TWINCAT_SHARED = (TWINCAT, "-k", GEOMETRY)
+TRANSLATED = (TWINCAT, "-k", f"{GEOMETRY} or channel_names")
 SINUMERIK = ("tests/formats/sinumerik", "tests/ik/policies/test_controller.py")
 CHAIN = ("tests/chain",)
 
@@ -37,7 +36,7 @@ DRIVES = (
 )
 LIMITS = (*_tests("kinematics", "by_hand"), *DRIVES, *_tests("ik", "limits_agree"))
 DISPLAYED = (
-    *_tests("kinematics", "by_hand"),
+    *_tests("kinematics", "by_hand", "angles_shown"),
     *_tests("ik", "displayed"),
     *_tests("formats/twincat", "universal_display", "displayed_by_hand"),
 )
@@ -51,7 +50,7 @@ def targets() -> dict[Path, tuple[str, ...]]:
     twincat, sinumerik = package / "formats" / "twincat", package / "formats" / "sinumerik"
     shared = [*sorted((twincat / "families").glob("[a-z]*.py")), *sorted((twincat / "maps").glob("[a-z]*.py"))]
     shared += [twincat / "recipes" / f"{name}.py" for name in ("parts", "head_parts", "recipe")]
-    files = dict.fromkeys([*shared, twincat / "translate.py"], TWINCAT_SHARED)
+    files = {**dict.fromkeys(shared, TWINCAT_SHARED), twincat / "translate.py": TRANSLATED}
     robx = [sinumerik / "geometry" / f"{name}.py" for name in ("translate", "robot_axes", "tool")]
     files |= dict.fromkeys([*robx, sinumerik / "rules" / "chain_data.py"], SINUMERIK)
     chain = package / "chain"

@@ -11,6 +11,7 @@ import pytest
 
 import chainbuild
 from chainbuild import ChainbuildError, Robot
+from chainbuild.formats.twincat.maps.drives import BevelDrives
 from tests.kit.machine_files import machine_file
 
 LINEAR = "X = [-3000, 3000]\nY = [-3000, 3000]\nZ = [-3000, 3000]\n"
@@ -228,6 +229,8 @@ def test_76_machine_axes_point_the_tool_where_it_is_programmed(tmp_path: Path, a
         }[axes_stand]
         found = rot((0, 0, 1), 20.0 if mounting == "plus" else -20.0) @ head @ z
         assert found == pytest.approx(robot.fk(axes).rotation[:, 2], abs=1e-12)
+        assert isinstance(robot.chain.drives, BevelDrives)
+        assert robot.chain.drives.direction(robot.drives(axes)) == pytest.approx(head @ z, abs=1e-12)
         check_derivative(robot, axes)
     assert robot.drives(np.zeros(5))[4] == pytest.approx(
         -20.0 if axes_stand == "upright" and mounting == "plus" else 20.0 if axes_stand == "upright" else 0.0, abs=1e-9

@@ -42,3 +42,13 @@ def test_bounds_hold_every_reachable_joint_value(kin: int, tmp_path: Path) -> No
     assert (found <= high + 1e-9).all(), (found.max(axis=0), high)
     span = found.max(axis=0) - found.min(axis=0)
     assert (high - low <= 2.0 * span + 1e-9).all(), (high - low, span)
+
+
+def test_a_quarter_turn_is_not_left(tmp_path: Path) -> None:
+    """70 at ±90 degrees: wherever CV stands the head turns its axes no further, and no rounding says otherwise."""
+    path = tmp_path / "machine.lis"
+    path.write_text("trafo[0].id 70\nEnde\n")
+    (tmp_path / "machine.chainbuild.toml").write_text("[limits]\nB = [-90.0, 90.0]\nA = [-90.0, 90.0]\n")
+    model = chainbuild.Robot.load(path).model
+    assert np.degrees(model.lowerPositionLimit[3:]).tolist() == pytest.approx([-90.0, -90.0])
+    assert np.degrees(model.upperPositionLimit[3:]).tolist() == pytest.approx([90.0, 90.0])

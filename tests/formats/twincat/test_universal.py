@@ -52,6 +52,12 @@ def test_names_win_over_slots_and_tools_are_added() -> None:
     assert pose(chain, [0] * 5)[:3, 3] == pytest.approx([0, 0, -250 - 1 - 50])
 
 
+def test_tools_are_added_to_slots() -> None:
+    lines = [*CA_HEAD.slots(), "wz[3].kinematic.param[5] -10000"]
+    chain = machine("\n".join(lines), overlay=Overlay(tool={"number": 3.0})).chain()
+    assert pose(chain, [0] * 5)[:3, 3] == pytest.approx([0, 0, -250 - 1])
+
+
 def test_it_equals_58_and_9() -> None:
     # 58: A 500 below the machine zero, C 60 above A. 91 counts from the machine, 58 from the workpiece at zero.
     table = Universal(
