@@ -127,6 +127,7 @@ def test_folding_moves_nothing_and_is_undone(kind: str, sign: float) -> None:
         axis = Axis.unlimited("A", "rotary" if kind == "revolute" else "linear")
         place = shift(*rng.normal(size=3) * 300.0)
         (joint,) = assemble([axis], [place, move]).joints
+        assert math.copysign(1.0, folded(joint, -1.0, 0.0).zero) == 1.0  # zero has no sign where it is written
         si = math.radians(offset) if kind == "revolute" else offset / 1000.0
         once = folded(joint, sign, offset)
         twice = folded(once, -1.0, -17.0)
