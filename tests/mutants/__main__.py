@@ -19,13 +19,14 @@ from dataclasses import dataclass, field
 from itertools import zip_longest
 from pathlib import Path
 
+from tests.mutants.equivalent import is_equivalent
 from tests.mutants.forked import Job, Outcome, failing_unmutated, judged
 from tests.mutants.mutations import mutants_of
 from tests.mutants.targets import ROOT, targets, tests_for
 
 KILLERS_TRIED = 12  # first, of those that killed others: more are slower than all tests of most files
 UNNOTICED = {"hung", "survived", "untested"}  # to be looked at: what hangs has failed no test
-KINDS = ("killed", "hung", "survived", "untested", "left")
+KINDS = ("killed", "hung", "survived", "equivalent", "untested", "left")
 
 
 @dataclass
@@ -47,7 +48,8 @@ class Run:
 
     def kind(self, job: Job) -> str:
         """Return what became of a mutant."""
-        return self.outcomes[job].kind if job in self.outcomes else "left"
+        kind = self.outcomes[job].kind if job in self.outcomes else "left"
+        return "equivalent" if kind == "survived" and is_equivalent(job.path, job.mutant) else kind
 
 
 def jobs_of(only: list[str]) -> list[Job]:
@@ -70,10 +72,10 @@ def summary(run: Run) -> str:
             counts[row][run.kind(job)] += 1
     total = counts.pop("all", Counter())
     width = max(map(len, counts), default=0)
-    lines = [f"{'file':{width}}" + "".join(f"{kind:>10}" for kind in ("run", *KINDS))]
+    lines = [f"{'file':{width}}" + "".join(f"{kind:>11}" for kind in ("run", *KINDS))]
     for row, count in [*sorted(counts.items()), ("all", total)]:
         numbers = (count.total() - count["left"], *(count[kind] for kind in KINDS))
-        lines.append(f"{row:{width}}" + "".join(f"{number:10}" for number in numbers))
+        lines.append(f"{row:{width}}" + "".join(f"{number:11}" for number in numbers))
     unnoticed = [f"  {run.kind(job)}: {job}" for job in run.jobs if run.kind(job) in UNNOTICED]
     return "\n".join([*lines, *sorted(unnoticed)])
 
@@ -105,7 +107,7 @@ def main() -> int:
     print(f"\n{summary(run)}\n{(time.monotonic() - start) / 60.0:.1f} min")
     for name in broken:
         print(f"fails without a mutant, too: {name}")
-    return 1 if broken or any(run.kind(job) == "left" for job in run.jobs) else 0
+    return 1 if broken or any(run.kind(job) in {*UNNOTICED, "left"} for job in run.jobs) else 0
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.kit.paths import PACKAGE, ROOT
+from tests.mutants.equivalent import EQUIVALENT, Equivalent
 from tests.mutants.mutations import mutants_of
 from tests.mutants.targets import targets, types_in
 
@@ -37,6 +38,7 @@ def test_the_types_of_a_family_are_read_from_its_file() -> None:
 
 JUDGED = """
 from tests.mutants.forked import Job, failing_unmutated, judged
+from tests.mutants.equivalent import EQUIVALENT, Equivalent
 from tests.mutants.mutations import Mutant
 from tests.mutants.targets import ROOT
 
@@ -57,6 +59,12 @@ def test_mutants_are_killed_by_the_test_that_fails_and_the_rest_survives() -> No
     name = "test_an_affine_map_there_and_back"
     words = ["survived ", f"killed {name}", f"killed {name}", "killed ", "[]"]
     assert done.stdout.splitlines() == words
+
+
+@pytest.mark.parametrize("known", EQUIVALENT, ids=lambda known: f"{known.file} {known.what}")
+def test_what_is_said_to_compute_the_same_is_still_a_mutant(known: Equivalent) -> None:
+    path = PACKAGE / known.file
+    assert [mutant for mutant in mutants_of(path.read_text("utf-8")) if known.is_of(path, mutant)]
 
 
 def test_nothing_in_annotations_is_mutated() -> None:
