@@ -30,6 +30,14 @@ def test_an_affine_map() -> None:
     assert GEAR.total(1).value(axes) == 6.0
 
 
+def test_a_drive_has_no_limit_where_none_is_given() -> None:
+    robot = Robot.load("ca_head_kin9")
+    limits = Limits.of(robot.chain.with_drive_limits((DriveLimit(4, upper=30.0),)))
+    for value, broken in ((-1e6, False), (29.0, False), (31.0, True)):
+        assert bool(limits.broken_drives(np.array([0.0, 0.0, 0.0, 0.0, value]))) is broken
+    assert (DriveLimit(4).lower, DriveLimit(4).upper, DriveLimit(4).bounded) == (-np.inf, np.inf, False)
+
+
 def test_two_maps_side_by_side() -> None:
     assert joined_drives(None, 2, None, 3) is None
     joined = joined_drives(None, 1, GEAR, 2)
