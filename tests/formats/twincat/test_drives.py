@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild import ChainbuildError, Robot
+from chainbuild import AffineDrives, ChainbuildError, Robot
 from chainbuild.formats.twincat.maps.drives import BevelDrives
 from tests.kit.machine_files import machine_file
 
@@ -75,6 +75,15 @@ def test_28_by_the_gear(tmp_path: Path, place: str) -> None:
     # What the other place of the signs gives is another answer.
     other = gear_28(30.0, 40.0, (-signs[0], -signs[1]))
     assert robot.drives([0, 0, 0, 30, 40])[3:].tolist() != pytest.approx(other)
+
+
+def test_28_a_gear_without_an_offset_has_no_signed_zeros(tmp_path: Path) -> None:
+    robot = robot_of(tmp_path, 28, {**GEAR_2, 14: -1, 15: -1}, gear_flag_place="before_gear")
+    drives = robot.chain.drives
+    assert isinstance(drives, AffineDrives)
+    assert drives.b.tolist() == [0.0] * 5
+    assert not np.signbit(drives.b).any()
+    assert not np.signbit(drives.A[drives.A == 0.0]).any()
 
 
 def test_28_axis_values_that_are_the_drives(tmp_path: Path) -> None:
