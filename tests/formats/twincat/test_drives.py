@@ -77,6 +77,13 @@ def test_28_by_the_gear(tmp_path: Path, place: str) -> None:
     assert robot.drives([0, 0, 0, 30, 40])[3:].tolist() != pytest.approx(other)
 
 
+def test_28_a_gear_that_reverses(tmp_path: Path) -> None:
+    """A_drive = A·HD16/HD17, here -A; 1:1 it is no gear at all."""
+    robot = robot_of(tmp_path, 28, {**GEAR_2, 16: -1})
+    assert robot.drives([1, 2, 3, 40, 50]).tolist() == [1, 2, 3, 40, -50]
+    assert robot_of(tmp_path, 28, {**GEAR_2, 16: 1}).chain.drives is None
+
+
 def test_28_a_gear_without_an_offset_has_no_signed_zeros(tmp_path: Path) -> None:
     robot = robot_of(tmp_path, 28, {**GEAR_2, 14: -1, 15: -1}, gear_flag_place="before_gear")
     drives = robot.chain.drives
