@@ -65,6 +65,10 @@ EQUIVALENT = (
         "formats/sinumerik/geometry/tool.py", "frames.rot_y(180.0)", "180.0 → -180.0",
         "half a turn this way or that is the same",
     ),
+    Equivalent(
+        "kinematics/task_error.py", "self._even = bool((self._weights == 1.0).all())", "1.0 → -1.0",
+        "weights of 1 are multiplied by as well: a shortcut is lost, no weight is negative",
+    ),
 )  # fmt: skip
 
 
