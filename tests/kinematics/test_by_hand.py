@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from chainbuild import AffineDrives, AxisConstraint, AxisSum, DriveLimit, Robot
-from chainbuild.chain.assemble import linear, rotary
+from chainbuild.chain.assemble import linear, rotary, shift
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.programmed.display import Display
 from chainbuild.frames import rot_about, rot_y, rot_z
@@ -40,6 +40,11 @@ def test_a_joint_along_each_direction(letter: str, sign: str) -> None:
         turned = np.eye(3) if move is slide else rot_about(along, 30.0)
         np.testing.assert_allclose(pose.translation, shifted, atol=1e-15)
         np.testing.assert_allclose(pose.rotation, turned, atol=1e-15)
+
+
+def test_the_reach_of_an_arm_holds_its_full_length() -> None:
+    arm = Robot(make_chain([rotary("A", "z"), shift(x=300.0), rotary("B", "z"), shift(x=200.0)], [], "A B"))
+    assert 0.5 <= arm.kinematics.reach <= 0.5 + 1e-8
 
 
 def test_an_affine_map_there_and_back() -> None:
@@ -85,6 +90,9 @@ def test_si_values_of_a_nonlinear_map() -> None:
     for row in rows:
         x = row * np.array([1e-3, 1e-3, 1e-3, math.pi / 180.0, math.pi / 180.0])
         np.testing.assert_allclose(robot.kinematics.q(x), robot.q(row), atol=1e-14)
+        steps = 1e-6 * np.eye(5)
+        slopes = [(robot.kinematics.q(x + step) - robot.kinematics.q(x - step)) / 2e-6 for step in steps]
+        np.testing.assert_allclose(robot.kinematics.dq_dx(x), np.array(slopes).T, atol=1e-8)
     poses = robot.fk_batch(rows)
     assert poses.shape == (2, 4, 4)
     for pose, row in zip(poses, rows, strict=True):
