@@ -46,6 +46,10 @@ EQUIVALENT = (
         "half a turn more or less is the same modulo a whole one",
     ),
     Equivalent(
+        "formats/twincat/coupling/two_steps.py", "np.remainder(error[rotary] + np.pi", "Sub for error[rotary] + np.pi",
+        "half a turn more or less is the same modulo a whole one",
+    ),
+    Equivalent(
         "formats/twincat/types/displays.py", "zero_deg=180.0 if aside", "180.0 → -180.0",
         "half a turn this way or that: the angle shown is within (-180, 180] either way",
     ),
