@@ -83,7 +83,7 @@ def summary(run: Run) -> str:
 def main() -> int:
     """Run all mutants within the time; list the survivors and what was left."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--minutes", type=float, default=20.0)
+    parser.add_argument("--minutes", type=float, default=60.0)
     parser.add_argument("only", nargs="*", help="parts of paths")
     options = parser.parse_args()
     os.chdir(ROOT)
