@@ -107,8 +107,8 @@ class _TrialRun:
         return max(trial.position_error / self.tolerance[0], trial.rotation_error / self.tolerance[1])
 
     def alternatives(self) -> list[tuple[str, str]]:
-        """Return every (name, choice) that is not in force."""
-        used = self._chain({}).conventions
+        """Return every (name, choice) that is not in force and can change a pose."""
+        used = [one for one in self._chain({}).conventions if one.convention.poses]
         return [
             (one.convention.name, choice) for one in used for choice in one.convention.choices if choice != one.choice
         ]
