@@ -14,8 +14,10 @@ import pytest
 
 import chainbuild
 from chainbuild.analysis.path.motion import motion_of
+from chainbuild.analysis.vanishing.lows import Low
 from chainbuild.analysis.verdicts import judging
 from chainbuild.analysis.verdicts.controlmeasure import MEASURES, factor_of_measure, measure_of_factor
+from chainbuild.analysis.verdicts.sampledzones import joined
 from chainbuild.analysis.verdicts.thresholds import Thresholds, assess, thresholds_of
 from chainbuild.analysis.verdicts.zones import zones
 from chainbuild.errors import ChainbuildError
@@ -123,6 +125,24 @@ def test_zones_of_the_wrist_by_hand(name: str, measure: str, arm) -> None:
         if name == "kr6r900":
             low, high = SPEC[measure][n]
             assert 0.95 * low <= (part.end.axes[4] - part.begin.axes[4]) / 2.0 <= 1.05 * high
+
+
+@pytest.mark.parametrize("measure", MEASURES)
+def test_the_least_value_of_a_block_that_passes_aside(measure: str, arm) -> None:
+    robot = arm("irb2600", f"{ON}\n$SN_MIN_DIST_TO_SINGULARITY=0.05", singularity_measure=measure)
+    begin = np.array([*HERE["irb2600"], 1.0, 30.0])
+    (block,) = chainbuild.singularity_verdicts(robot, [begin, begin + [0.0, 0.0, 0.0, 0.0, 30.0, 0.0]]).blocks
+    assert block.level == "watched"
+    assert block.parts[0].least.axes[4] == pytest.approx(1.0)
+    assert block.value == pytest.approx(by_hand(robot, "irb2600", measure, begin), rel=1e-6)
+
+
+def test_parts_of_several_kinds_are_put_together() -> None:
+    wide, inner = Low(0.2, 0.8, (), 0.5, 0.3), Low(0.3, 0.4, (0.35,), 0.35, 0.0)
+    touching, apart = Low(0.8, 0.85, (), 0.82, 0.1), Low(0.9, 1.0, (1.0,), 1.0, 0.0)
+    first, last = joined([apart, inner, touching, wide])
+    assert first == Low(0.2, 0.85, (0.35,), 0.35, 0.0)
+    assert last == apart
 
 
 def wrist_point(robot: chainbuild.Robot, name: str, axes: np.ndarray) -> np.ndarray:
@@ -279,7 +299,8 @@ def test_a_long_singular_part_is_no_singular_block(arm) -> None:
         (part,) = block.parts
         assert part.length_mm == pytest.approx(940.0 * (math.degrees(math.acos(1.0 - 2e-6)) - 0.05) / 0.95, rel=1e-3)
         assert (part.begin.label, part.end.row) == ("1", 0)
-        robot = arm("kr6r900", singular_block=choice)
+        back = chainbuild.singularity_verdicts(robot, turning("kr6r900", 0.05, 1.0, 940.0, robot)[::-1])
+        assert back.alarms == found.alarms
         short = chainbuild.singularity_verdicts(robot, turning("kr6r900", 0.05, 1.0, 400.0, robot))
         assert short.alarms == ()  # 27 mm
 
