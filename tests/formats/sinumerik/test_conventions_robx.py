@@ -9,6 +9,7 @@ from chainbuild.convention import conventions
 from chainbuild.errors import ChainbuildError
 from chainbuild.formats.overlay import Overlay
 from chainbuild.frames import angles_from_matrix
+from chainbuild.writers.notes import header
 from tests.kit.robx_files import ARM5, CC4, FLANGE, NR6, TABLE, TE4_ARM, F, R, T, chain_of, close, pose_of
 
 AXES = np.array((31, -47, 53, 71, -37, 113), dtype=float)
@@ -303,8 +304,9 @@ HANDLED = "$MC_MM_NUM_SINGULARITY_BLOCKS=1"
 
 @pytest.mark.parametrize("choice", choices("singularity_measure"))
 def test_singularity_measure(choice):
-    """It changes no pose; what it compares is tested with the verdicts."""
+    """It changes no pose and stands in no URDF; what it compares is tested with the verdicts."""
     chain = chain_of(NR6, conventions={"singularity_measure": choice})
+    assert "singularity_measure" not in header(chain)
     assert chain.singularity_watch.measure == choice
     assert close(pose_of(chain, AXES), pose_of(chain_of(NR6), AXES))
 
