@@ -12,13 +12,15 @@ from cyclopts import Parameter
 from chainbuild.cli.axisvalues import At, given_rows
 from chainbuild.cli.show import console, empty_table, note, print_json, say, shown_number
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
+from chainbuild.cli.verdicts import print_verdicts, verdicts_data
 from chainbuild.units import mm_from_m
 
 if TYPE_CHECKING:
     from chainbuild.analysis.singularity.names import SingularityReport
     from chainbuild.analysis.singularity.nearest import Nearest
     from chainbuild.analysis.singularity.singularity import Singularity
-    from chainbuild.analysis.singularity.thresholds import Assessment, PathSection, Thresholds
+    from chainbuild.analysis.verdicts.blockverdicts import SingularityVerdicts
+    from chainbuild.analysis.verdicts.thresholds import Assessment, Thresholds
     from chainbuild.robot import Robot
 
 _LEVELS = {"singular": "singular", "watched": "watched", "clear": "above its thresholds"}
@@ -69,7 +71,7 @@ def singularity(
         measures: How to measure.
         options: Which kinematic.
     """
-    from chainbuild.analysis.singularity.thresholds import thresholds_of
+    from chainbuild.analysis.verdicts.thresholds import thresholds_of
 
     robot = options.robot(file)
     rows = given_rows(robot, at, axes)
@@ -95,7 +97,8 @@ class _Shown:
         from chainbuild.analysis.singularity.measures import measure_batch
         from chainbuild.analysis.singularity.names import examine, examine_path
         from chainbuild.analysis.singularity.nearest import nearest_singularity
-        from chainbuild.analysis.singularity.thresholds import assess, assess_path
+        from chainbuild.analysis.verdicts.judging import singularity_verdicts
+        from chainbuild.analysis.verdicts.thresholds import assess
         from chainbuild.units import m_from_mm
 
         length = None if measures.length is None else m_from_mm(measures.length)
@@ -109,10 +112,10 @@ class _Shown:
         chosen = [row for row, _ in self.reports] if measures.nearest else []
         self.nearest: dict[int, Nearest] = {row: nearest_singularity(robot, rows[row], length=length) for row in chosen}
         self.assessments: dict[int, Assessment] = {}
-        self.stretches: tuple[PathSection, ...] = ()
+        self.verdicts: SingularityVerdicts | None = None
         if limits is not None:
             self.assessments = {row: assess(robot, rows[row], limits) for row, _ in self.reports}
-            self.stretches = tuple(assess_path(robot, rows, limits)) if len(rows) > 1 else ()
+            self.verdicts = singularity_verdicts(robot, rows) if len(rows) > 1 else None
 
     def draw(self, path: Path) -> Path:
         from chainbuild.analysis.singularity.names import NEAR
@@ -129,9 +132,7 @@ class _Shown:
             "manipulability": [_finite(value) for value in self.table.manipulability],
             "condition": [_finite(value) for value in self.table.condition],
             "rows": [self._row(row, report) for row, report in self.reports],
-            "stretches": [
-                asdict(stretch) | {"first": stretch.first + 1, "last": stretch.last + 1} for stretch in self.stretches
-            ],
+            "verdicts": verdicts_data(self.verdicts) if self.verdicts else None,
         }
 
     def _row(self, row: int, report: SingularityReport) -> dict[str, Any]:
@@ -165,7 +166,9 @@ class _Shown:
         assessment = self.assessments.get(0)
         if assessment is not None and self.limits is not None:
             level = _LEVELS[assessment.level] + (", axis 5 within ITERLIMIT" if assessment.hand_limit else "")
-            shown.add_row("for the control", f"{level} ({_thresholds(self.limits)})")
+            shown.add_row(
+                "for the control", f"{level}: {assessment.measure} {assessment.value:.4g} ({_thresholds(self.limits)})"
+            )
         out.print(shown)
         self._print_speeds(report)
         for found in (*report.names, *report.notices):
@@ -193,9 +196,8 @@ class _Shown:
             for found in (*report.names, *report.notices):
                 shown.add_row(str(row + 1), f"{self.table.smallest[row]:.3g}", _kind(found), found.sentence)
         console().print(shown)
-        for stretch in self.stretches:
-            alarm = f": alarm {stretch.alarm}" if stretch.alarm else ""
-            say(f"rows {stretch.first + 1} … {stretch.last + 1}: {stretch.level}, {stretch.length_mm:.1f} mm{alarm}")
+        if self.verdicts is not None:
+            print_verdicts(self.verdicts)
         for row, nearest in self.nearest.items():
             say(f"row {row + 1}: ", end="")
             _print_nearest(nearest, self.robot)
