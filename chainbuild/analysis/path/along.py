@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from chainbuild.analysis.path.collect import BlockRun, Growing, Point, StretchCollector
 from chainbuild.analysis.path.feeds import SpeedWatch, speeds_at
 from chainbuild.analysis.path.limitwatch import LimitWatch
-from chainbuild.analysis.path.motion import Between, motion_of
+from chainbuild.analysis.path.motion import BETWEEN, Between, motion_of
 from chainbuild.analysis.path.nearby import KindLows, Near, leaving, nearby
 from chainbuild.analysis.path.places import PathMinimum, PathPlace, PathReport, PathSpeed, PathStretch, PathViolation
 from chainbuild.analysis.singularity.measures import measure_batch, smallest_value
@@ -26,7 +26,6 @@ from chainbuild.progress import Progress, counting
 
 _CHUNK: Final = 1024  # blocks worked on at a time: memory does not grow with the path
 _SECONDS_A_MINUTE: Final = 60.0  # feeds are per minute, speeds per second
-BETWEEN: Final = ("ptp", "cp", "rows")  # in the order of the help
 
 
 @dataclass(frozen=True, slots=True)
