@@ -2,9 +2,9 @@
 
 Between two rows the axes move along a straight line, or the tip does: then the way is cut into pieces along which the
 axes are nearly straight (`chainbuild.analysis.collision.pieces`), and what is said of them is sampled. A pair of bodies
-at distance d cannot touch before one of the joints between them has moved them by d together: joint j moves a body by at
-most |dq_j|·r_j, r_j the largest distance of any of its points from the joint's line. The next step is therefore as long
-as the smallest distance allows.
+at distance d cannot touch before one of the joints between them has moved them by d together: joint j moves a body by
+at most |dq_j|·r_j, r_j the largest distance of any of its points from the joint's line. The next step is therefore as
+long as the smallest distance allows.
 """
 
 from __future__ import annotations

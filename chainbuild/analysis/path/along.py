@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sized
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain, islice
 from typing import Final
 
@@ -138,6 +138,7 @@ class _Walk:
     limits: LimitWatch = field(init=False)
     feeds: SpeedWatch | None = field(init=False)
     last: Vector | None = None
+    alone: bool = False
 
     def __post_init__(self) -> None:
         self.limits = LimitWatch(self.robot.limits)
@@ -159,22 +160,21 @@ class _Walk:
             if len(run):
                 self._run(run, first)
             if end < len(part):
-                self._interrupt()
-                self.last = None
+                self._interrupt(run, first)
             elif len(run):
                 self.last = run[-1].copy()
             begin = end + 1
         self.rows += len(part)
 
     def _run(self, rows: Matrix, first: int) -> None:
-        """Take rows without gaps."""
-        if len(rows) < 2 and self.last is None and self.between != "rows":
-            return  # the next rows begin with it
+        """Take rows without gaps, the first of them that of `last` if there is one."""
         if self.between == "rows":
-            self._rows_alone(rows, first)
+            self._rows_alone(rows if self.last is None else rows[1:], first + (self.last is not None))
             return
         if len(rows) < 2:
-            return
+            self.alone = self.alone or self.last is None
+            return  # the next rows begin with it
+        self.alone = False
         motion = motion_of(self.robot, rows, self.between)
         count = len(rows) - 1
         ways = motion.lengths(np.arange(count), np.ones(count))
@@ -203,21 +203,26 @@ class _Walk:
 
     def _rows_alone(self, rows: Matrix, first: int) -> None:
         """Look at rows only: each is a block that stands still."""
-        begin = 1 if self.last is not None else 0
-        for n in range(begin, len(rows)):
+        feed = None if self.between == "rows" else self.options.feed
+        for n in range(len(rows)):
             still = motion_of(self.robot, rows[[n, n]], "ptp")
-            chunk = BlockRun(still, first + n, np.zeros(1), None)
+            chunk = BlockRun(still, first + n, np.full(1, self.way_mm), feed)
             merged = _merged(nearby(still, Near(self.options.near, self.options.smallest)))
             for found in merged.values():
                 collector = StretchCollector(found.kind)
                 grown = [*collector.take(chunk, found), *collector.finish()]
-                self.stretches += [self._stretch(one) for one in grown]
-            self.violations += [*self.limits.take(chunk, np.empty(0, np.intp)), *self.limits.finish()]
+                self.stretches += [self._stretch(_at_begin(one)) for one in grown]
+            violated = [*self.limits.take(chunk, np.empty(0, np.intp)), *self.limits.finish()]
+            self.violations += [replace(one, end=one.begin, worst=one.begin) for one in violated]
 
-    def _interrupt(self) -> None:
+    def _interrupt(self, run: Matrix, first: int) -> None:
+        """End what the path is in; a row that stands alone between gaps is looked at for itself."""
         for collector in self.collectors.values():
             self.stretches += [self._stretch(one) for one in collector.finish()]
         self.violations += self.limits.finish()
+        if self.alone:
+            self._rows_alone(run[-1:], first + len(run) - 1)
+        self.last, self.alone = None, False
 
     def _sampled_words(self) -> str:
         if self.between == "ptp":
@@ -252,7 +257,8 @@ class _Walk:
 
     def finish(self) -> PathReport:
         """Return the report."""
-        self._interrupt()
+        last = np.empty((0, len(self.robot.axes))) if self.last is None else self.last[None]
+        self._interrupt(last, self.rows - 1)
         self.stretches.sort(key=lambda one: (one.begin.row, one.begin.share))
         self.violations.sort(key=lambda one: (one.begin.row, one.begin.share))
         made: tuple[PathSpeed, ...] = ()
@@ -281,3 +287,9 @@ def _merged(found: Iterable[KindLows]) -> dict[str, KindLows]:
                 one.kind, before.proven and one.proven, parts, max(before.singular, one.singular)
             )
     return merged
+
+
+def _at_begin(one: Growing) -> Growing:
+    """Return what was found on a block that stands still as found at its row."""
+    zeros = [replace(point, place=one.begin) for point in one.zeros[:1]]
+    return replace(one, end=one.begin, least=replace(one.least, place=one.begin), zeros=zeros)

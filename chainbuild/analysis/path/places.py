@@ -34,9 +34,10 @@ class PathPlace:
     @property
     def label(self) -> str:
         """The place as tables count rows, from 1: "3" or "3 + 0.412"."""
-        if self.share <= 0.0 or self.share >= 1.0:
+        shown = f"{self.share:.6g}"  # of a share next to 1 nothing is left to show
+        if not 0.0 < float(shown) < 1.0:
             return f"{self.row + 1 + round(self.share)}"
-        return f"{self.row + 1} + {self.share:.6g}"
+        return f"{self.row + 1} + {shown}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

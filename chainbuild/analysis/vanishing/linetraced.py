@@ -153,7 +153,7 @@ class WristTraced:
             moved = speed * carried * np.minimum(share, 1.0)
             worst = turning + speed * self._turns(half, carried, at.reach, moved)
             share = np.minimum(share, _shares(margins, worst))
-            return np.where(np.isfinite(margins) & np.isfinite(arm.fore / half), share, 0.0)
+        return np.where(np.isfinite(margins) & np.isfinite(arm.fore / half), share, 0.0)
 
     def _turns(self, r: Vector, carried: Vector, reach: Vector, moved: Vector | float) -> Vector:
         """Return a bound of the forearm's turn [rad] for each metre of the wrist point, D within `moved` of `reach`."""
