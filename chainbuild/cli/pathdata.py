@@ -40,8 +40,8 @@ class PathData:
             "near_smallest": self._options.smallest,
             "feed_mm_min": self._options.feed_mm_min,
             "rows": report.rows,
-            "length_mm": report.length_mm,
-            "seconds": report.seconds,
+            "length_mm": finite(report.length_mm),
+            "seconds": finite(report.seconds),
             "proven": report.proven,
             "stretches": [self._stretch(one) for one in report.stretches],
             "violations": [
@@ -50,7 +50,7 @@ class PathData:
                     "from": self._place(one.begin),
                     "to": self._place(one.end),
                     "worst": self._place(one.worst),
-                    "excess": one.excess,
+                    "excess": finite(one.excess),
                     "words": one.words,
                     "proven": one.proven,
                 }
@@ -68,8 +68,8 @@ class PathData:
             "kind": stretch.kind,
             "from": self._place(stretch.begin),
             "to": self._place(stretch.end),
-            "length_mm": stretch.length_mm,
-            "seconds": stretch.seconds,
+            "length_mm": finite(stretch.length_mm),
+            "seconds": finite(stretch.seconds),
             "proven": stretch.proven,
             "throughout": stretch.throughout,
             "of_vector": stretch.of_vector,
@@ -104,8 +104,8 @@ class PathData:
             "row": place.row + 1,
             "share": place.share,
             "axes": dict(zip(self._names, map(finite, place.axes.tolist()), strict=True)),
-            "path_mm": place.path_mm,
-            "seconds": place.seconds,
+            "path_mm": finite(place.path_mm),
+            "seconds": finite(place.seconds),
         }
 
 

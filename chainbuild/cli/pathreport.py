@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from itertools import pairwise
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from chainbuild.cli.pathdata import PathData
 from chainbuild.cli.show import console, empty_table, note, print_json, say, shown_number
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from chainbuild.analysis.path.along import PathOptions
     from chainbuild.analysis.path.places import PathMinimum, PathPlace, PathReport, PathStretch, PathViolation
     from chainbuild.analysis.singularity.speeds import AxisSpeed
+    from chainbuild.analysis.singularity.thresholds import Thresholds
     from chainbuild.arrays import Vector
     from chainbuild.cli.usage import BetweenRows
     from chainbuild.robot import Robot
@@ -33,7 +35,9 @@ def report_path(
     picture: Path | None,
     json: bool,
 ) -> None:
-    """Report on a path, between its rows, too; the rows are read one by one, and kept for a picture alone.
+    """Report on a path, between its rows, too; the rows are read one by one.
+
+    They are kept for a picture, and where thresholds of the control are known.
 
     Args:
         robot: The robot.
@@ -44,8 +48,10 @@ def report_path(
         json: Whether to print JSON.
     """
     from chainbuild.analysis.path.along import path_report
+    from chainbuild.analysis.singularity.thresholds import thresholds_of
 
-    kept: list[Vector] | None = [] if picture else None
+    limits = thresholds_of(robot.chain)
+    kept: list[Vector] | None = [] if picture or limits is not None else None
     report = path_report(robot, rows if kept is None else _keeping(rows, kept), between=between, options=asked)
     if picture and kept is not None:
         from chainbuild.analysis.path.dips import dips_of
@@ -54,10 +60,29 @@ def report_path(
 
         dips = dips_of(robot, kept, report)
         note(f"wrote {write_picture(picture, path_picture(report, dips, robot.chain.title, asked.smallest))}")
+    judged = _judged(robot, kept, limits) if kept and limits is not None else []
     if json:
-        print_json({"task": robot.task, "path": PathData(robot, report, asked).data()})
-    else:
-        print_report(robot, report, asked)
+        thresholds = None if limits is None else asdict(limits)
+        data = {"task": robot.task, "thresholds": thresholds, "stretches": judged}
+        print_json(data | {"path": PathData(robot, report, asked).data()})
+        return
+    print_report(robot, report, asked)
+    for one in judged:
+        alarm = f": alarm {one['alarm']}" if one["alarm"] else ""
+        say(f"rows {one['first']} … {one['last']}: {one['level']}, {one['length_mm']:.1f} mm{alarm}")
+    say(last_line(report))
+
+
+def _judged(robot: Robot, rows: Sequence[Vector], limits: Thresholds) -> list[dict[str, Any]]:
+    """Return the rows that the control calls singular or watches, counted from 1."""
+    import numpy as np
+
+    from chainbuild.analysis.singularity.thresholds import assess_path
+
+    every = np.array(rows)
+    numbers = np.flatnonzero(np.isfinite(every).all(axis=1)) + 1
+    found = assess_path(robot, every[numbers - 1], limits)
+    return [asdict(one) | {"first": int(numbers[one.first]), "last": int(numbers[one.last])} for one in found]
 
 
 def _keeping(rows: Iterable[Vector], kept: list[Vector]) -> Iterator[Vector]:
@@ -67,7 +92,7 @@ def _keeping(rows: Iterable[Vector], kept: list[Vector]) -> Iterator[Vector]:
 
 
 def print_report(robot: Robot, report: PathReport, options: PathOptions) -> None:
-    """Print a report on a path.
+    """Print a report on a path, but for its last line.
 
     Args:
         robot: The robot.
@@ -90,7 +115,6 @@ def print_report(robot: Robot, report: PathReport, options: PathOptions) -> None
     print_gaps(report)
     for remark in report.remarks:
         say(remark)
-    say(last_line(report))
 
 
 def _print_stretches(stretches: Sequence[PathStretch]) -> None:
@@ -197,15 +221,18 @@ def vector_notice(robot: Robot, stretch: PathStretch) -> str:
     if stretch.kind in ("pole", "wrist"):
         words = vector_words(robot, least.value)
     else:
-        words = f"a tool vector as the target would come close to a singularity ({least.sentence})"
+        what = least.sentence
+        words = (
+            what if what.startswith("a tool vector") else f"a tool vector as the target would be nearly stuck: {what}"
+        )
     return f"{words}, closest at {least.place.label}; rotary axes as programmed lose nothing there"
 
 
 def print_gaps(report: PathReport) -> None:
-    """Print which rows have no axis values."""
+    """Print which rows have no axis values or no pose."""
     if report.gaps:
         verb = "has" if len(report.gaps) == 1 else "have"
-        say(f"{rows_words(report.gaps)} {verb} no axis values: the path is interrupted there")
+        say(f"{rows_words(report.gaps)} {verb} no axis values or no pose: the path is interrupted there")
 
 
 def rows_words(rows: Sequence[int]) -> str:

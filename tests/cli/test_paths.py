@@ -132,7 +132,7 @@ def test_a_pose_without_solution_is_a_gap(run: Run) -> None:
     words = ("singularity", "kr6r900", "--poses", "gap.csv", "--start", "start.csv")
     outcome = run(*words, "--picture", "gap.svg")
     assert outcome.code == 0
-    assert "row 2 has no axis values: the path is interrupted there" in outcome.out
+    assert "row 2 has no axis values or no pose: the path is interrupted there" in outcome.out
     assert "gap.csv:3: unreachable" in outcome.err
     # A row alone between gaps is looked at for itself: sin 8° is not close, but within 0.2.
     wide = run(*words, "--near", "0.2").out
@@ -199,6 +199,15 @@ def test_what_is_refused(run: Run, words: list[str], code: int, message: str) ->
     outcome = run("singularity", "kr6r900", *words)
     assert (outcome.code, outcome.out) == (code, "")
     assert message in outcome.err
+
+
+def test_the_thresholds_of_the_control_are_compared_with_the_rows(run: Run) -> None:
+    write("p.csv", ARM_AXES + "0,-90,90,0,-8,0\n0,-90,90,0,0,0\n0,-90,90,0,0.01,0\n0,-90,90,0,8,0\n")
+    words = ("singularity", "kr6r900", "--axes", "p.csv")
+    assert run(*words).out.splitlines()[-2].startswith("rows 2 … 3: singular")
+    data = json.loads(run(*words, "--json").out)
+    assert [(one["first"], one["last"]) for one in data["stretches"]] == [(2, 3)]
+    assert data["thresholds"]["clearance"] == 0.001
 
 
 def test_one_row_is_a_position(run: Run) -> None:

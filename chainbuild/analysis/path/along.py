@@ -149,6 +149,7 @@ class _Walk:
         known = np.isfinite(part).all(axis=1)
         measured = np.full(len(part), np.nan)
         measured[known] = measure_batch(self.robot, part[known]).smallest
+        known &= np.isfinite(measured)  # the others have no pose
         self.smallest.append(measured)
         self.gaps += [self.rows + int(n) for n in np.flatnonzero(~known)]
         begin = 0
@@ -178,6 +179,9 @@ class _Walk:
         motion = motion_of(self.robot, rows, self.between)
         count = len(rows) - 1
         ways = motion.lengths(np.arange(count), np.ones(count))
+        if not np.isfinite(ways).all():
+            self.remarks["the way of blocks on which places have no pose is not counted"] = None
+            ways = np.where(np.isfinite(ways), ways, 0.0)
         begins = self.way_mm + np.concatenate([[0.0], np.cumsum(ways[:-1])])
         chunk = BlockRun(motion, first, begins, self.options.feed)
         merged = _merged(nearby(motion, Near(self.options.near, self.options.smallest)))

@@ -162,7 +162,7 @@ class PathReport:
         violations: Parts outside limits, in order.
         speeds: Largest speeds at the given feed, by axis, then by drive; empty: no feed.
         leaves: Places at which a line leaves the reach of the arm.
-        gaps: Rows without axis values, from 0.
+        gaps: Rows without axis values or without a pose, from 0.
         near: Threshold of the functions of named kinds.
         smallest: (rows,) smallest scaled singular value at the rows; not a number at gaps.
         remarks: What was sampled, and other notes.
