@@ -221,10 +221,9 @@ def vector_notice(robot: Robot, stretch: PathStretch) -> str:
     if stretch.kind in ("pole", "wrist"):
         words = vector_words(robot, least.value)
     else:
-        what = least.sentence
-        words = (
-            what if what.startswith("a tool vector") else f"a tool vector as the target would be nearly stuck: {what}"
-        )
+        words = least.sentence
+        if not words.startswith("a tool vector"):
+            words = f"a tool vector as the target would come close to a singularity: {words}"
     return f"{words}, closest at {least.place.label}; rotary axes as programmed lose nothing there"
 
 
