@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chainbuild import PathOptions, Robot, path_report
+from chainbuild import PathOptions, PathPlace, Robot, path_report
 from chainbuild.cli.pathinput import PathInput
 from chainbuild.errors import TableError
 from tests.kit.command_line import Outcome, Run, rows_of, write
@@ -45,6 +45,8 @@ def test_the_wrist_between_two_rows_is_found(run: Run, between: str) -> None:
     (line,) = [line for line in outcome.out.splitlines() if line.lstrip().startswith("wrist  1 + 0.14")]
     assert "1 + 0.5" in line or "1 + 0.499" in line
     assert re.search(r"^wrist at 1 \+ [\d.]+: A4 and A6 are parallel", outcome.out, re.MULTILINE)
+    if between == "ptp":  # A5 alone moves: A4 stands, and what the worst direction asks of it has no end
+        assert re.search(r"A4 +0 deg/s +∞ +381 deg/s", line)
     last = outcome.out.splitlines()[-1]
     assert last.startswith(f"2 rows, {between} between them, 22.")
     assert last.endswith("the smallest singular value at the rows is 0.03939")
@@ -208,6 +210,18 @@ def test_the_thresholds_of_the_control_are_compared_with_the_rows(run: Run) -> N
     data = json.loads(run(*words, "--json").out)
     assert [(one["first"], one["last"]) for one in data["stretches"]] == [(2, 3)]
     assert data["thresholds"]["clearance"] == 0.001
+
+
+def test_the_axis_that_the_path_moves_too_fast_is_shown(run: Run) -> None:
+    write("p.csv", ARM_AXES + "0,-90,90,5,-8,0\n20,-80,85,5,8,0\n")
+    out = run("singularity", "kr6r900", "--axes", "p.csv", "--between", "cp", "--feed", "12000").out
+    assert re.search(r"^ wrist .* A4 +960\.\d deg/s +18\d\d deg/s +381 deg/s", out, re.MULTILINE)
+    assert re.search(r"^ A4 +960\.\d deg/s +1 \+ 0.525\d+ +381 deg/s +from 1 to 2", out, re.MULTILINE)
+
+
+def test_places_next_to_a_row_are_called_by_it() -> None:
+    labels = [PathPlace(3, share, np.zeros(6), 0.0).label for share in (0.0, 1e-9, 0.25, 1.0 - 1e-9, 1.0)]
+    assert labels == ["4", "4 + 1e-09", "4 + 0.25", "5", "5"]
 
 
 def test_one_row_is_a_position(run: Run) -> None:
