@@ -75,12 +75,13 @@ def test_singularity_for_programs(run: Run) -> None:
 def test_singularity_along_a_path(run: Run) -> None:
     rows = [f"0,-90,90,10,{a5},0" for a5 in range(-20, 21)]
     Path("path.csv").write_text("A1,A2,A3,A4,A5,A6\n" + "\n".join(rows) + "\n", "utf-8")
-    outcome = run("singularity", "kr6r900", "--axes", "path.csv", "--picture", "path.svg")
+    words = ("singularity", "kr6r900", "--axes", "path.csv", "--between", "rows")
+    outcome = run(*words, "--picture", "path.svg")
     assert outcome.code == 0
     assert "wrist (alpha5)" in outcome.out
     assert "41 rows" in outcome.out
     assert is_picture("path.svg")
-    data = json.loads(run("singularity", "kr6r900", "--axes", "path.csv", "--json").out)
+    data = json.loads(run(*words, "--json").out)
     assert len(data["smallest"]) == 41
     assert min(row["row"] for row in data["rows"]) > 5
 
@@ -214,7 +215,7 @@ def test_workspace_maps(run: Run) -> None:
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [
-        (["singularity", "kr6r900"], 2, "expected --at or --axes"),
+        (["singularity", "kr6r900"], 2, "expected --at, --axes or --poses"),
         (["singularity", "kr6r900", "--at", "1,2"], 1, "expected 6 axis values"),
         (["singularity", "kr6r900", "--at", "1,x,3"], 2, "--at 1,x,3: expected numbers separated by commas"),
         (["singularity", "kr6r900", "--at", NEAR_WRIST, "--speed", "0"], 1, "speed"),
