@@ -203,13 +203,16 @@ def test_what_is_refused(run: Run, words: list[str], code: int, message: str) ->
     assert message in outcome.err
 
 
-def test_the_thresholds_of_the_control_are_compared_with_the_rows(run: Run) -> None:
+def test_blocks_are_judged_by_the_thresholds_of_the_control(run: Run) -> None:
     write("p.csv", ARM_AXES + "0,-90,90,0,-8,0\n0,-90,90,0,0,0\n0,-90,90,0,0.01,0\n0,-90,90,0,8,0\n")
     words = ("singularity", "kr6r900", "--axes", "p.csv")
-    assert run(*words).out.splitlines()[-2].startswith("rows 2 … 3: singular")
+    lines = [line for line in run(*words).out.splitlines() if line.startswith("rows ")]
+    assert [line.split(",")[0] for line in lines] == ["rows 1 … 2", "rows 2 … 3", "rows 3 … 4"]
+    assert all(line.endswith("alarm 10911") for line in lines)
     data = json.loads(run(*words, "--json").out)
-    assert [(one["first"], one["last"]) for one in data["stretches"]] == [(2, 3)]
+    assert [(one["row"], one["level"]) for one in data["verdicts"]["blocks"]] == [(n, "singular") for n in (1, 2, 3)]
     assert data["thresholds"]["clearance"] == 0.001
+    assert json.loads(run(*words, "--between", "rows", "--json").out).get("verdicts") is None
 
 
 def test_the_axis_that_the_path_moves_too_fast_is_shown(run: Run) -> None:
