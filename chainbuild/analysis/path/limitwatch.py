@@ -6,6 +6,7 @@ lines, and for drives behind a map that is no sum of axes, the path is looked at
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
@@ -115,22 +116,26 @@ class LimitWatch:
         outside: NDArray[np.bool_],
     ) -> Iterator[PathViolation]:
         blocks, shares, _ = looked_at
-        for n in range(len(blocks)):
-            if outside[n]:
-                place = chunk.places([int(blocks[n])], [float(shares[n])])[0]
-                known = self._open.get(limit)
-                if known is None:
-                    begin = place if n == 0 else self._crossing(chunk, looked_at, excess, n)
-                    self._open[limit] = _Open(begin, place, place, float(excess[n]))
-                    continue
-                known.end = place
-                if excess[n] > known.excess:
-                    known.worst, known.excess = place, float(excess[n])
-            elif limit in self._open:
-                if n:
-                    self._open[limit].end = self._crossing(chunk, looked_at, excess, n)
-                yield self._done(limit)
-                del self._open[limit]
+        changes = np.flatnonzero(np.diff(outside)) + 1
+        for begin, end in itertools.pairwise([0, *changes.tolist(), len(blocks)]):
+            if not outside[begin]:
+                if limit in self._open:  # since the chunk before, or the part before
+                    if begin:
+                        self._open[limit].end = self._crossing(chunk, looked_at, excess, begin)
+                    yield self._done(limit)
+                    del self._open[limit]
+                continue
+            most = begin + int(excess[begin:end].argmax())
+            worst, last = chunk.places(blocks[[most, end - 1]].tolist(), shares[[most, end - 1]].tolist())
+            known = self._open.get(limit)
+            if known is None:
+                first = self._crossing(chunk, looked_at, excess, begin) if begin else None
+                first = first or chunk.places(blocks[:1].tolist(), shares[:1].tolist())[0]
+                self._open[limit] = _Open(first, last, worst, float(excess[most]))
+                continue
+            known.end = last
+            if excess[most] > known.excess:
+                known.worst, known.excess = worst, float(excess[most])
 
     def _crossing(self, chunk: BlockRun, looked_at: tuple[Blocks, Vector, Matrix], excess: Vector, n: int) -> PathPlace:
         """Return where a limit is crossed between two places that follow one another."""
