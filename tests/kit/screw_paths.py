@@ -227,7 +227,7 @@ def touching(
     """
     found: list[tuple[Array, Array, Array]] = []
     while sum(len(part[2]) for part in found) < count:
-        axes = rng.uniform(*limits, (8 * count, len(limits[0])))
+        axes = rng.uniform(*limits, (3 * count, len(limits[0])))
         way = rng.uniform(-60.0, 60.0, axes.shape)
         sign = np.where(_second(value, axes, way) > 0.0, 1.0, -1.0)
         for _ in range(25):

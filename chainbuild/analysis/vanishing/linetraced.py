@@ -142,7 +142,7 @@ class WristTraced:
 
     def steps(self, blocks: Blocks, t: Vector, margins: Vector) -> Vector:
         """Return a share over which forearm and tool together turn by less than the margin."""
-        on, arm = self.on, self.on.arm
+        on = self.on
         at, speed = on.at(blocks, t), on.speed(blocks)
         turning = np.linalg.norm(on.lines.turns[blocks], axis=1)
         half = np.abs(at.across) / 2.0

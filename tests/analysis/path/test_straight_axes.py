@@ -155,7 +155,8 @@ def check_touches(name: str, count: int, seed: int) -> None:
         report = chainbuild.path_report(robot, blocks.rows())
         own = [s for s in report.stretches if s.kind == "shoulder"]
         for n in range(count):
-            minima = [m for s in own for m in s.minima if s.begin.row == 3 * n and abs(m.place.share - places[n]) < 0.02]
+            here = [m for s in own for m in s.minima if s.begin.row == 3 * n]
+            minima = [m for m in here if abs(m.place.share - places[n]) < 0.02]
             assert minima, (depth, n)
             zeros = [m for m in minima if m.singular]
             if depth > 0.0:
@@ -196,7 +197,8 @@ def test_more_rows_on_the_way_change_nothing(name: str) -> None:
             row = min(place.row, len(at) - 2)
             return float(at[row] + (place.share + place.row - row) * (at[row + 1] - at[row]))
 
-        return sorted((s.kind, where(s.begin), where(s.end), sum(m.singular for m in s.minima)) for s in report.stretches)
+        parts = report.stretches
+        return sorted((s.kind, where(s.begin), where(s.end), sum(m.singular for m in s.minima)) for s in parts)
 
     before, after = ends(plain, np.arange(5.0)), ends(split, places)
     assert [(one[0], one[3]) for one in before] == [(one[0], one[3]) for one in after] and before
