@@ -163,22 +163,36 @@ class LineMotion:
 
     def axes(self, blocks: Blocks, t: Vector) -> Matrix:
         """Return the axis values at shares of blocks, by Newton's method from the straight axes; limits are ignored."""
-        x = _between_rows(self.rows, blocks, t) * self.robot.kinematics.si_factors
-        inner = (t > 0.0) & (t < 1.0)
-        missed = inner.copy()
-        missed[inner] = ~self._solve(x, blocks, t, np.flatnonzero(inner))
+        x, straight, missed = self._from_straight(blocks, t)
         for end in (0, 1):  # next to a singularity the straight axes may be too far: walk from the rows
-            if missed.any():
+            if missed.any() and not self._fewer:
                 rows = np.flatnonzero(missed)
                 walked, met = self._walked(blocks[rows], t[rows], end)
                 x[rows[met]] = walked[met]
                 missed[rows[met]] = False
-        fewer = len(scaling_of(self.robot).columns) < len(scaling_of(self.robot).rows)
-        # With fewer axes than the line has freedoms the tool may not be able to turn as it does: the axes stay even.
-        even = _between_rows(self.rows, blocks[missed], t[missed]) * self.robot.kinematics.si_factors
-        x[missed] = even if fewer else np.nan
+        return self._found(x, straight, missed)
+
+    def direct(self, blocks: Blocks, t: Vector) -> Matrix:
+        """Return the axis values as `axes` does, only from the straight axes: for samples, of which there are many."""
+        return self._found(*self._from_straight(blocks, t))
+
+    @property
+    def _fewer(self) -> bool:
+        """Whether the line has more freedoms than there are axes: the tool may not be able to turn as it does."""
+        scaling = scaling_of(self.robot)
+        return len(scaling.columns) < len(scaling.rows)
+
+    def _found(self, x: Matrix, straight: Matrix, missed: NDArray[np.bool_]) -> Matrix:
+        x[missed] = straight[missed] if self._fewer else np.nan
         found: Matrix = x / self.robot.kinematics.si_factors
         return found
+
+    def _from_straight(self, blocks: Blocks, t: Vector) -> tuple[Matrix, Matrix, NDArray[np.bool_]]:
+        """Return axis values in SI found from the straight axes, these, and which are not found."""
+        even = _between_rows(self.rows, blocks, t) * self.robot.kinematics.si_factors
+        x, missed = even.copy(), (t > 0.0) & (t < 1.0)
+        missed[missed] = ~self._solve(x, blocks, t, np.flatnonzero(missed))
+        return x, even, missed
 
     def _solve(self, x: Matrix, blocks: Blocks, t: Vector, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Improve some rows of axis values x in SI, in place, and return which of them meet the line."""

@@ -204,7 +204,8 @@ class Followed:
 
     def sizes(self, blocks: Blocks, t: Vector) -> Vector:
         """Return the smallest scaled singular values."""
-        axes = self.motion.axes(blocks, t)
+        motion = self.motion
+        axes = motion.direct(blocks, t) if isinstance(motion, LineMotion) else motion.axes(blocks, t)
         found = np.full(len(axes), np.inf)
         known = np.flatnonzero(np.isfinite(axes).all(axis=1))
         for part, _, J in pose_jacobians(self.motion.robot, axes[known]):
