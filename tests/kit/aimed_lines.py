@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from chainbuild.robot import Robot
-from tests.kit.screw_paths import Array, ArmOracle, Screws, dot, meeting
+from tests.kit.screw_paths import ArmOracle, Array, Screws, dot, meeting
 
 KINDS = ("wrist", "elbow", "shoulder")
 

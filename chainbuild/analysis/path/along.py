@@ -108,7 +108,7 @@ def path_report(
 def _parts(robot: Mechanism, rows: ArrayLike | Iterable[ArrayLike]) -> Iterator[Matrix]:
     """Yield the rows in chunks (n, n_axes)."""
     count = len(robot.axes)
-    source = iter(np.atleast_2d(np.asarray(rows, float)) if isinstance(rows, (np.ndarray, list, tuple)) else rows)  # type: ignore[arg-type]
+    source = iter(_as_rows(rows))
     while part := list(islice(source, _CHUNK)):
         try:
             values = np.array(part, dtype=float)
@@ -118,6 +118,16 @@ def _parts(robot: Mechanism, rows: ArrayLike | Iterable[ArrayLike]) -> Iterator[
         if values.ndim != 2 or values.shape[1] != count or not (np.isfinite(values) | without).all():
             raise ChainbuildError(f"expected finite axis values of shape (N, {count}), or rows of NaN")
         yield values
+
+
+def _as_rows(rows: ArrayLike | Iterable[ArrayLike]) -> Iterable[ArrayLike]:
+    """Return rows that can be gone through; a single row of numbers is one."""
+    if isinstance(rows, np.ndarray):
+        return np.atleast_2d(np.asarray(rows, float))
+    if not isinstance(rows, (list, tuple)):
+        return rows  # type: ignore[return-value]
+    single = bool(rows) and all(np.ndim(value) == 0 for value in rows)
+    return [np.asarray(rows, float)] if single else rows
 
 
 @dataclass(slots=True, eq=False)
@@ -139,6 +149,7 @@ class _Walk:
     limits: LimitWatch = field(init=False)
     feeds: SpeedWatch | None = field(init=False)
     last: Vector | None = None
+    lone: tuple[Matrix, int] | None = None
 
     def __post_init__(self) -> None:
         self.limits = LimitWatch(self.robot.limits)
@@ -169,13 +180,14 @@ class _Walk:
 
     def _run(self, rows: Matrix, first: int) -> None:
         """Take rows without gaps."""
-        if len(rows) < 2 and self.last is None and self.between != "rows":
-            return  # the next rows begin with it
         if self.between == "rows":
-            self._rows_alone(rows, first)
+            self._rows_alone(rows[1 if self.last is not None else 0 :], first + (self.last is not None))
             return
         if len(rows) < 2:
+            if self.last is None:
+                self.lone = rows, first  # the next rows begin with it, if there are any
             return
+        self.lone = None
         motion = motion_of(self.robot, rows, self.between)
         count = len(rows) - 1
         ways = motion.lengths(np.arange(count), np.ones(count))
@@ -204,10 +216,10 @@ class _Walk:
 
     def _rows_alone(self, rows: Matrix, first: int) -> None:
         """Look at rows only: each is a block that stands still."""
-        begin = 1 if self.last is not None else 0
-        for n in range(begin, len(rows)):
+        feed = None if self.between == "rows" else self.options.feed
+        for n in range(len(rows)):
             still = motion_of(self.robot, rows[[n, n]], "ptp")
-            chunk = BlockRun(still, first + n, np.zeros(1), None)
+            chunk = BlockRun(still, first + n, np.array([self.way_mm]), feed, still=True)
             merged = _merged(nearby(still, Near(self.options.near, self.options.smallest)))
             for found in merged.values():
                 collector = StretchCollector(found.kind)
@@ -216,6 +228,9 @@ class _Walk:
             self.violations += [*self.limits.take(chunk, np.empty(0, np.intp)), *self.limits.finish()]
 
     def _interrupt(self) -> None:
+        if self.lone is not None:
+            self._rows_alone(*self.lone)
+        self.lone = None
         for collector in self.collectors.values():
             self.stretches += [self._stretch(one) for one in collector.finish()]
         self.violations += self.limits.finish()

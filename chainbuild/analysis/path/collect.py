@@ -77,12 +77,14 @@ class BlockRun:
         first: Row at the begin of the first one, from 0.
         begins_mm: (N,) way of the tip to the begin of each.
         mm_per_second: Feed; None: not given.
+        still: Whether the one block is a row that stands alone: all its places are that row.
     """
 
     motion: PathMotion
     first: int
     begins_mm: Vector
     mm_per_second: float | None
+    still: bool = False
 
     def places(self, blocks: list[int], shares: list[float]) -> list[PathPlace]:
         """Return places of blocks, counted from the first of the chunk."""
@@ -90,7 +92,7 @@ class BlockRun:
         axes = self.motion.axes(index, t)
         ways = self.begins_mm[index] + self.motion.lengths(index, t)
         return [
-            PathPlace(self.first + block, share, row, float(way), self.seconds(float(way)))
+            PathPlace(self.first + block, 0.0 if self.still else share, row, float(way), self.seconds(float(way)))
             for block, share, row, way in zip(blocks, shares, axes, ways, strict=True)
         ]
 

@@ -12,8 +12,8 @@ from chainbuild.analysis.path.nearby import _arm_on
 from chainbuild.analysis.singularity.measures import scaling_of
 from chainbuild.analysis.vanishing import functions
 from chainbuild.analysis.vanishing.functions import SingularFunction, singular_functions
-from chainbuild.analysis.vanishing.linetraced import ElbowTraced, PoleTraced, ShoulderTraced, WristTraced, vector_lines
 from chainbuild.analysis.vanishing.line import line_geometry
+from chainbuild.analysis.vanishing.linetraced import ElbowTraced, PoleTraced, ShoulderTraced, WristTraced, vector_lines
 from chainbuild.analysis.vanishing.rates import jacobian_rates
 from chainbuild.analysis.vanishing.tracing import Traced
 from chainbuild.chain.axismap import AffineMap

@@ -41,9 +41,7 @@ def check_aimed(name: str, kind: str, count: int, rows: int, seed: int) -> None:
                 assert (signs[0] == signs[1])[others].all(), (n, "another branch")
 
 
-def check_place(
-    robot: Robot, place: chainbuild.PathPlace, first: np.ndarray, last: np.ndarray, rows: int
-) -> None:
+def check_place(robot: Robot, place: chainbuild.PathPlace, first: np.ndarray, last: np.ndarray, rows: int) -> None:
     """The axes of a place have the pose that the line has there."""
     T = pose_between(first, last, (place.row + place.share) / (rows - 1))
     assert np.isfinite(place.axes).all()
