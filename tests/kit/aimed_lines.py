@@ -45,20 +45,21 @@ class Lines:
         column = {"wrist": 4, "elbow": 2, "shoulder": 1}[kind]
         while True:
             axes = rng.uniform(lower, upper)
-            grid = np.repeat(axes[None], 60, axis=0)
-            grid[:, column] = np.linspace(lower[column], upper[column], 60)
-            signs = np.sign(self.oracle.values(kind, grid))
-            (turn,) = np.nonzero(signs[1:] != signs[:-1])
-            if not len(turn):
+            low, high = lower[column], upper[column]
+            for _ in range(9):  # grids within grids
+                grid = np.repeat(axes[None], 80, axis=0)
+                grid[:, column] = np.linspace(low, high, 80)
+                signs = np.sign(self.oracle.values(kind, grid))
+                (turn,) = np.nonzero(signs[1:] != signs[:-1])
+                if not len(turn):
+                    break
+                axes = grid[turn[0]]
+                low, high = grid[turn[0] : turn[0] + 2, column]
+            if high - low > 1e-12:
                 continue
-            low, high = grid[turn[0]], grid[turn[0] + 1]
-            for _ in range(60):
-                middle = (low + high) / 2.0
-                same = np.sign(self.oracle.values(kind, middle[None])[0]) == signs[turn[0]]
-                low, high = (middle, high) if same else (low, middle)
             others = [n for n, one in enumerate(KINDS) if one != kind]
-            if np.abs(self.functions(low[None])[0, others]).min() > 0.2:
-                return low
+            if np.abs(self.functions(axes[None])[0, others]).min() > 0.2:
+                return axes
 
     def ends(self, axes: Array, kind: str, share: float, rng: np.random.Generator) -> tuple[Array, Array]:
         """Return the poses at the ends of a random line that has the pose of axis values at a share."""

@@ -10,7 +10,7 @@ from chainbuild.robot import Robot
 from tests.analysis.path.test_lines import lines_of
 from tests.kit.aimed_lines import pose_between
 
-DENSE = 4001
+DENSE = 1201
 
 
 def sliding(robot: Robot, rows: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -80,7 +80,7 @@ def test_limits_of_heads(name: str, between: chainbuild.Between) -> None:
     lower = np.array([max(axis.lower, -800.0) for axis in robot.axes])
     upper = np.array([min(axis.upper, 800.0) for axis in robot.axes])
     t, seen = np.linspace(0.0, 1.0, DENSE), 0
-    for _ in range(4):
+    for _ in range(3):
         rows = rng.uniform(lower - 0.2 * (upper - lower), upper + 0.2 * (upper - lower), (2, len(lower)))
         rows[:, 4] = np.clip(rows[:, 4], -89.0, 89.0)  # beyond, some heads have no joint values
         axes = rows[0] + t[:, None] * (rows[1] - rows[0]) if between == "ptp" else sliding(robot, rows, t)

@@ -13,7 +13,7 @@ from tests.kit.screw_paths import ArmOracle, Blocks, Function, Screws, dense, de
 ARMS = ("kr6r900", "tx2_60", "irb2600")
 POLES = ("ca_head_kin9", "ac_table_kin58")
 KINDS = ("wrist", "elbow", "shoulder")
-FEW, MANY = 25, 2000
+FEW, MANY = 15, 2000
 
 
 def limits(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
@@ -101,7 +101,7 @@ def check_clear(name: str, count: int, seed: int) -> None:
     oracle = ArmOracle(Screws.of(robot))
     size = shoulder_size(robot)
     while sum(len(block.begins) for block in clear) < count:
-        blocks = random_blocks(robot, 600, seed)
+        blocks = random_blocks(robot, max(count // 2, 100), seed)
         blocks = Blocks(blocks.begins, blocks.begins + 0.2 * (blocks.ends - blocks.begins))
         seed += 1
         least = np.full(len(blocks.begins), np.inf)
@@ -137,7 +137,7 @@ def shoulder_size(robot: Robot) -> float:
 
 
 def test_clear_blocks_are_clear() -> None:
-    check_clear("tx2_60", 300, 50)
+    check_clear("tx2_60", 60, 50)
 
 
 @pytest.mark.slow
@@ -173,7 +173,7 @@ def check_touches(name: str, count: int, seed: int) -> None:
 
 @pytest.mark.parametrize("name", ARMS)
 def test_touches_are_decided_right(name: str) -> None:
-    check_touches(name, 4, 31)
+    check_touches(name, 1, 31)
 
 
 @pytest.mark.slow
