@@ -164,12 +164,14 @@ class LineMotion:
     def axes(self, blocks: Blocks, t: Vector) -> Matrix:
         """Return the axis values at shares of blocks, by Newton's method from the straight axes; limits are ignored."""
         x, straight, missed = self._from_straight(blocks, t)
-        for end in (0, 1):  # next to a singularity the straight axes may be too far: walk from the rows
-            if missed.any() and not self._fewer:
-                rows = np.flatnonzero(missed)
+        # Next to a singularity the straight axes may be too far, or lead to another branch: walk from the rows.
+        doubtful = missed | (np.abs(x - straight).max(axis=1, initial=0.0) > _LARGEST)
+        for end in (0, 1):
+            if doubtful.any() and not self._fewer:
+                rows = np.flatnonzero(doubtful)
                 walked, met = self._walked(blocks[rows], t[rows], end)
                 x[rows[met]] = walked[met]
-                missed[rows[met]] = False
+                missed[rows[met]] = doubtful[rows[met]] = False
         return self._found(x, straight, missed)
 
     def direct(self, blocks: Blocks, t: Vector) -> Matrix:
