@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import pinocchio as pin
 
+import chainbuild
 from chainbuild.robot import Robot
 from tests.kit.screw_paths import ArmOracle, Array, Screws, dot, meeting
 
@@ -177,3 +179,23 @@ class Lines:
             rows = self.rows(first, last, np.linspace(0.0, 1.0, samples), signs, axes)
             if rows is not None:
                 return rows[[0, -1]], self.functions(rows)
+
+
+def shoulder_size(robot: Robot) -> float:
+    """Return the length that scales the shoulder's function, from values of a report and the oracle's."""
+    lower = np.array([max(axis.lower, -360.0) for axis in robot.axes])
+    upper = np.array([min(axis.upper, 360.0) for axis in robot.axes])
+    rows = np.random.default_rng(4).uniform(lower, upper, (24, len(lower)))
+    report = chainbuild.path_report(robot, rows, options=chainbuild.PathOptions(near=0.9))
+    oracle = ArmOracle(Screws.of(robot))
+    own = [m for s in report.stretches for m in s.minima if s.kind == "shoulder" and m.value > 0.01]
+    sizes = [abs(float(oracle.values("shoulder", m.place.axes[None])[0])) / m.value for m in own]
+    assert len(sizes) > 1 and np.ptp(sizes) < 1e-9 * sizes[0]
+    return sizes[0]
+
+
+@cache
+def lines_of(name: str) -> Lines:
+    """Return the lines of a shipped arm."""
+    robot = Robot.load(name)
+    return Lines.of(robot, shoulder_size(robot))

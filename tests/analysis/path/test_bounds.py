@@ -19,7 +19,7 @@ from chainbuild.analysis.vanishing.tracing import Traced
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.machines import shipped
 from chainbuild.robot import Robot
-from tests.analysis.path.test_lines import lines_of
+from tests.kit.aimed_lines import lines_of
 
 AFFINE = [name for name in shipped() if isinstance(Robot.load(name).chain.axis_map, AffineMap)]
 

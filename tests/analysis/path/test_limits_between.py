@@ -7,8 +7,7 @@ import pytest
 
 import chainbuild
 from chainbuild.robot import Robot
-from tests.analysis.path.test_lines import lines_of
-from tests.kit.aimed_lines import pose_between
+from tests.kit.aimed_lines import lines_of, pose_between
 
 DENSE = 1201
 

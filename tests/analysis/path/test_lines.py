@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pytest
 
 import chainbuild
 from chainbuild.analysis.singularity.names import NEAR_FACTOR
 from chainbuild.robot import Robot
-from tests.analysis.path.test_straight_axes import shoulder_size
-from tests.kit.aimed_lines import KINDS, Lines, pose_between
+from tests.kit.aimed_lines import KINDS, lines_of, pose_between
 
 ARMS = ("kr6r900", "tx2_60", "irb2600")
-
-
-@cache
-def lines_of(name: str) -> Lines:
-    robot = Robot.load(name)
-    return Lines.of(robot, shoulder_size(robot))
 
 
 def check_aimed(name: str, kind: str, count: int, rows: int, seed: int) -> None:

@@ -8,6 +8,7 @@ import pytest
 import chainbuild
 from chainbuild.analysis.singularity.names import NEAR_FACTOR
 from chainbuild.robot import Robot
+from tests.kit.aimed_lines import shoulder_size
 from tests.kit.screw_paths import ArmOracle, Blocks, Function, Screws, dense, dense_zeros, pole_sine, touching
 
 ARMS = ("kr6r900", "tx2_60", "irb2600")
@@ -119,21 +120,6 @@ def check_clear(name: str, count: int, seed: int) -> None:
     ends = np.concatenate([block.ends for block in clear])[:count]
     report = chainbuild.path_report(robot, Blocks(begins, ends).rows())
     assert report.stretches == () and report.proven
-
-
-def shoulder_size(robot: Robot) -> float:
-    """Return the length that scales the shoulder's function, from a value of the report itself and the oracle."""
-    blocks = random_blocks(robot, 12, 4)
-    report = chainbuild.path_report(robot, blocks.rows(), options=chainbuild.PathOptions(near=0.9))
-    value = function_of(robot, "shoulder")
-    sizes = [
-        abs(float(value(m.place.axes[None])[0])) / m.value
-        for s in report.stretches
-        for m in s.minima
-        if s.kind == "shoulder" and m.value > 0.01
-    ]
-    assert len(sizes) > 2 and np.ptp(sizes) < 1e-9 * sizes[0]
-    return sizes[0]
 
 
 def test_clear_blocks_are_clear() -> None:
