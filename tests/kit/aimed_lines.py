@@ -185,7 +185,9 @@ def shoulder_size(robot: Robot) -> float:
     """Return the length that scales the shoulder's function, from values of a report and the oracle's."""
     lower = np.array([max(axis.lower, -360.0) for axis in robot.axes])
     upper = np.array([min(axis.upper, 360.0) for axis in robot.axes])
-    rows = np.random.default_rng(4).uniform(lower, upper, (24, len(lower)))
+    rows = np.random.default_rng(4).uniform(lower, upper, (36, len(lower)))
+    rows[1::3] = rows[::3] + 0.05 * (rows[1::3] - rows[::3])  # short: few of them reach the singularity
+    rows[2::3] = np.nan
     report = chainbuild.path_report(robot, rows, options=chainbuild.PathOptions(near=0.9))
     oracle = ArmOracle(Screws.of(robot))
     own = [m for s in report.stretches for m in s.minima if s.kind == "shoulder" and m.value > 0.01]
