@@ -13,6 +13,8 @@ COMPILED, PLAIN = "chainbuild, compiled", "chainbuild, plain"
 BEHIND = ("optik", "dynibo + restarts", "TRAC-IK (pytracik)", "pink (daqp)", "mink (daqp)")
 FORWARD, COLD, PATH = "forward, NumPy", "inverse, cold, one core", "inverse along a path"
 
+BLOCKS = ("clear block, straight axes", "clear block, line")
+
 
 @dataclass
 class Results:
@@ -124,6 +126,9 @@ def other_marks(results: Results) -> Iterable[Mark]:
     yield most("batch, cold ≤ 12 µs a pose and core, six axes", 12.0, cold, " µs")
     forward = {name: batch[FORWARD] for name, batch in results.batches.items()}
     yield most("forward kinematics ≤ 0.7 µs a pose, NumPy", 0.7, forward, " µs")
+    kinds = results.batches.items()
+    blocks = {name: max(batch.get(kind, 0.0) for kind in BLOCKS) for name, batch in kinds if BLOCKS[0] in batch}
+    yield most("path_report, a clear block ≤ 60 µs", 60.0, blocks, " µs")
     arrays = [row for row in results.arrays if row.solver == OURS]
     yield most("all branches over arrays ≤ 0.5 µs a pose", 0.5, {row.machine: row.median for row in arrays}, " µs")
     wrong: dict[str, float] = {}

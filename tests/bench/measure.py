@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+import chainbuild
 from tests.bench.machines import Machine
 from tests.bench.peers import IN_AXES, SLOW, Solver, solvers
 
@@ -100,8 +101,28 @@ def batches(machine: Machine, count: int) -> dict[str, float]:
         "forward, NumPy": per_item(lambda: robot.fk_batch(axes), count),
         "inverse, cold, one core": per_item(lambda: robot.ik_batch(T), count),
         "inverse along a path": per_item(lambda: robot.ik_path(*path), len(path[0])),
+        **clear_blocks(machine, min(count, 20_000)),
     }
     numba.set_num_threads(cores)
+    return found
+
+
+def clear_blocks(machine: Machine, count: int) -> dict[str, float]:
+    """Return µs a block of a path that stays clear of singularities and limits: straight axes, and lines of the tip."""
+    share = np.linspace(0.0, 300.0, count + 1)[:, None]
+    waves = np.sin(share * [0.9, 1.1, 0.8, 1.2, 0.7, 1.3, 1.0][: len(machine.lower)])
+    for centre in machine.axes(500, seed=7):
+        rows = centre + 2.0 * waves  # degrees
+        few = chainbuild.path_report(machine.robot, rows[::10])
+        if few.proven and not few.stretches and not few.violations:
+            break
+    else:
+        return {}
+    found = {}
+    for kind, between in (("clear block, straight axes", "ptp"), ("clear block, line", "cp")):
+        if not chainbuild.path_report(machine.robot, rows[:3], between=between).proven:
+            continue
+        found[kind] = per_item(lambda b=between: chainbuild.path_report(machine.robot, rows, between=b), count)
     return found
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 
 from tests.bench.branches import BranchRow
-from tests.bench.marks import REFERENCE, Results, marks
+from tests.bench.marks import BLOCKS, REFERENCE, Results, marks
 from tests.bench.measure import Row
 
 
@@ -78,7 +78,7 @@ def branch_cells(row: BranchRow, digits: int) -> tuple[object, ...]:
 
 def other_tables(results: Results, many: int) -> str:
     """Return the tables of batches, refusals and singular paths."""
-    kinds = ("forward, NumPy", "inverse, cold, one core", "inverse along a path")
+    kinds = ("forward, NumPy", "inverse, cold, one core", "inverse along a path", *BLOCKS)
     batches: list[tuple[object, ...]] = [
         (name, *(f"{batch[kind]:.2f} µs" if kind in batch else "" for kind in kinds))
         for name, batch in results.batches.items()

@@ -15,7 +15,7 @@ import pytest
 from tests.bench import branches, peers
 from tests.bench.branches import OURS, BranchRow, judged, one_by_one, over_arrays
 from tests.bench.machines import Machine, machines
-from tests.bench.marks import COMPILED, PATH, PLAIN, REFERENCE, Mark, Results, marks
+from tests.bench.marks import BLOCKS, COMPILED, PATH, PLAIN, REFERENCE, Mark, Results, marks
 from tests.bench.measure import Row
 from tests.bench.tables import mark_table, page
 from tests.kit.paths import ROOT
@@ -36,6 +36,7 @@ def results(**changed: float) -> Results:
             "found": 1.0,
             "plain": 90.0,
             "path": 2.0,
+            "block": 40.0,
             "refusal": 0.5,
             "singular": 1.1,
         }
@@ -47,6 +48,7 @@ def results(**changed: float) -> Results:
             Row(name, "optik", 100.0, 300.0, 1.0, 0, 50.0),
         ]
         found.batches[name] = {"forward, NumPy": 0.3, "inverse, cold, one core": 11.0, PATH: values["path"]}
+        found.batches[name] |= dict.fromkeys(BLOCKS, values["block"])
         found.refusals[name] = {"beyond reach": 0.2, "orientation impossible": values["refusal"]}
         found.singular[name] = (12, 30.0, values["singular"])
     found.arrays = [BranchRow("six", OURS, 0.3, 5.0, 1.0, 0), BranchRow("six", "chainbuild, NumPy", 1.8, 5.0, 1.0, 0)]
@@ -78,6 +80,7 @@ def test_marks_that_are_met_and_those_not_measured() -> None:
         ({"median": 15.5}, "compiled, cold median ≤ 0.3", "0.31 ×"),
         ({"p95": 26.0}, "compiled, cold 95 %", "0.26 ×"),
         ({"path": 5.1}, "path, a pose", "0.51 ×"),
+        ({"block": 61.0}, "path_report", "61 µs"),
         ({"found": 0.999}, "compiled, found", "99.9 %"),
         ({"plain": 126.0}, "plain, cold median ≤ 2.5", "2.52 ×"),
         ({"plain": 101.0}, "plain, cold median ahead of optik", "1.01 ×"),

@@ -107,7 +107,7 @@ def path_report(
 def _parts(robot: Mechanism, rows: ArrayLike | Iterable[ArrayLike]) -> Iterator[Matrix]:
     """Yield the rows in chunks (n, n_axes)."""
     count = len(robot.axes)
-    source = iter(np.atleast_2d(np.asarray(rows, float)) if isinstance(rows, (np.ndarray, list, tuple)) else rows)  # type: ignore[arg-type]
+    source = iter(_as_rows(rows))
     while part := list(islice(source, _CHUNK)):
         try:
             values = np.array(part, dtype=float)
@@ -117,6 +117,16 @@ def _parts(robot: Mechanism, rows: ArrayLike | Iterable[ArrayLike]) -> Iterator[
         if values.ndim != 2 or values.shape[1] != count or not (np.isfinite(values) | without).all():
             raise ChainbuildError(f"expected finite axis values of shape (N, {count}), or rows of NaN")
         yield values
+
+
+def _as_rows(rows: ArrayLike | Iterable[ArrayLike]) -> Iterable[ArrayLike]:
+    """Return rows that can be gone through; a single row of numbers is one."""
+    if isinstance(rows, np.ndarray):
+        return np.atleast_2d(np.asarray(rows, float))
+    if not isinstance(rows, (list, tuple)):
+        return rows  # type: ignore[return-value]
+    single = bool(rows) and all(np.ndim(value) == 0 for value in rows)
+    return [np.asarray(rows, float)] if single else rows
 
 
 @dataclass(slots=True, eq=False)

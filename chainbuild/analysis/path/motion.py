@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Final, Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from chainbuild.analysis.singularity.jacobians import pose_jacobians
 from chainbuild.analysis.singularity.measures import Scaling, scaling_of
@@ -26,6 +27,7 @@ BETWEEN: Final = ("ptp", "cp", "rows")  # in the order of the help
 _GAUSS: Final = np.polynomial.legendre.leggauss(8)  # exact for lengths that vary as a polynomial of degree 15
 _STEPS: Final = 12  # Newton steps along a line: from the straight axes 3 or 4 do, next to a singularity more
 _DAMPING: Final = 1e-12  # of squared scaled singular values: holds steps finite where one is 0
+_WALK: Final = 32  # steps from a row to a place that the straight axes do not lead to
 _MET: Final = 1e-9  # m, rad: an axis value is off by less than a display shows
 _LARGEST: Final = 0.3  # scaled step: beyond it a pose is not linear enough
 _LOST: Final = 1e-9  # scaled singular values below this are 0
@@ -113,10 +115,10 @@ class StraightMotion:
     def lengths(self, blocks: Blocks, t: Vector) -> Vector:
         """Return the way of the tip, by Gauss's quadrature of its speed."""
         nodes, weights = _GAUSS
-        total = np.zeros(len(blocks))
-        for node, weight in zip(nodes.tolist(), weights.tolist(), strict=True):
-            total += weight * self.speeds(blocks, t * (node + 1.0) / 2.0)[1]
-        return total * t / 2.0
+        shares = (t[:, None] * (nodes + 1.0) / 2.0).ravel()
+        tips = self.speeds(np.repeat(blocks, len(nodes)), shares)[1]
+        total: Vector = tips.reshape(len(t), len(nodes)) @ weights * t / 2.0
+        return total
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -162,25 +164,62 @@ class LineMotion:
 
     def axes(self, blocks: Blocks, t: Vector) -> Matrix:
         """Return the axis values at shares of blocks, by Newton's method from the straight axes; limits are ignored."""
-        x = _between_rows(self.rows, blocks, t) * self.robot.kinematics.si_factors
-        positions, rotations = self.lines.poses(blocks, t)
-        inner = (t > 0.0) & (t < 1.0)
-        open_rows = np.flatnonzero(inner)
-        error = np.full(len(x), np.inf)
-        for _ in range(_STEPS):
-            if not len(open_rows):
-                break
-            steps, error[open_rows] = _steps(self.robot, x[open_rows], positions[open_rows], rotations[open_rows])
-            going = error[open_rows] > _MET
-            open_rows = open_rows[going]
-            x[open_rows] += steps[going]
-        missed = inner & ~(error <= _MET * 1e3)
-        fewer = len(scaling_of(self.robot).columns) < len(scaling_of(self.robot).rows)
-        # With fewer axes than the line has freedoms the tool may not be able to turn as it does: the axes stay even.
-        even = _between_rows(self.rows, blocks[missed], t[missed]) * self.robot.kinematics.si_factors
-        x[missed] = even if fewer else np.nan
+        x, straight, missed = self._from_straight(blocks, t)
+        # Next to a singularity the straight axes may be too far, or lead to another branch: walk from the rows.
+        doubtful = missed | (np.abs(x - straight).max(axis=1, initial=0.0) > _LARGEST)
+        for end in (0, 1):
+            if doubtful.any() and not self._fewer:
+                rows = np.flatnonzero(doubtful)
+                walked, met = self._walked(blocks[rows], t[rows], end)
+                x[rows[met]] = walked[met]
+                missed[rows[met]] = doubtful[rows[met]] = False
+        return self._found(x, straight, missed)
+
+    def direct(self, blocks: Blocks, t: Vector) -> Matrix:
+        """Return the axis values as `axes` does, only from the straight axes: for samples, of which there are many."""
+        return self._found(*self._from_straight(blocks, t))
+
+    @property
+    def _fewer(self) -> bool:
+        """Whether the line has more freedoms than there are axes: the tool may not be able to turn as it does."""
+        scaling = scaling_of(self.robot)
+        return len(scaling.columns) < len(scaling.rows)
+
+    def _found(self, x: Matrix, straight: Matrix, missed: NDArray[np.bool_]) -> Matrix:
+        x[missed] = straight[missed] if self._fewer else np.nan
         found: Matrix = x / self.robot.kinematics.si_factors
         return found
+
+    def _from_straight(self, blocks: Blocks, t: Vector) -> tuple[Matrix, Matrix, NDArray[np.bool_]]:
+        """Return axis values in SI found from the straight axes, these, and which are not found."""
+        even = _between_rows(self.rows, blocks, t) * self.robot.kinematics.si_factors
+        x, missed = even.copy(), (t > 0.0) & (t < 1.0)
+        missed[missed] = ~self._solve(x, blocks, t, np.flatnonzero(missed))
+        return x, even, missed
+
+    def _solve(self, x: Matrix, blocks: Blocks, t: Vector, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Improve some rows of axis values x in SI, in place, and return which of them meet the line."""
+        positions, rotations = self.lines.poses(blocks[rows], t[rows])
+        error, left = np.full(len(rows), np.inf), np.arange(len(rows))
+        for _ in range(_STEPS):
+            if not len(left):
+                break
+            steps, error[left] = _steps(self.robot, x[rows[left]], positions[left], rotations[left])
+            going = error[left] > _MET
+            left = left[going]
+            x[rows[left]] += steps[going]
+        return np.asarray(error <= _MET * 1e3)
+
+    def _walked(self, blocks: Blocks, t: Vector, end: int) -> tuple[Matrix, NDArray[np.bool_]]:
+        """Return axis values in SI found step by step from the begin (0) or the end (1) of blocks, and which are."""
+        x = self.rows[blocks + end] * self.robot.kinematics.si_factors
+        met = np.ones(len(blocks), dtype=bool)
+        for n in range(1, _WALK + 1):
+            left = np.flatnonzero(met)
+            if not len(left):
+                break
+            met[left] = self._solve(x, blocks, end + (t - end) * n / _WALK, left)
+        return x, met
 
     def speeds(self, blocks: Blocks, t: Vector) -> tuple[Matrix, Vector, Vector]:
         """Return axes, tip and turn over a block at their speed there."""

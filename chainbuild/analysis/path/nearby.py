@@ -24,7 +24,14 @@ from chainbuild.analysis.singularity.measures import Scaling, scaling_of
 from chainbuild.analysis.singularity.structure import SingularityKind
 from chainbuild.analysis.vanishing.functions import SingularFunctions, singular_functions
 from chainbuild.analysis.vanishing.line import LineBlocks, line_geometry
-from chainbuild.analysis.vanishing.linetraced import ArmOnLines, ElbowTraced, PoleTraced, ShoulderTraced, WristTraced
+from chainbuild.analysis.vanishing.linetraced import (
+    ArmOnLines,
+    ElbowTraced,
+    PoleTraced,
+    ShoulderTraced,
+    WristTraced,
+    vector_lines,
+)
 from chainbuild.analysis.vanishing.lows import Low, lows
 from chainbuild.analysis.vanishing.rates import SmallestValue
 from chainbuild.analysis.vanishing.tracing import Blocks, Traced, bisected_share, traced_lows
@@ -132,7 +139,7 @@ def _on_lines(motion: PathMotion, blocks: Blocks, near: Near) -> Iterator[KindLo
     if not len(blocks):
         return
     robot = motion.robot
-    lines = motion.lines if isinstance(motion, LineMotion) else LineBlocks.between(robot.fk_batch(motion.rows))
+    lines = _lines_of(motion)
     on = _arm_on(motion, lines, blocks, near.factor)
     if on is not None:
         kinds: list[tuple[SingularityKind, Traced]] = [("shoulder", ShoulderTraced(on)), ("elbow", ElbowTraced(on))]
@@ -147,6 +154,13 @@ def _on_lines(motion: PathMotion, blocks: Blocks, near: Near) -> Iterator[KindLo
         yield KindLows(bent, True, traced_lows(PoleTraced(lines, geometry.bend, near.factor), blocks), _SINGULAR)
     elif not isinstance(motion, SlidingMotion):
         yield _followed(motion, blocks, near)
+
+
+def _lines_of(motion: PathMotion) -> LineBlocks:
+    if isinstance(motion, LineMotion):
+        return motion.lines
+    poses, robot = motion.robot.fk_batch(motion.rows), motion.robot
+    return vector_lines(poses, robot.chain.tool_column) if robot.task == "direction" else LineBlocks.between(poses)
 
 
 def _arm_on(motion: PathMotion, lines: LineBlocks, blocks: Blocks, near: float) -> ArmOnLines | None:
@@ -190,7 +204,8 @@ class Followed:
 
     def sizes(self, blocks: Blocks, t: Vector) -> Vector:
         """Return the smallest scaled singular values."""
-        axes = self.motion.axes(blocks, t)
+        motion = self.motion
+        axes = motion.direct(blocks, t) if isinstance(motion, LineMotion) else motion.axes(blocks, t)
         found = np.full(len(axes), np.inf)
         known = np.flatnonzero(np.isfinite(axes).all(axis=1))
         for part, _, J in pose_jacobians(self.motion.robot, axes[known]):

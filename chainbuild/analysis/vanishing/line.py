@@ -121,19 +121,24 @@ class Bend:
         last: (3,) in the tool frame.
         cosines: Product of the cosines of the angles of first and last with the middle axis.
         sines: Product of their sines.
+        ends: Least and largest angle [rad] between first and last: there all three lie in a plane.
     """
 
     first: Vector
     last: Vector
     cosines: float
     sines: float
+    ends: tuple[float, float]
 
     @classmethod
     def of(cls, lines: tuple[Vector, Vector, Vector], first: Vector, last: Vector) -> Bend:
         """Return the bend of three directions (3,) of one frame, the outer ones given in their own, too."""
         a, b, c = lines
         sines = float(np.linalg.norm(np.cross(a, b)) * np.linalg.norm(np.cross(b, c)))
-        return cls(first, last, float(a @ b) * float(b @ c), sines)
+        # By the angles, not by their cosines, which know nothing of an angle of 1e-8 rad.
+        before, behind = (float(angles_between(one[None], b[None])[0]) for one in (a, c))
+        ends = abs(before - behind), float(np.pi - abs(np.pi - before - behind))
+        return cls(first, last, float(a @ b) * float(b @ c), sines, ends)
 
     def thresholds(self, near: float) -> tuple[float, float]:
         """Return the angles [rad] below and above which the sine of the middle turn is at most `near`."""
@@ -144,7 +149,7 @@ class Bend:
     def sine(self, angle: Vector) -> Vector:
         """Return the absolute sine of the middle turn at angles (n,) between the directions."""
         # 1 - c² as a product, each factor a product of sines again: no digits are lost next to 0.
-        first, last = np.arccos(np.clip([self.cosines + self.sines, self.cosines - self.sines], -1.0, 1.0))
+        first, last = self.ends
         below = 2.0 * np.sin((angle + first) / 2.0) * np.sin((angle - first) / 2.0)
         above = 2.0 * np.sin((last + angle) / 2.0) * np.sin((last - angle) / 2.0)
         return np.asarray(np.sqrt(np.maximum(below * above, 0.0)) / self.sines)

@@ -13,13 +13,16 @@ the range of D where it is smaller, for it has a single maximum.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
 from chainbuild.analysis.vanishing.line import ArmGeometry, ArmPosition, Bend, LineBlocks, angles_between, arm_at
 from chainbuild.analysis.vanishing.tracing import Blocks
-from chainbuild.arrays import Matrix, Vector
+from chainbuild.arrays import Matrices, Matrix, Vector
+
+_OPPOSITE: Final = 1e-9  # sine below which directions have no great circle of their own
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -196,3 +199,24 @@ class PoleTraced:
         _, rotations = self.lines.poses(blocks, t)
         directions = rotations @ self.bend.last
         return angles_between(np.broadcast_to(self.bend.first, directions.shape), directions)
+
+
+def vector_lines(poses: Matrices, column: int) -> LineBlocks:
+    """Return the blocks between poses (N + 1, 4, 4) on which the tool vector moves on the great circle.
+
+    The turn between two orientations would not do: it has a share about the tool, and the vector leaves the circle.
+
+    Args:
+        poses: Of the tool.
+        column: That of its direction in the orientation.
+    """
+    lines = LineBlocks.between(poses)
+    R = poses[:, :3, :3]
+    own = np.broadcast_to(np.eye(3)[column], (len(R) - 1, 3))
+    target = np.einsum("nji,nj->ni", R[:-1], R[1:, :, column])
+    across = np.cross(own, target)
+    sine = np.linalg.norm(across, axis=1)
+    unit = np.divide(across, sine[:, None], out=np.zeros_like(across), where=sine[:, None] > 0.0)
+    turns = unit * angles_between(own, target)[:, None]
+    opposite = (sine < _OPPOSITE) & (target[:, column] < 0.0)
+    return replace(lines, turns=np.where(opposite[:, None], lines.turns, turns))
