@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.analysis.path.collect import BlockRun
-from chainbuild.analysis.path.motion import StraightMotion
+from chainbuild.analysis.path.motion import LineMotion, PathMotion, StraightMotion
 from chainbuild.analysis.path.places import PathPlace, PathViolation
 from chainbuild.analysis.vanishing.tracing import Blocks
 from chainbuild.arrays import Matrix, Vector
@@ -176,14 +176,15 @@ class LimitWatch:
         self, chunk: BlockRun, looked_at: tuple[Blocks, Vector, Matrix], excess: Vector, n: int, limit: int
     ) -> PathPlace:
         """Return where a limit is crossed between two places that follow one another."""
-        blocks, shares, _ = looked_at
+        blocks, shares, axes = looked_at
         low, high = (float(blocks[k] + shares[k]) for k in (n - 1, n))
         below, above = float(excess[n - 1]), float(excess[n])
         at = min(max(low + (high - low) * below / (below - above), low), high)
         # Along straight axes that is it; else by false position, an end that stays counted half (Illinois).
         for _ in range(_FALSE if self._sampled and (below > 0.0) != (above > 0.0) else 0):
             block = min(int(at), len(chunk.motion.rows) - 2)
-            value = float(self.excess(chunk.motion.axes(np.array([block]), np.array([at - block])))[0, limit])
+            reached = _near(chunk.motion, block, at - block, axes[n])
+            value = float(self.excess(reached[None])[0, limit])
             if not abs(value) > LIMIT_SLACK:
                 break
             if (value > 0.0) == (above > 0.0):
@@ -198,3 +199,11 @@ class LimitWatch:
         found, name = self._open[limit], self.names[limit]
         words = dict(self.limits.violations(found.worst.axes)).get(name, name)
         return PathViolation(name, found.begin, found.end, found.worst, found.excess, words, not self._sampled)
+
+
+def _near(motion: PathMotion, block: int, t: float, start: Vector) -> Vector:
+    """Return the axis values (n_axes,) at a place next to one whose values are known."""
+    if isinstance(motion, LineMotion):
+        return motion.near(block, t, start)
+    found: Vector = motion.axes(np.array([block]), np.array([t]))[0]
+    return found

@@ -179,6 +179,16 @@ class LineMotion:
         """Return the axis values as `axes` does, only from the straight axes: for samples, of which there are many."""
         return self._found(*self._from_straight(blocks, t))
 
+    def near(self, block: int, t: float, start: Vector) -> Vector:
+        """Return the axis values (n_axes,) at a place, from those of a place close by (n_axes,)."""
+        x = start[None] * self.robot.kinematics.si_factors
+        index, shares = np.array([block]), np.array([t])
+        if self._solve(x, index, shares, np.zeros(1, dtype=np.intp))[0]:
+            found: Vector = x[0] / self.robot.kinematics.si_factors
+            return found
+        elsewhere: Vector = self.axes(index, shares)[0]
+        return elsewhere
+
     @property
     def _fewer(self) -> bool:
         """Whether the line has more freedoms than there are axes: the tool may not be able to turn as it does."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from chainbuild.arrays import Matrix
 from chainbuild.kinematics.mechanism import Mechanism
-from chainbuild.kinematics.product import Product, product_of
+from chainbuild.kinematics.product import Product
 
 _CHUNK: Final = 1024  # poses worked on at a time: memory does not grow with the count
 
@@ -27,7 +27,7 @@ def pose_jacobians(robot: Mechanism, axes: Matrix) -> Iterator[tuple[slice, Matr
         robot: The robot.
         axes: (N, n_axes) axis values, mm and degrees.
     """
-    product = product_of(robot.chain)
+    product = robot.kinematics.product
     x = np.asarray(axes, dtype=float) * robot.kinematics.si_factors
     for first in range(0, len(x), _CHUNK):
         part = slice(first, min(first + _CHUNK, len(x)))
