@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from chainbuild import tolerances
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.axismap import AffineMap, random_axis_values
 from chainbuild.chain.elements import BASE_LINK, Chain, Joint, Task
 from chainbuild.chain.fold import reach
 from chainbuild.kinematics.newton import Residual
@@ -228,8 +228,8 @@ def _joint_model(joint: Joint) -> pin.JointModel:
 def sampled_jacobians(kinematics: Kinematics, free: NDArray[np.bool_]) -> Callable[[int], Matrix]:
     """Return the function n → Jacobian by the free axes at the n-th of a few fixed configurations, each made once."""
     axes = kinematics.chain.axes
-    lower = np.array([max(axis.lower, -170.0) for axis in axes]) * kinematics.si_factors
-    upper = np.array([min(axis.upper, 170.0) for axis in axes]) * kinematics.si_factors
+    lower = np.array([max(axis.lower, -170.0) for axis in axes])
+    upper = np.array([min(axis.upper, 170.0) for axis in axes])
     rng = np.random.default_rng(0)
     made: list[Matrix] = []
 
@@ -237,7 +237,8 @@ def sampled_jacobians(kinematics: Kinematics, free: NDArray[np.bool_]) -> Callab
         while len(made) <= n:
             J = np.zeros((6, len(axes)))
             for _ in range(_TRIES):  # limits may be wider than what the axis map has joint values for
-                there = kinematics.pose_and_jacobian(lower + (upper - lower) * rng.random(len(axes)))[1]
+                values = random_axis_values(kinematics.chain.axis_map, rng, lower, upper)[0]
+                there = kinematics.pose_and_jacobian(values * kinematics.si_factors)[1]
                 if np.isfinite(there).all():
                     J = there
                     break

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from chainbuild.arrays import Vector
 from chainbuild.errors import ChainbuildError
+from chainbuild.ik.branches.closed import find_closed, unreached_words
 from chainbuild.ik.branches.core.axis_values import axes_for
 from chainbuild.ik.branches.core.branches import Branches, Solutions, collect, named
 from chainbuild.ik.branches.core.free_axis import SolutionsOf, with_free_axes_inside
@@ -52,6 +53,8 @@ def every_branch(query: BranchQuery) -> Solutions:
     plan = plan_for(query)
     if plan.name == "direct":
         found = find_direct(query)
+    elif plan.name == "struts":
+        found = find_closed(query, every_branch)
     elif plan.solver is not None:
         found = collect(query, with_free_axes_inside(query, _arm_solutions(plan.solver)))
     else:
@@ -75,6 +78,8 @@ def nearest_branch(request: IkRequest) -> IkResult | None:
     mechanism = request.mechanism
     distance, angle = mechanism.kinematics.errors(query.x0, query.target, mechanism.task)
     reason = "no branch of the closed form reaches the pose"
+    if mechanism.chain.loops:
+        reason = unreached_words(query, every_branch) or reason
     return IkResult(
         False, query.shown(query.x0), "unreachable", distance, angle, 0, 0, mechanism.task, mechanism.labels, reason
     )
