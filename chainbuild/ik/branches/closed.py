@@ -35,12 +35,17 @@ def opened_query(query: BranchQuery) -> BranchQuery | None:
         query: That of a chain with loops.
     """
     mechanism = query.mechanism
-    if not isinstance(mechanism.chain.axis_map, ClosingMap) or len(query.structure.free) < len(mechanism.axes):
+    if not isinstance(mechanism.chain.axis_map, ClosingMap):
         return None
     opened = mechanism.prepared("opened", lambda: _opened(mechanism))
+    free = set(query.structure.free.tolist())
+    shown = query.shown(query.x0).tolist()
+    held = {axis.name: shown[n] for n, axis in enumerate(mechanism.axes) if n not in free}
+    if not held.keys() <= set(opened.labels.names):
+        return None  # a strut stands still: the way between the tips is not free
     q = mechanism.kinematics.q(query.x0)[list(joints_between_tips_in_order(mechanism))]
     start = None if not np.isfinite(q).all() else q / opened.kinematics.si_factors
-    return BranchQuery.of(IkRequest.of(opened, query.target, start))
+    return BranchQuery.of(IkRequest.of(opened, query.target, start, held))
 
 
 def find_closed(query: BranchQuery, solve: Callable[[BranchQuery], Solutions]) -> Solutions:

@@ -297,7 +297,7 @@ class ThreeRodsMap:
     def drawn_axes(self, rng: np.random.Generator, lower: Vector, upper: Vector) -> Vector | None:
         """Return axis values of a random platform point: the first arm at random, the others as its point asks."""
         low, high = self._si(lower), self._si(upper)
-        own = rng.uniform(low, high).tolist()
+        own = (np.array(low) + np.subtract(high, low) * rng.random(len(low))).tolist()
         p = self._near(own[0], rng)
         for n, arm in enumerate(self.arms):
             reached = [value for value in arm.values(p, self.rod, self.hanging) if low[n] <= value <= high[n]]
