@@ -6,6 +6,7 @@ this file alone: without `computeJointJacobians` and `calc` before it a constrai
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -27,16 +28,17 @@ class Closure:
     """The loops of one mechanism.
 
     Args:
-        mechanism: One whose chain has loops of kind "ball".
+        mechanism: The mechanism.
+        loops: Loops of kind "ball" between its frames; None: those of its chain.
 
     Raises:
         ChainError: a loop is of another kind.
     """
 
-    def __init__(self, mechanism: Mechanism) -> None:
+    def __init__(self, mechanism: Mechanism, loops: Sequence[Loop] | None = None) -> None:
         self.mechanism = mechanism
         model = mechanism.model
-        self._models = [self._ball(model, loop) for loop in mechanism.chain.loops]
+        self._models = [self._ball(model, loop) for loop in (mechanism.chain.loops if loops is None else loops)]
 
     @staticmethod
     def _ball(model: pin.Model, loop: Loop) -> pin.PointAnchorConstraintModel:
