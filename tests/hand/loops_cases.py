@@ -123,7 +123,7 @@ def differ(kin: int, found: Sequence[float], wanted: Sequence[float]) -> float:
 
 
 def random_far(kin: int, hd: Hd, rng: np.random.Generator) -> tuple[dict[int, float], list[float]]:
-    """Draw axis values at which the struts do not close: slides too far apart, rods of 37 too short for level levers."""
+    """Draw axis values at which the struts do not close: slides too far apart, rods of 37 too short at level levers."""
     axes, far = _anywhere(kin, hd, rng), dict(hd)
     if kin == 21:
         axes[1] = axes[0] + float(rng.choice([-1, 1])) * (hd[2] + hd[3] + 250.0)
@@ -133,6 +133,16 @@ def random_far(kin: int, hd: Hd, rng: np.random.Generator) -> tuple[dict[int, fl
     else:
         axes[int(rng.integers(3))] += 3.0 * hd[7]
     return far, axes
+
+
+def circle(kin: int, hd: Hd, conv: Conv, rng: np.random.Generator, steps: int) -> np.ndarray:
+    """Return a closed path (steps, n_axes) of axis values about a state, as wide as it closes everywhere."""
+    middle = np.array(random_in_mode(kin, hd, conv, rng, 0.0))
+    phase = np.linspace(0.0, 2.0 * np.pi, steps)[:, None] + rng.uniform(0.0, 2.0 * np.pi, len(middle))
+    width = 60.0
+    while not all(is_steady(kin, hd, row, conv) for row in (middle + width * np.sin(phase))[::10]):
+        width /= 2.0
+    return middle + width * np.sin(phase)
 
 
 def channel_list(kin: int, hd: Mapping[int, float]) -> str:

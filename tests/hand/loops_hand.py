@@ -178,7 +178,7 @@ def all_axes209(hd: Hd, T: Matrix, tool_length_mm: float, conv: Conv) -> list[li
     """Return the axes of a place and tool vector: the table tilted to either side, where the slides reach."""
     x, y, z = T[:3, 2]  # the machine's Z, seen from the workpiece
     tilt = math.degrees(math.acos(max(-1.0, min(1.0, z))))
-    # Seen from the table the vector is (sin c sin a, cos c sin a, cos a) with A, (-cos c sin b, sin c sin b, cos b) with B.
+    # Seen from the table: (sin c sin a, cos c sin a, cos a) with A, (-cos c sin b, sin c sin b, cos b) with B.
     spin = math.degrees(math.atan2(y, -x) if hd.get(31, 0.0) == 1.0 else math.atan2(x, y))
     found = []
     for outer, inner in ((tilt, spin), (-tilt, spin + 180.0)):

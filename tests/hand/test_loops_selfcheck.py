@@ -1,4 +1,4 @@
-"""The hand formulas of the closed loops against the manual's statements, independent poses and the struts themselves."""
+"""The hand formulas of the closed loops against the manual's statements, independent poses and the struts."""
 
 from __future__ import annotations
 
