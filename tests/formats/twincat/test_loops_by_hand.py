@@ -129,7 +129,7 @@ def test_limits_of_37(choice: str, tmp_path: Path) -> None:
     wanted = limits37(hd, conv)
     assert wanted is not None
     axes = build(tmp_path, 37, hd, conv=conv).axes
-    assert [(axis.lower, axis.upper) for axis in axes] == pytest.approx(wanted)
+    assert np.array([(axis.lower, axis.upper) for axis in axes]) == pytest.approx(np.array(wanted))
     assert not any(axis.assumed for axis in axes)
     assert all(axis.assumed for axis in build(tmp_path, 37, hd | {11: 0.0, 12: 0.0}).axes)
 

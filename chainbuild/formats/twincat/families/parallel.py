@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Final
 
 from chainbuild.chain.assemble import Element, linear, mark, rotary, shift, turn
-from chainbuild.chain.elements import Loop
+from chainbuild.chain.elements import Axis, Loop
 from chainbuild.convention import Choices
 from chainbuild.formats.twincat.maps.scissors import LambdaMap
 from chainbuild.formats.twincat.maps.struts import Column, Lever, ThreeRodsMap
@@ -82,7 +82,25 @@ def kin_37(p: Params, choose: Choices) -> Recipe:
         shift(z=-p.tool_length_mm),
     ]
     axis_map = ThreeRodsMap(tuple(arms), m_from_mm(rod), 1.0, names=("J1", "J2", "J3"))
-    return Recipe(tool, axis_map=axis_map, branches=branches, loops=_loops("J1", "J2", "J3"))
+    axes = _limited(p, choose, zeros)
+    return Recipe(tool, axes=axes, axis_map=axis_map, branches=branches, loops=_loops("J1", "J2", "J3"))
+
+
+def _limited(p: Params, choose: Choices, zeros: list[float]) -> tuple[Axis, ...]:
+    """Return the axes of the delta robot with the limits that HD11 and HD12 give; both 0: none."""
+    lower, upper = p.deg("joint_lower"), p.deg("joint_upper")
+    if not (lower or upper):
+        return p.axes
+    if lower >= upper:
+        p.refuse(
+            "joint_lower", f"the joint limits are {lower:g} and {upper:g} deg", "the lower one below the upper one"
+        )
+        return p.axes
+    shifts = zeros if any(zeros) and choose["kin37_limits_of"] == "lever" else [0.0] * len(zeros)
+    return tuple(
+        replace(axis, lower=lower + shift_deg, upper=upper + shift_deg, assumed=False)
+        for axis, shift_deg in zip(p.axes, shifts, strict=True)
+    )
 
 
 def _tripod(p: Params, choose: Choices, turned_deg: float, beside: int = 0) -> Recipe:

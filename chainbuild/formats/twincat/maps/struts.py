@@ -252,12 +252,20 @@ class ThreeRodsMap:
         centres = [arm.centre(value)[0] for arm, value in zip(self.arms, values, strict=False)]
         if self.common(centres) is not None:
             return None
+        permitted = "axis values at which the platform closes"
+        gap, first, second = max(
+            (math.dist(centres[n], centres[m]) - 2.0 * self.rod, n, m) for n, m in ((0, 1), (1, 2), (0, 2))
+        )
+        if gap > 0.0:
+            pair = f"{self.names[first]} and {self.names[second]}"
+            text = f"the rods do not meet: those of {pair} together are {mm_from_m(gap):.6g} mm too short"
+            return AxisValueError(text, parameter=self.names[first], permitted=permitted)
         n, missing = self._worst(centres)
         length = f"{mm_from_m(abs(missing)):.6g} mm too {'short' if missing > 0.0 else 'long'}"
         text = f"the rods do not meet: the rod of {self.names[n]} is {length} for where the others meet"
         if not math.isfinite(missing):
-            text = "the rods do not meet: their joints lie on a line, or no two of them reach one another"
-        return AxisValueError(text, parameter=self.names[n], permitted="axis values at which the platform closes")
+            text = "the rods hold nothing: their joints lie on a line, about which the platform could turn"
+        return AxisValueError(text, parameter=self.names[n], permitted=permitted)
 
     def _worst(self, centres: Sequence[Point]) -> tuple[int, float]:
         """Return the rod that misses the circle on which the others meet by most, and by how much [m]."""
