@@ -182,7 +182,9 @@ def test_37_eight_branches_where_the_levers_reach() -> None:
     T = pose(37, DELTA, [20, 25, 30])
     found = LOOP_INVERSES[37](DELTA, T, 0.0, {})
     assert len(found) == 8
-    assert min(differ(37, one, [20, 25, 30]) for one in found) < 1e-6
+    assert differ(37, found[0], [20, 25, 30]) < 1e-6  # all levers outward come first
+    assert all(math.cos(math.radians(one)) > 0 for one in found[0])
+    assert all(math.cos(math.radians(one)) < 0 for one in found[-1])
 
 
 def test_21_triangle_and_arm() -> None:
