@@ -135,12 +135,37 @@ def random_far(kin: int, hd: Hd, rng: np.random.Generator) -> tuple[dict[int, fl
     return far, axes
 
 
+def is_regular(kin: int, hd: Hd, axes: Sequence[float], conv: Conv, length: float, least: float = 3.0) -> bool:
+    """Tell whether the inverse formula returns these axes and no other solution is nearer than `least`, mm or degrees.
+
+    Where two solutions meet, digits are lost.
+    """
+    T = LOOPS[kin](hd, axes, length, conv)
+    if T is None or (kin == 209 and abs(T[2, 2]) > 0.999):
+        return False  # the table's C turns about the tool vector: any C is as good
+    found = LOOP_INVERSES[kin](hd, T, length, conv)
+    if not all(is_steady(kin, hd, one, conv) for one in found) or not any(differ(kin, a, axes) < 1e-6 for a in found):
+        return False
+    return all(differ(kin, one, other) > least for n, one in enumerate(found) for other in found[:n])
+
+
+def random_regular(
+    kin: int, hd: Hd, conv: Conv, rng: np.random.Generator, length: float, least: float = 3.0
+) -> list[float]:
+    """Draw axis values away from singular positions."""
+    for _ in range(10_000):
+        axes = random_closing(kin, hd, conv, rng)
+        if is_regular(kin, hd, axes, conv, length, least):
+            return axes
+    raise AssertionError(f"KIN_TYP {kin} is singular everywhere: {hd}")
+
+
 def circle(kin: int, hd: Hd, conv: Conv, rng: np.random.Generator, steps: int) -> np.ndarray:
-    """Return a closed path (steps, n_axes) of axis values about a state, as wide as it closes everywhere."""
-    middle = np.array(random_in_mode(kin, hd, conv, rng, 0.0))
+    """Return a closed path (steps, n_axes) of axis values about a state, as wide as it stays regular."""
+    middle = np.array(random_regular(kin, hd, conv, rng, 0.0, least=15.0))
     phase = np.linspace(0.0, 2.0 * np.pi, steps)[:, None] + rng.uniform(0.0, 2.0 * np.pi, len(middle))
     width = 60.0
-    while not all(is_steady(kin, hd, row, conv) for row in (middle + width * np.sin(phase))[::10]):
+    while not all(is_regular(kin, hd, row, conv, 0.0, least=15.0) for row in (middle + width * np.sin(phase))[::20]):
         width /= 2.0
     return middle + width * np.sin(phase)
 

@@ -182,7 +182,9 @@ def test_37_eight_branches_where_the_levers_reach() -> None:
     T = pose(37, DELTA, [20, 25, 30])
     found = LOOP_INVERSES[37](DELTA, T, 0.0, {})
     assert len(found) == 8
-    assert min(differ(37, one, [20, 25, 30]) for one in found) < 1e-6
+    assert differ(37, found[0], [20, 25, 30]) < 1e-6  # all levers outward come first
+    assert all(math.cos(math.radians(one)) > 0 for one in found[0])
+    assert all(math.cos(math.radians(one)) < 0 for one in found[-1])
 
 
 def test_21_triangle_and_arm() -> None:
@@ -214,6 +216,28 @@ def test_21_rods_slides_and_the_offset_of_their_joints() -> None:
     assert np.allclose(place(21, {**hd, 5: 100.0}, [0, -600, 0, 0], kin21_hd5_along="x"), [-60, -80, 0])
     conv = {"kin21_slides": "x2_carries_c", "kin21_hd5_along": "x"}
     assert np.allclose(place(21, {**hd, 5: 100.0}, [400, 0, 0, 0], **conv), [60, 80, 0])  # B stays 100 from its slide
+
+
+def test_21_two_or_four_branches() -> None:
+    """A = 200 at 100 or 80 degrees: rod CD at 40 or 20 with HD6 = 60, and B to the right of C on either side of D."""
+    hd, reach = {2: 350.0, 3: 500.0, 4: 200.0, 6: 60.0}, 500.0 * math.sin(math.radians(40.0))
+    joint_b = 500.0 * math.cos(math.radians(40.0)) + math.sqrt(350.0**2 - reach**2)
+    T = pose(21, hd, [0, joint_b, 0, 0])
+    assert np.allclose(T[:3, 3], rz(100)[:3, 0] * 200)
+    found = LOOP_INVERSES[21](hd, T, 0.0, {})
+    assert len(found) == 4 and len({round(one[3]) for one in found}) == 2
+    assert [round(one[3]) for one in found if abs(one[0]) > 1.0] == [20, 20]  # C makes up for the other arm
+    lambda_ = {**LAMBDA, 2: 450.0}
+    for axes in ([0.0, 600.0, 0.0, 0.0], [0.0, 600.0, 0.0, 77.0]):
+        assert len(LOOP_INVERSES[21](lambda_, pose(21, lambda_, axes), 0.0, {})) == 2
+
+
+def test_209_table_tilted_to_either_side() -> None:
+    for b in (0.0, 1.0):
+        hd = {**TRIPOD, 31: b, 38: 5.0, 39: 7.0}
+        found = LOOP_INVERSES[209](hd, pose(209, hd, [20, -50, 110, 35, 57]), 0.0, {})
+        turns = sorted((round(one[3], 6), round(one[4] % 360.0, 6)) for one in found)
+        assert turns == [(-25.0, 237.0), (35.0, 57.0)]
 
 
 @pytest.mark.parametrize(

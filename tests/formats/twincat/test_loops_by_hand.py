@@ -21,11 +21,10 @@ from tests.hand.loops_cases import (
     channel_list,
     circle,
     differ,
-    is_steady,
     random_closing,
     random_far,
     random_hd,
-    random_in_mode,
+    random_regular,
 )
 from tests.hand.loops_hand import LOOP_CHOICES, LOOP_INVERSES, LOOPS, limits37
 from tests.hand.tables_algebra import Matrix
@@ -37,8 +36,8 @@ POSITION_MM = 1e-6
 ROTATION = 1e-9
 FOUND_AGAIN = 1e-5  # mm and degrees: solvers stop at 1e-6 m and rad at the latest, and polish
 
+STATES = 2000  # a type, those of its choices among them
 MACHINES = 12
-STATES = 140  # with the choices below more than 2,000 a type
 CHOICE_MACHINES = 2
 CHOICE_STATES = 15
 
@@ -68,16 +67,17 @@ def compare(folder: Path, kin: int, rng: np.random.Generator, states: int, conv:
     for _ in range(states):
         axes = random_closing(kin, hd, conv, rng)
         T, wanted = robot.fk(axes), by_hand(kin, hd, axes, length, conv)
+        missed = np.abs(T.translation * 1000.0 - wanted[:3, 3]).max(), np.abs(T.rotation - wanted[:3, :3]).max()
         where = f"KIN_TYP {kin}, {conv}, HD {hd}, L {length}, axes {axes}"
-        np.testing.assert_allclose(T.translation * 1000.0, wanted[:3, 3], atol=POSITION_MM, rtol=0, err_msg=where)
-        np.testing.assert_allclose(T.rotation, wanted[:3, :3], atol=ROTATION, rtol=0, err_msg=where)
+        assert missed[0] <= POSITION_MM and missed[1] <= ROTATION, f"{missed}: {where}"
 
 
 @pytest.mark.parametrize("kin", TYPES)
 def test_loop_follows_its_hand_formula(kin: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(seed_of("loops", kin))
+    by_choice = CHOICE_MACHINES * CHOICE_STATES * sum(map(len, CHOICES[kin].values()))
     for _ in range(MACHINES):
-        compare(tmp_path, kin, rng, STATES, {})
+        compare(tmp_path, kin, rng, (STATES - by_choice) // MACHINES + 1, {})
 
 
 EVERY_CHOICE = [(kin, name, choice) for kin in TYPES for name in CHOICES[kin] for choice in CHOICES[kin][name]]
@@ -129,7 +129,7 @@ def test_limits_of_37(choice: str, tmp_path: Path) -> None:
     wanted = limits37(hd, conv)
     assert wanted is not None
     axes = build(tmp_path, 37, hd, conv=conv).axes
-    assert np.array([(axis.lower, axis.upper) for axis in axes]) == pytest.approx(np.array(wanted))
+    assert np.allclose([(axis.lower, axis.upper) for axis in axes], wanted, rtol=0, atol=1e-9)
     assert not any(axis.assumed for axis in axes)
     assert all(axis.assumed for axis in build(tmp_path, 37, hd | {11: 0.0, 12: 0.0}).axes)
 
@@ -176,22 +176,6 @@ def test_jacobian_is_the_derivative_of_the_hand_formula(kin: int, tmp_path: Path
             assert robot.jacobian(axes) == pytest.approx(numeric_jacobian(kin, hd, axes, 60.0), abs=1e-6, rel=1e-6)
 
 
-def apart(found: list[list[float]], kin: int) -> float:
-    """Return the least distance of two solutions: small near a singular position, where digits are lost."""
-    pairs = ((a, b) for n, a in enumerate(found) for b in found[:n])
-    return min((differ(kin, a, b) for a, b in pairs), default=np.inf)
-
-
-def drawn_pose(kin: int, hd: Hd, rng: np.random.Generator) -> tuple[list[float], Matrix, list[list[float]]]:
-    """Draw a state away from singular ones, its pose, and all states of that pose."""
-    while True:
-        axes = random_in_mode(kin, hd, {}, rng, 60.0)
-        T = by_hand(kin, hd, axes, 60.0)
-        found = LOOP_INVERSES[kin](hd, T, 60.0, {})
-        if apart(found, kin) > 3.0 and all(is_steady(kin, hd, one, {}) for one in found):
-            return axes, T, found
-
-
 @pytest.mark.parametrize("kin", TYPES)
 def test_inverse_kinematics_find_the_state_again(kin: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(seed_of("again", kin))
@@ -199,12 +183,15 @@ def test_inverse_kinematics_find_the_state_again(kin: int, tmp_path: Path) -> No
         hd = random_hd(kin, rng, {})
         robot = build(tmp_path, kin, hd, 60.0)
         for _ in range(5):
-            axes, T, _ = drawn_pose(kin, hd, rng)
+            axes = random_regular(kin, hd, {}, rng, 60.0)
+            T = by_hand(kin, hd, axes, 60.0)
             result = robot.ik(metres(T), start=axes)
             assert result.success, (hd, axes, result)
             assert differ(kin, result.axes, axes) < FOUND_AGAIN
             if kin == 12:
                 assert differ(kin, robot.ik(metres(T)).axes, axes) < FOUND_AGAIN
+            if kin == 37 and len(every := LOOP_INVERSES[37](hd, T, 60.0, {})) == 8:
+                assert differ(kin, robot.ik(metres(T)).axes, every[0]) < FOUND_AGAIN  # all levers outward
             if kin == 209:
                 held = {robot.axes[n].name: axes[n] for n in (3, 4)}
                 assert differ(kin, robot.ik(metres(T), held=held).axes, axes) < FOUND_AGAIN
@@ -222,7 +209,9 @@ def test_every_branch_is_found_and_no_other(kin: int, tmp_path: Path) -> None:
         hd = random_hd(kin, rng, {})
         robot = build(tmp_path, kin, hd, 60.0)
         for _ in range(5):
-            axes, T, wanted = drawn_pose(kin, hd, rng)
+            axes = random_regular(kin, hd, {}, rng, 60.0)
+            T = by_hand(kin, hd, axes, 60.0)
+            wanted = LOOP_INVERSES[kin](hd, T, 60.0, {})
             found = robot.ik_all(metres(T), start=axes)
             where = f"HD {hd}, axes {axes}, found {[list(one.axes) for one in found]}, by hand {wanted}"
             assert len(found) == len(wanted), where
@@ -243,8 +232,8 @@ def test_a_path_of_a_thousand_steps_never_jumps(kin: int, tmp_path: Path) -> Non
     robot = build(tmp_path, kin, hd)
     path = circle(kin, hd, {}, rng, 1000)
     there = [robot.fk(axes) for axes in path]
-    for axes, T in zip(path, there, strict=True):
-        assert T.translation * 1000.0 == pytest.approx(by_hand(kin, hd, axes.tolist())[:3, 3], abs=POSITION_MM)
+    wanted = np.array([by_hand(kin, hd, axes.tolist())[:3, 3] for axes in path])
+    assert np.abs([T.translation * 1000.0 for T in there] - wanted).max() <= POSITION_MM
     # every body of the assembly, not the tool alone
     frames = np.array([[T.homogeneous for T in robot.frame_placements(axes).values()] for axes in path])
     steps = np.abs(np.diff(frames, axis=0)).max(axis=(1, 2, 3))
@@ -264,7 +253,7 @@ def test_the_same_axes_give_the_same_pose_after_any_other_call(kin: int, tmp_pat
     rng = np.random.default_rng(seed_of("pure", kin))
     hd = random_hd(kin, rng, {})
     robot = build(tmp_path, kin, hd, 60.0)
-    axes, other = (random_in_mode(kin, hd, {}, rng, 60.0) for _ in range(2))
+    axes, other = (random_regular(kin, hd, {}, rng, 60.0) for _ in range(2))
     first, J, q = robot.fk(axes).homogeneous, robot.jacobian(axes), robot.q(axes)
     _, far = random_far(kin, hd, rng)
 
@@ -292,7 +281,7 @@ def test_the_same_axes_give_the_same_pose_after_any_other_call(kin: int, tmp_pat
     assert np.array_equal(fresh.fk(axes).homogeneous, first)
 
 
-def test_what_the_angles_of_the_columns_must_satisfy(tmp_path: Path) -> None:
+def test_columns_that_no_tripod_can_have(tmp_path: Path) -> None:
     hd = {5: 500.0, 6: 100.0, 7: 500.0}
     for extra in ({8: 1.0, 9: 200.0, 10: 160.0}, {6: 500.0}):  # no room for the third angle; parallel rods
         with pytest.raises(ChainbuildError):
