@@ -91,6 +91,10 @@ class ClosingMap(Protocol):
         """
         ...
 
+    def rank(self, axes: Vector) -> int:
+        """Return how far axis values are from the branch that is taken without a start: 0 is that one."""
+        ...
+
     def unreached(self, q: Vector) -> str:
         """Return which rod does not reach the joint values between the tips, and by how much; empty: all do."""
         ...

@@ -216,7 +216,7 @@ def kin37(hd: Hd, axes: Sequence[float], tool_length_mm: float, conv: Conv) -> M
 
 
 def _lever_angles(hd: Hd, out: float, aside: float, height: float) -> list[float]:
-    """Return both swings, the outward one first, of a lever whose rod ends `out`, `aside` and `height` away from the lever's joint.
+    """Return both swings, the outward one first, of a lever whose rod ends `out`, `aside` and `height` away.
 
     In the lever's plane the rod is shortened to the leg r of HD6² = r² + aside²; the triangle of lever, r and the line
     to the rod's end gives the angle at the joint.

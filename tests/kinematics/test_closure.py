@@ -77,9 +77,9 @@ def test_what_does_not_close_names_the_rod_and_by_how_much() -> None:
     robot = Robot.load("tripod_kin12")
     with pytest.raises(ChainbuildError, match=r"those of Z1 and Z3 together are 2839\.65 mm too short"):
         robot.fk([5000.0, 900.0, 900.0])  # √(3 · 330² + 4100²) - 2 · 650
-    with pytest.raises(ChainbuildError, match=r"the rod of Z1 is [0-9.]+ mm too short for where the others") as told:
-        robot.fk([2050.0, 900.0, 900.0])
-    assert told.value.parameter == "Z1"
+    with pytest.raises(ChainbuildError, match=r"the rod of Z[13] is [0-9.]+ mm too short for where the others") as told:
+        robot.fk([900.0, 900.0, 2050.0])
+    assert told.value.parameter in {"Z1", "Z3"}
     T = robot.fk([900.0, 900.0, 900.0])
     T.translation[0] += 1.0
     found = robot.ik(T)

@@ -18,7 +18,7 @@ from chainbuild import tolerances
 from chainbuild.arrays import Vector
 from chainbuild.chain.axismap import AffineMap, ClosingMap
 from chainbuild.chain.elements import BASE_LINK, Axis
-from chainbuild.ik.branches.core.branches import Solutions, collect
+from chainbuild.ik.branches.core.branches import Branch, Branches, Solutions, collect
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.request import IkRequest
 from chainbuild.kinematics.mechanism import Mechanism
@@ -58,6 +58,14 @@ def find_closed(query: BranchQuery, solve: Callable[[BranchQuery], Solutions]) -
     opened = opened_query(query)
     assert opened is not None
     return collect(query, _candidates(query, opened, solve(opened)))
+
+
+def usual_branch(mechanism: Mechanism, branches: Branches) -> Branch:
+    """Return the branch that is taken where nothing says which: of those that stand alike the first."""
+    axis_map = mechanism.chain.axis_map
+    assert isinstance(axis_map, ClosingMap)
+    ranks = [axis_map.rank(axes) for axes in branches.axes]
+    return branches[ranks.index(min(ranks))]
 
 
 def unreached_words(query: BranchQuery, solve: Callable[[BranchQuery], Solutions]) -> str:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from chainbuild.arrays import Vector
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.branches.closed import find_closed, unreached_words
+from chainbuild.ik.branches.closed import find_closed, unreached_words, usual_branch
 from chainbuild.ik.branches.core.axis_values import axes_for
 from chainbuild.ik.branches.core.branches import Branches, Solutions, collect, named
 from chainbuild.ik.branches.core.free_axis import SolutionsOf, with_free_axes_inside
@@ -71,6 +71,8 @@ def nearest_branch(request: IkRequest) -> IkResult | None:
         return None
     found = every_branch(query)
     if len(found.branches):
+        if request.start is None and request.mechanism.chain.loops:
+            return usual_branch(request.mechanism, found.branches)
         return found.branches[0]
     if found.beyond is not None:
         reason = f"reached only outside the limits of {', '.join(found.outside)}"

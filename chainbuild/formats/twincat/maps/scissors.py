@@ -141,6 +141,10 @@ class LambdaMap:
         values[self.slides[1]] = [] if square < 0.0 else [mm_from_m(middle - half), mm_from_m(middle + half)]
         return values
 
+    def rank(self, axes: Vector) -> int:
+        """Return 0: without a start the branch nearest to 0 is taken."""
+        return 0
+
     def unreached(self, q: Vector) -> str:
         """Return by how much the rod of B is too short to reach from its slide to D."""
         across = self.across[0] + self.rods[0] * math.sin(float(q[1])) - self.across[1]

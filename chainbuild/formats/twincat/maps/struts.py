@@ -291,6 +291,15 @@ class ThreeRodsMap:
         found = [[_SHOWN[arm.kind](v) for v in arm.values(p, self.rod, self.hanging)] for arm in self.arms]
         return [*found, *([deg_from_rad(float(v))] for v in q[_ARMS : _ARMS + self.beside])]
 
+    def rank(self, axes: Vector) -> int:
+        """Return how many levers point inwards: without a start all stand outwards."""
+        q = self.q(axes)
+        inwards = 0
+        for value, reached in zip(axes.tolist(), self.closing(q), strict=True):
+            off = [abs(math.remainder(value - one, 360.0)) for one in reached]
+            inwards += len(off) > 1 and off[1] < off[0]
+        return inwards
+
     def unreached(self, q: Vector) -> str:
         """Return which rods are too short or too long for the platform's point, and by how much."""
         p = (float(q[0]), float(q[1]), float(q[2]))
