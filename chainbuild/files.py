@@ -71,13 +71,18 @@ def numbers_text(values: Iterable[float]) -> str:
     return " ".join(number_text(float(value)) for value in values)
 
 
-def printable(text: str) -> str:
+def printable(text: str, *, lines: bool = True) -> str:
     r"""Return a text that a reader shows and does not obey: control and format characters escaped.
 
-    >>> print(printable("\x1b[31mred\u202e"))
-    \x1b[31mred\u202e
+    Args:
+        text: The text.
+        lines: False: a name or a message, whose line ends are escaped, too.
+
+    >>> print(printable("\x1b[31mred\u202e"), printable("one\ntwo", lines=False))
+    \x1b[31mred\u202e one\ntwo
     """
-    return text if text.isprintable() else _DOUBTFUL.sub(_escaped, text)
+    shown = text if text.isprintable() else _DOUBTFUL.sub(_escaped, text)
+    return shown if lines else shown.replace("\n", "\\n")
 
 
 def _escaped(found: re.Match[str]) -> str:

@@ -1,4 +1,4 @@
-"""The command line run in this process, with its exit code and both streams."""
+"""The command line run in this process, with its exit code and both streams; chains that several tests compose."""
 
 from __future__ import annotations
 
@@ -9,8 +9,21 @@ from pathlib import Path
 import pytest
 
 import chainbuild
+from chainbuild.chain.elements import Chain
 from chainbuild.cli import main
 from tests.kit.command_line import Outcome, Run
+
+
+@pytest.fixture(scope="session")
+def arm() -> Chain:
+    """Return the chain of a six-axis arm."""
+    return chainbuild.load("kr6r900").chain()
+
+
+@pytest.fixture(scope="session")
+def scara() -> Chain:
+    """Return the chain of a four-axis arm."""
+    return chainbuild.load("scara_kin36").chain()
 
 
 @pytest.fixture(scope="session")

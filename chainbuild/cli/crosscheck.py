@@ -75,7 +75,7 @@ def crosscheck(
     qz, qw, or tool_x, tool_y, tool_z. On RTCP kinematics the rotary axes are there already, and a full orientation may
     be added. If poses differ, the command looks for a systematic cause (a constant offset, a reversed axis, two swapped
     axes, a wrong zero, another angle convention), tries another sign and the best value of each number of the machine
-    data and every choice of the machine's conventions, and ends with exit code 3.
+    data and of the tool, and every choice of the machine's conventions, and ends with exit code 3.
 
     Example: `chainbuild crosscheck kr6r900 --recording poses.csv --html crosscheck.html`
 
@@ -125,4 +125,4 @@ def _print(check: CrossCheck, as_json: bool) -> None:
     if as_json:
         print_json(crosscheck_data(check))
     else:
-        say(crosscheck_text(check), end="")
+        say(crosscheck_text(check), end="", lines=True)

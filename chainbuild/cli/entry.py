@@ -128,9 +128,8 @@ def _run(words: list[str]) -> int:
         code = build_app()(words)
         sys.stdout.flush()
     except (CycloptsError, UsageError) as error:
-        return _fail(
-            f"chainbuild: {_usage_text(error)}\nchainbuild {_command_of(words)}--help shows the usage", WRONG_USAGE
-        )
+        usage = f"chainbuild {_command_of(words)}--help shows the usage"
+        return _fail(f"chainbuild: {printable(_usage_text(error), lines=False)}\n{usage}", WRONG_USAGE)
     except OverwriteError as error:
         return _fail(message_of(error), WRONG_USAGE)
     except ChainbuildError as error:
@@ -163,7 +162,7 @@ def _is_number(word: str) -> bool:
 
 def message_of(error: ChainbuildError) -> str:
     """Return the message of an error: ``file:line: what is wrong``, with the line and a mark under the spot."""
-    head = printable(str(error) if error.span else f"chainbuild: {error}")
+    head = printable(str(error) if error.span else f"chainbuild: {error}", lines=False)
     line, _, mark = error.marked_line().partition("\n")
     if not mark:
         return head

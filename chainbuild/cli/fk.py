@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
     from chainbuild.robot import Robot
     from chainbuild.tables import AxisTable
+
+    Values = NDArray[np.float64]
+    StatusOf = Callable[[Sequence[Values] | Values], list[Sequence[int]]]
 
 _AT = "--at"
 
@@ -60,7 +63,7 @@ def fk(
         output_file: CSV table of poses to write. Default: stdout.
         options: Which kinematic.
     """
-    from chainbuild.ik.branches.status_turn import status_turn
+    from chainbuild.ik.branches.status_turn import status_turn_rows
     from chainbuild.kinematics.displayed import displayed
     from chainbuild.kinematics.limits import drive_name
     from chainbuild.tables import AxisTable, PoseForm, PoseWriter
@@ -80,12 +83,12 @@ def fk(
             violations=bool(robot.limits.sums or robot.limits.drives),
             drives=[drive_name(axis) for axis in robot.axes] if drives else (),
         )  # fmt: skip
-        for span, values in _rows(given, table):
+        status_of: StatusOf = (lambda rows: status_turn_rows(robot, rows).tolist()) if form.status else _no_status
+        for span, values, status in _rows(given, table, status_of):
             violated = robot.violated_limits(values)
             try:
                 T = robot.fk(values)
                 shown = displayed(robot, values, near=shown, at=T)
-                status = status_turn(robot, values) if form.status else ()
                 inputs, behind = [shown[name] for name in form.held], robot.drives(values).tolist() if drives else ()
                 writer.write(T.homogeneous, shown, inputs, status, violated, behind)
             except ChainbuildError as error:
@@ -121,10 +124,23 @@ def _angle_mode(robot: Robot, name: str | None) -> str | None:
     return name
 
 
-def _rows(given: Sequence[NDArray[np.float64]], table: AxisTable | None) -> Iterator[tuple[Span, NDArray[np.float64]]]:
-    """Yield axis values (n_axes,) and their place in the input: those of the command line, then those of the table."""
-    for number, values in enumerate(given, start=1):
-        yield Span(_AT, number if len(given) > 1 else 0), values
+def _no_status(rows: Sequence[Values] | Values) -> list[Sequence[int]]:
+    return [()] * len(rows)
+
+
+def _rows(
+    given: Sequence[Values], table: AxisTable | None, status_of: StatusOf
+) -> Iterator[tuple[Span, Values, Sequence[int]]]:
+    """Yield place, axis values (n_axes,), status and turn of rows: those of the command line, then those of the table.
+
+    Args:
+        given: Axis values of the command line.
+        table: The table.
+        status_of: Gives status and turn of many rows, which takes little longer than of one.
+    """
+    for number, (values, status) in enumerate(zip(given, status_of(given) if given else (), strict=True), start=1):
+        yield Span(_AT, number if len(given) > 1 else 0), values, status
     if table is not None:
-        for line, values in with_progress(table.rows(), table, "poses"):
-            yield Span(table.file, line), values
+        rows = (row for c in table.chunks() for row in zip(c.lines, c.values, status_of(c.values), strict=True))
+        for line, values, status in with_progress(rows, table, "poses"):
+            yield Span(table.file, line), values, status

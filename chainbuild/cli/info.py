@@ -100,7 +100,8 @@ def _print(machine: Machine, chain: Chain | None, options: MachineOptions, defau
     chosen = [row for row in rows if row.given or defaults]
     out.print(parameters_table(chosen, out.width))
     if len(chosen) < len(rows):
-        out.print(f"{len(rows) - len(chosen)} more parameters have their default values: --defaults shows them.\n")
+        out.print(f"{len(rows) - len(chosen)} more parameters have their default values: --defaults shows them.")
+        out.print()
     if chain and chain.conventions:
         conventions_shown(out, chain.conventions)
     findings = all_findings(machine, chain)

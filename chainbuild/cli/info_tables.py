@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from chainbuild.cli.open_points import print_convention
-from chainbuild.cli.show import empty_table, shown_number
+from chainbuild.cli.show import empty_table, lines_shown, shown_number
 from chainbuild.kinematics.limits import drive_name
 
 if TYPE_CHECKING:
@@ -126,7 +126,7 @@ def parameters_table(rows: Sequence[ParameterRow], width: int) -> Table:
         if wide:
             shown.add_row(first.symbol, name, values, first.unit, meaning, first.source, _lines(group))
         else:
-            called = f"{first.symbol}\n{name}" if first.symbol else name
+            called = lines_shown([first.symbol, name]) if first.symbol else name
             shown.add_row(called, f"{values} {first.unit}".rstrip(), meaning, _lines(group))
     return shown
 
@@ -174,7 +174,7 @@ def conventions_shown(out: Console, used: Sequence[UsedConvention]) -> None:
             one.choice + (" (chosen)" if one.by_user else " (default)"),
             f"[{convention.mark}]",
             convention.choices[one.choice],
-            "\n".join(others),
+            lines_shown(others),
             convention.verify,
         )
     out.print(shown)

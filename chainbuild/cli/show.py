@@ -36,8 +36,8 @@ class _Console(Console):
     """A console that escapes control characters and leaves a closed pipe to the caller."""
 
     def render_str(self, text: str, **options: Any) -> Text:
-        """Return a text for the terminal."""
-        return super().render_str(printable(text), **options)
+        """Return a text for the terminal, on one line: a `lines_shown` may have several."""
+        return super().render_str(printable(text, lines=False), **options)
 
     def on_broken_pipe(self) -> None:
         """Go on as `print` does, where rich would end the process with 1."""
@@ -68,9 +68,14 @@ def shown_number(value: float | str | None) -> str:
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
-def say(text: object, end: str = "\n") -> None:
-    """Print a text on stdout, control characters escaped."""
-    print(printable(str(text)), end=end)
+def lines_shown(texts: Iterable[str]) -> Text:
+    """Return texts for one cell of a table, one a line."""
+    return Text("\n".join(printable(text, lines=False) for text in texts))
+
+
+def say(text: object, end: str = "\n", *, lines: bool = False) -> None:
+    """Print a line on stdout, or several, control characters escaped."""
+    print(printable(str(text), lines=lines), end=end)
 
 
 def print_json(data: object) -> None:
@@ -145,7 +150,7 @@ def counted_findings(warnings: int) -> str:
 
 def note(text: str) -> None:
     """Print a line on stderr."""
-    print(printable(text), file=sys.stderr)
+    print(printable(text, lines=False), file=sys.stderr)
 
 
 @contextmanager

@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-from numpy.typing import NDArray
-
-from chainbuild.arrays import Vector
-from chainbuild.comparison.comparison import forward_poses, pose_errors
+from chainbuild.comparison.comparison import forward_poses
+from chainbuild.comparison.evidence import Evidence
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.progress import Progress, counting
 from chainbuild.shown import fields_shown
 
 if TYPE_CHECKING:
-    from chainbuild.chain.elements import Chain, Task
+    from chainbuild.chain.elements import Chain
     from chainbuild.formats.machine import Machine
-    from chainbuild.tables.recording import Recording
 
 
 _MAX_PAIRS: Final = 400  # bound on the time: a trial builds a chain
@@ -60,11 +58,8 @@ def try_conventions(
     machine: Machine,
     selection: Selection,
     chosen: Mapping[str, str],
-    axes: Vector,
-    theirs: NDArray[np.float64],
-    compared: Task,
-    tolerance: tuple[float, float],
-    recording: Recording | None = None,
+    evidence: Evidence,
+    progress: Progress = False,
 ) -> tuple[Trial, ...]:
     """Return the errors for each other choice of the machine's conventions, the best first.
 
@@ -74,19 +69,22 @@ def try_conventions(
         machine: The machine.
         selection: Which kinematic.
         chosen: Choices made by the user.
-        axes: (n, n_axes) axis values, mm and degrees.
-        theirs: (n, 4, 4) poses [m].
-        compared: Part of the poses that is compared.
-        tolerance: Metres and radians within which poses agree.
-        recording: Where the poses come from: a choice may give its columns another meaning.
+        evidence: The poses that disagree.
+        progress: A bar, or a function of the choices done and all choices; pairs are counted anew.
     """
-    some = np.unique(np.linspace(0, len(axes) - 1, min(len(axes), _MAX_POSES)).astype(int))
-    bench = _TrialRun(machine, selection, chosen, axes[some], theirs[some], compared, tolerance, recording, some)
-    singles = [bench.trial(dict([choice])) for choice in bench.alternatives()]
+    some = evidence.some(_MAX_POSES, posed=False)
+    bench = _TrialRun(machine, selection, chosen, some)
+    alternatives = bench.alternatives()
+    singles = bench.trials([dict([choice]) for choice in alternatives], progress, "conventions")
     if not any(trial.agrees for trial in singles):
-        singles += [bench.trial(dict(pair)) for pair in itertools.islice(bench.pairs(), _MAX_PAIRS)]
-    singles.sort(key=bench.score)
-    return tuple(singles)
+        singles += bench.trials(_pairs(alternatives), progress, "pairs of conventions")
+    return tuple(sorted(singles, key=some.score))
+
+
+def _pairs(alternatives: list[tuple[str, str]]) -> list[dict[str, str]]:
+    """Return pairs of alternatives of two different conventions."""
+    pairs = (dict(pair) for pair in itertools.combinations(alternatives, 2) if pair[0][0] != pair[1][0])
+    return list(itertools.islice(pairs, _MAX_PAIRS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,15 +94,7 @@ class _TrialRun:
     machine: Machine
     selection: Selection
     chosen: Mapping[str, str]
-    axes: Vector
-    theirs: NDArray[np.float64]
-    compared: Task
-    tolerance: tuple[float, float]
-    recording: Recording | None
-    some: NDArray[np.int_]
-
-    def score(self, trial: Trial) -> float:
-        return max(trial.position_error / self.tolerance[0], trial.rotation_error / self.tolerance[1])
+    evidence: Evidence
 
     def alternatives(self) -> list[tuple[str, str]]:
         """Return every (name, choice) that is not in force."""
@@ -113,26 +103,23 @@ class _TrialRun:
             (one.convention.name, choice) for one in used for choice in one.convention.choices if choice != one.choice
         ]
 
-    def pairs(self) -> Iterator[tuple[tuple[str, str], tuple[str, str]]]:
-        """Yield pairs of alternatives of two different conventions."""
-        for one, other in itertools.combinations(self.alternatives(), 2):
-            if one[0] != other[0]:
-                yield one, other
-
     def _chain(self, choices: Mapping[str, str]) -> Chain:
         s = self.selection
         return self.machine.chain(s.kinematic, s.channel, s.tool_length_mm, {**self.chosen, **choices})
 
-    def trial(self, choices: Mapping[str, str]) -> Trial:
-        """Return the trial of a set of choices."""
+    def trials(self, tried: Sequence[Mapping[str, str]], progress: Progress, what: str) -> list[Trial]:
+        """Return the trial of each set of choices."""
+        found = []
+        with counting(len(tried), progress, what) as advance:
+            for choices in tried:
+                found.append(self._trial(choices))
+                advance(1)
+        return found
+
+    def _trial(self, choices: Mapping[str, str]) -> Trial:
         try:
             robot = Mechanism(self._chain(choices))
-            ours = forward_poses(robot, self.axes)
-            theirs = self.theirs if self.recording is None else self.recording.read_for(robot.chain)[self.some]
+            ours, theirs = forward_poses(robot, self.evidence.axes), self.evidence.theirs_for(robot.chain)
         except ChainbuildError:
-            return Trial(choices, np.inf, np.inf, False)
-        column = robot.chain.tool_column
-        distance, angle = pose_errors(ours, theirs, self.compared, column)
-        worst = [float(np.where(np.isfinite(e), e, np.inf).max()) for e in (distance, angle)]
-        agrees = worst[0] <= self.tolerance[0] and worst[1] <= self.tolerance[1]
-        return Trial(choices, worst[0], worst[1], agrees)
+            return Trial(choices, math.inf, math.inf, False)
+        return Trial(choices, *self.evidence.left(ours, theirs, robot.chain.tool_column))

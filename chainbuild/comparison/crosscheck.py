@@ -17,8 +17,9 @@ from chainbuild.comparison.comparison import (
     compare_inverse,
 )
 from chainbuild.comparison.convention_trials import Selection, Trial, try_conventions
-from chainbuild.comparison.data_trials import DataTrial, Evidence, try_data
+from chainbuild.comparison.data_trials import DataTrial, try_data
 from chainbuild.comparison.diagnosis import Explanation, explain, tried_changes
+from chainbuild.comparison.evidence import Evidence
 from chainbuild.comparison.other_solvers import (
     CallableKind,
     OtherSolver,
@@ -165,19 +166,19 @@ def crosscheck(
         machine: The machine the robot was built from; its data and conventions are tried if poses differ.
         selection: Which kinematic of it.
         conventions: Choices made by the user when the robot was built.
-        progress: A bar for the trials of machine data, or a function of the data done and all data.
+        progress: Bars for the trials of conventions, their pairs and machine data, or a function that is called for
+            each with the trials done and all trials.
 
     Raises:
         ChainbuildError: the solver is unknown, not installed, unfit for this kinematic, or returns invalid values.
     """
     options = options or CheckOptions()
-    recording = solver if isinstance(solver, Recording) else None
-    trials = _Trials(machine, selection or Selection(), conventions or {}, progress, recording)
+    trials = _Trials(machine, selection or Selection(), conventions or {}, progress)
     if isinstance(solver, Recording):
         tolerance = options.tolerance(recorded=True)
         samples = _recorded_samples(robot, solver)
         forward = compare_forward(robot, samples, solver.poses.copy(), solver.compared, tolerance)
-        return _result(robot, OtherSolver(solver.name, note="recorded"), forward, None, trials)
+        return _result(robot, OtherSolver(solver.name, note="recorded"), forward, None, trials, solver)
     reference = (
         other_solver_by_name(robot, solver, options.kind)
         if isinstance(solver, str)
@@ -198,16 +199,12 @@ class _Trials:
     selection: Selection
     chosen: Mapping[str, str]
     progress: Progress
-    recording: Recording | None
 
     def conventions(self, evidence: Evidence) -> tuple[Trial, ...]:
         """Return the conventions that would make the poses agree, else the best."""
         if self.machine is None:
             return ()
-        tried = try_conventions(
-            self.machine, self.selection, self.chosen, evidence.axes, evidence.theirs, evidence.compared,
-            evidence.tolerance, self.recording,
-        )  # fmt: skip
+        tried = try_conventions(self.machine, self.selection, self.chosen, evidence, self.progress)
         return tuple([trial for trial in tried if trial.agrees] or tried[:_MAX_TRIALS])
 
     def data(self, evidence: Evidence) -> tuple[DataTrial, ...]:
@@ -237,10 +234,15 @@ def _forward(
 
 
 def _result(
-    robot: Mechanism, reference: OtherSolver, forward: Forward | None, inverse: Inverse | None, trials: _Trials
+    robot: Mechanism,
+    reference: OtherSolver,
+    forward: Forward | None,
+    inverse: Inverse | None,
+    trials: _Trials,
+    recording: Recording | None = None,
 ) -> CrossCheck:
     """Return the result with the diagnosis of differences, and the conventions and data that would resolve them."""
-    evidence = _evidence(robot, forward, inverse)
+    evidence = _evidence(robot, forward, inverse, recording)
     explanation: Explanation | None = None
     tried: tuple[str, ...] = ()
     if evidence is not None:
@@ -263,13 +265,15 @@ def _result(
     )
 
 
-def _evidence(robot: Mechanism, forward: Forward | None, inverse: Inverse | None) -> Evidence | None:
+def _evidence(
+    robot: Mechanism, forward: Forward | None, inverse: Inverse | None, recording: Recording | None
+) -> Evidence | None:
     """Return axis values and poses of the other solver that disagree, or None if there are none."""
     if forward is not None:
         if forward.agrees.all():
             return None
         tolerance = (forward.position_tolerance, forward.rotation_tolerance)
-        return Evidence(forward.samples.axes, forward.theirs, forward.compared, tolerance)
+        return Evidence(forward.samples.axes, forward.theirs, forward.compared, tolerance, recording)
     if inverse is None or not inverse.wrong:
         return None
     # Wrong answers come first; right ones would only hide their common error.

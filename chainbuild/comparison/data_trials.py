@@ -15,15 +15,15 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from chainbuild.arrays import Matrices, Vector
-from chainbuild.comparison.comparison import forward_poses, pose_errors
+from chainbuild.comparison.comparison import forward_poses
 from chainbuild.comparison.convention_trials import Selection
+from chainbuild.comparison.evidence import Evidence
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.progress import Progress, counting
 from chainbuild.shown import fields_shown
 
 if TYPE_CHECKING:
-    from chainbuild.chain.elements import Task
     from chainbuild.formats.entries import Datum
     from chainbuild.formats.machine import Machine
 
@@ -61,31 +61,6 @@ class DataTrial:
     agrees: bool
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Evidence:
-    """Axis values and the other solver's poses that disagree.
-
-    Attributes:
-        axes: (n, n_axes) mm and degrees.
-        theirs: (n, 4, 4) poses [m].
-        compared: Part of the poses that is compared.
-        tolerance: Metres and radians within which poses agree.
-    """
-
-    __repr__ = fields_shown
-
-    axes: Vector
-    theirs: Matrices
-    compared: Task
-    tolerance: tuple[float, float]
-
-    def some(self, count: int) -> Evidence:
-        """Return at most so many rows, spread over all, that have a pose."""
-        rows = np.flatnonzero(np.isfinite(self.theirs).all(axis=(1, 2)))
-        chosen = rows[np.unique(np.linspace(0, len(rows) - 1, min(len(rows), count)).astype(int))]
-        return Evidence(self.axes[chosen], self.theirs[chosen], self.compared, self.tolerance)
-
-
 def try_data(
     machine: Machine,
     selection: Selection,
@@ -108,19 +83,20 @@ def try_data(
     some = evidence.some(_MAX_POSES)
     if len(some.axes) < _LEAST_POSES:
         return ()
-    data = machine.geometry(selection.kinematic, selection.channel)
+    where = selection.kinematic, selection.channel
+    data = (*machine.geometry(*where), *machine.tool_data(*where, tool_length_mm=selection.tool_length_mm))
     bench = _Bench(machine, selection, chosen, some)
-    before = bench.left(bench.trial({}))
+    before = some.score(bench.trial({}))
     found: list[DataTrial] = []
     with counting(len(data), progress, "machine data") as advance:
         for datum in data:
-            best = min(bench.trials(datum), key=bench.left, default=None)
-            if best is not None and bench.left(best) < before:
+            best = min(bench.trials(datum), key=some.score, default=None)
+            if best is not None and some.score(best) < before:
                 found += [best, *(bench.twins(datum, data) if best.agrees else ())]
             advance(1)
     whole = _Bench(machine, selection, chosen, evidence.some(len(evidence.axes)))
     found = [whole.trial(one.values) if one.agrees else one for one in found]
-    return tuple(sorted(found, key=lambda one: (not one.agrees, _order(one) if one.agrees else bench.left(one))))
+    return tuple(sorted(found, key=lambda one: (not one.agrees, _order(one) if one.agrees else some.score(one))))
 
 
 def _order(trial: DataTrial) -> int:
@@ -143,36 +119,32 @@ class _Bench:
 
     def __init__(self, machine: Machine, selection: Selection, chosen: Mapping[str, str], evidence: Evidence) -> None:
         self.machine, self.selection, self.chosen, self.evidence = machine, selection, chosen, evidence
-        self.target = np.zeros(0)
         built = self.built({})
-        if built is not None:
-            self.target = self.features(evidence.theirs, built[1])
         self.base = self.features(*built) if built is not None else None
 
-    def left(self, trial: DataTrial) -> float:
-        """Return the larger error that a trial leaves, each as a multiple of its tolerance."""
-        distance, angle = self.evidence.tolerance
-        return max(trial.position_error / distance, trial.rotation_error / angle)
+    def built(self, values: Mapping[Datum, float]) -> tuple[Matrices, Matrices, int] | None:
+        """Return the poses of a chain with other values, those it should have, and the column of its tool direction.
 
-    def built(self, values: Mapping[Datum, float]) -> tuple[Matrices, int] | None:
-        """Return the poses of a chain with other values and the column of its tool direction; None without one."""
+        None where there is no such chain, or not all poses.
+        """
         s = self.selection
         try:
             machine = self.machine.with_values(values)
             chain = machine.trial_chain(s.kinematic, s.channel, s.tool_length_mm, self.chosen)
-            poses = forward_poses(Mechanism(chain), self.evidence.axes)
+            ours, theirs = forward_poses(Mechanism(chain), self.evidence.axes), self.evidence.theirs_for(chain)
         except (ChainbuildError, ArithmeticError):
             return None
-        return (poses, chain.tool_column) if np.isfinite(poses).all() else None
+        return (ours, theirs, chain.tool_column) if np.isfinite(ours).all() else None
 
-    def features(self, poses: Matrices, column: int) -> Vector:
-        """Return what is compared of all poses as one vector, in multiples of the tolerance."""
+    def features(self, ours: Matrices, theirs: Matrices, column: int) -> Vector:
+        """Return what is compared of all differences of poses as one vector, in multiples of the tolerance."""
         distance, angle = self.evidence.tolerance
-        parts = [poses[:, :3, 3].ravel() / distance]
+        difference = ours - theirs
+        parts = [difference[:, :3, 3].ravel() / distance]
         if self.evidence.compared == "pose":
-            parts.append(poses[:, :3, :3].ravel() / (math.sqrt(2.0) * angle))
+            parts.append(difference[:, :3, :3].ravel() / (math.sqrt(2.0) * angle))
         elif self.evidence.compared == "direction":
-            parts.append(poses[:, :3, column].ravel() / angle)
+            parts.append(difference[:, :3, column].ravel() / angle)
         return np.concatenate(parts)
 
     def at(self, datum: Datum, value: float) -> Vector | None:
@@ -183,12 +155,7 @@ class _Bench:
     def trial(self, values: Mapping[Datum, float]) -> DataTrial:
         """Return what other values leave."""
         built = self.built(values)
-        if built is None:
-            return DataTrial(values, math.inf, math.inf, False)
-        distance, angle = pose_errors(built[0], self.evidence.theirs, self.evidence.compared, built[1])
-        worst = float(distance.max()), float(angle.max())
-        agrees = all(one <= limit for one, limit in zip(worst, self.evidence.tolerance, strict=True))
-        return DataTrial(values, *worst, agrees)
+        return DataTrial(values, *(self.evidence.left(*built) if built is not None else (math.inf, math.inf, False)))
 
     def trials(self, datum: Datum) -> Iterator[DataTrial]:
         """Yield the trials of one datum; a sign that makes the poses agree is the last."""
@@ -220,7 +187,7 @@ class _Bench:
         if moved is None or np.abs(moved - base).max() < _NO_EFFECT:
             return []
         slope = (moved - base) / distance
-        step = float(slope @ (self.target - base)) / float(slope @ slope)
+        step = -float(slope @ base) / float(slope @ slope)
         return [_Fit(datum.value + step, base + slope * step)]
 
     def angle_fits(self, datum: Datum, base: Vector) -> list[_Fit]:
@@ -236,15 +203,13 @@ class _Bench:
                 return []
         coefficients = np.linalg.solve(_waves(steps), np.array(values))
         angles = np.linspace(0.0, math.tau, _GRID, endpoint=False)
-        # |waves @ C - target|², by products that do not grow with the number of poses.
-        moved = coefficients.copy()
-        moved[0] -= self.target
-        products = moved @ moved.T
+        # |waves @ C|², by products that do not grow with the number of poses.
+        products = coefficients @ coefficients.T
         waves = _waves(angles)
         costs = np.einsum("ni,ij,nj->n", waves, products, waves)
         lowest = np.flatnonzero((costs <= np.roll(costs, 1)) & (costs <= np.roll(costs, -1)))
         lowest = lowest[np.argsort(costs[lowest], kind="stable")][:_STARTS]
-        fitted = np.array([_lowest(float(angles[n]), np.asarray(moved, dtype=np.float64)) for n in lowest])
+        fitted = np.array([_lowest(float(angles[n]), np.asarray(coefficients)) for n in lowest])
         values_deg = [math.remainder(datum.value + math.degrees(angle), 360.0) for angle in fitted.tolist()]
         return [_Fit(value, one) for value, one in zip(values_deg, _waves(fitted) @ coefficients, strict=True)]
 
@@ -255,12 +220,12 @@ class _Bench:
             return fit.value
         best = here
         for _ in range(_STEPS):
-            found = _secant(before, (here[0], here[1]), self.target)
+            found = _secant(before, (here[0], here[1]))
             features = self.at(datum, found) if math.isfinite(found) else None
             if features is None:
                 break
             before, here = (here[0], here[1]), (found, features)
-            if best[1] is None or np.linalg.norm(features - self.target) < np.linalg.norm(best[1] - self.target):
+            if best[1] is None or np.linalg.norm(features) < np.linalg.norm(best[1]):
                 best = here
             if abs(here[0] - before[0]) < _NO_EFFECT / _STEP_MM:
                 break
@@ -292,8 +257,8 @@ def _lowest(angle: float, coefficients: Vector) -> float:
     return angle
 
 
-def _secant(one: tuple[float, Vector], other: tuple[float, Vector], target: Vector) -> float:
-    """Return the value at which a line through two others is nearest to the target."""
-    slope = (other[1] - one[1]) / (other[0] - one[0]) if other[0] != one[0] else np.zeros_like(target)
+def _secant(one: tuple[float, Vector], other: tuple[float, Vector]) -> float:
+    """Return the value at which a line through two others is nearest to zero."""
+    slope = (other[1] - one[1]) / (other[0] - one[0]) if other[0] != one[0] else np.zeros_like(one[1])
     square = float(slope @ slope)
-    return other[0] + float(slope @ (target - other[1])) / square if square > 0.0 else math.nan
+    return other[0] - float(slope @ other[1]) / square if square > 0.0 else math.nan

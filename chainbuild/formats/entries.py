@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from numbers import Real
 from typing import Final
 
 from chainbuild import tolerances
 from chainbuild.closest import listed
 from chainbuild.errors import MachineDataError, Span
+from chainbuild.formats.overlay import Overlay
 from chainbuild.shown import fields_shown
 
 # What names a kinematic: its id or name, or a pair of these for the transformation steps 0 and 1 (#KIN ID[9,58]).
@@ -59,11 +60,11 @@ class Datum:
 
     Attributes:
         name: Name in the file: "$MC_ROBX_AXES_DIR[2]", "trafo[0].param[4]".
-        symbol: Short name: "MD62918", "HD5"; empty where it has none.
+        symbol: Short name: "MD62918", "HD5", "T4 D1" of a tool, "overlay"; empty where it has none.
         value: Value in `unit`.
         unit: "mm", "deg" or an empty string.
         span: Where the file gives it; None for a default.
-        channel: Its channel.
+        channel: Its channel; of SINUMERIK tool data the tool area.
         key: How its machine finds it.
         others: Values that a bare number may have besides.
         counts: What the file counts for one unit.
@@ -78,10 +79,14 @@ class Datum:
     unit: str
     span: Span | None
     channel: int
-    key: tuple[str, int | None]
+    key: tuple[str, int | tuple[int, int] | None]
     others: tuple[float, ...] = ()
     counts: float = 1.0
     twins: tuple[str, ...] = ()
+
+
+TOOL_LENGTH: Final = "tool_length_mm"  # what the argument and the overlay call it
+TOOL_TABLE: Final = "tool."  # of the overlay: keys of data there begin with it
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +132,31 @@ class Selected:
 
     entry: KinematicEntry
     second: KinematicEntry | None = None
+
+
+def added_lengths(overlay: Overlay, argument_mm: float, given: bool) -> Iterator[Datum]:
+    """Yield the lengths that are added to a tool's own: that of the overlay, that of the caller.
+
+    Args:
+        overlay: The overlay.
+        argument_mm: What the caller adds.
+        given: True where the tool has data of its own; False: the caller's length is yielded although it is 0.
+    """
+    added, key = overlay.tool_length_mm, (TOOL_LENGTH, None)
+    if added:
+        yield Datum(TOOL_LENGTH, "overlay", added, "mm", overlay.span(TOOL_LENGTH), 0, key)
+    if argument_mm or not (added or given):
+        yield Datum(TOOL_LENGTH, "--tool-length", argument_mm, "mm", None, 0, key)
+
+
+def changed_overlay(overlay: Overlay, values: Mapping[Datum, float]) -> Overlay:
+    """Return an overlay with other values of its tool data; what the caller's length changes by is added here."""
+    added = [value - one.value for one, value in values.items() if one.key[0] == TOOL_LENGTH]
+    of_table = {one.key[0]: value for one, value in values.items() if one.key[0].startswith(TOOL_TABLE)}
+    if not added and not of_table:
+        return overlay
+    tool = {**overlay.tool, **{key.removeprefix(TOOL_TABLE): value for key, value in of_table.items()}}
+    return replace(overlay, tool_length_mm=overlay.tool_length_mm + sum(added), tool=tool)
 
 
 def finite_length_mm(value: object) -> float:

@@ -96,7 +96,7 @@ def _try_chain(
     from chainbuild.kinematics.mechanism import Mechanism
 
     try:
-        mechanism = Mechanism(machine.chain(kinematic=kinematic, channel=channel))
+        mechanism = Mechanism(machine.translated(kinematic=kinematic, channel=channel))
         check_closure(mechanism)
         chain = mechanism.chain
         collector.findings.extend(chain.findings)

@@ -19,6 +19,7 @@ from chainbuild.formats.entries import (
     ParameterRow,
     Selected,
     Wanted,
+    added_lengths,
     checked_channel,
     checked_kinematic,
     choose_kinematic,
@@ -64,6 +65,8 @@ class Machine(ABC):
         self._collector = collector
         self._reading = tuple(collector.findings)
         self._refused = tuple(finding for finding in self._reading if finding.severity == "error")
+        self._noted: set[Finding] = set()
+        self._seen = 0  # of the collector's findings, how many are among the noted ones
         self._kept: dict[Selected, _Outcome] = {}
 
     def __repr__(self) -> str:
@@ -106,11 +109,33 @@ class Machine(ABC):
     def geometry(
         self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
     ) -> tuple[Datum, ...]:
-        """Return the numbers that place and direct a kinematic, given or default; those of the tool are not among them.
+        """Return the numbers that place and direct a kinematic, given or default; `tool_data` returns the tool's.
 
         Raises:
             MachineDataError: the kinematic or channel does not exist.
         """
+
+    def tool_data(
+        self,
+        kinematic: int | str | tuple[int | str, int | str] | None = None,
+        channel: int | None = None,
+        *,
+        tool_length_mm: float = 0.0,
+    ) -> tuple[Datum, ...]:
+        """Return the numbers of the active tool: those of the file and the overlay, and the length added to it.
+
+        Without any of them the added length is there all the same: it is 0.
+
+        Raises:
+            MachineDataError: the kinematic or channel does not exist.
+        """
+        selected = self._select(checked_kinematic(kinematic), checked_channel(channel), Collector(strict=False))
+        own = tuple(self._tool_data(selected))
+        return (*own, *added_lengths(self.overlay, finite_length_mm(tool_length_mm), bool(own)))
+
+    @abstractmethod
+    def _tool_data(self, selected: Selected) -> Iterable[Datum]:
+        """Return the numbers of the active tool that the file gives, and the overlay in its table `tool`."""
 
     @abstractmethod
     def with_values(self, values: Mapping[Datum, float]) -> Machine:
@@ -119,7 +144,7 @@ class Machine(ABC):
         Rules on a single value are those of reading and not asked again; rules of the geometry are, by `chain`.
 
         Args:
-            values: Data of `geometry` → new values in their units.
+            values: Data of `geometry` and `tool_data` → new values in their units.
         """
 
     def trial_chain(
@@ -166,10 +191,24 @@ class Machine(ABC):
             ConventionError: an unknown convention or choice.
             ChainError: the chain contradicts itself.
         """
+        chain = self.translated(kinematic, channel, tool_length_mm, conventions)
+        return replace(chain, findings=Findings(dict.fromkeys((*self._reading, *chain.findings))))
+
+    def translated(
+        self,
+        kinematic: int | str | tuple[int | str, int | str] | None = None,
+        channel: int | None = None,
+        tool_length_mm: float = 0.0,
+        conventions: Mapping[str, str] | None = None,
+    ) -> Chain:
+        """Translate a kinematic as `chain` does; the chain's findings are without those of reading the file.
+
+        A file of thousands of kinematics may have as many findings of reading.
+        """
         kinematic, channel = checked_kinematic(kinematic), checked_channel(channel)
         tool_length_mm = finite_length_mm(tool_length_mm)
         chosen = self.chosen_conventions(conventions)
-        collector = Collector(self._collector.strict, list(self._reading))
+        collector = Collector(self._collector.strict)
         try:
             selected = self._select(kinematic, channel, collector)
             chain = self._translated(selected, tool_length_mm, chosen, collector)
@@ -299,5 +338,9 @@ class Machine(ABC):
 
     def _note(self, findings: Iterable[Finding]) -> None:
         """Add the findings that are new to the machine's."""
-        known = set(self._collector.findings)
-        self._collector.findings.extend(one for one in dict.fromkeys(findings) if one not in known)
+        kept = self._collector.findings  # whoever owns the collector may add to it, too
+        self._noted.update(kept[self._seen :])
+        new = [one for one in dict.fromkeys(findings) if one not in self._noted]
+        kept.extend(new)
+        self._noted.update(new)
+        self._seen = len(kept)

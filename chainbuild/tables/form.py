@@ -151,6 +151,10 @@ class PoseForm:
         listed = ", ".join(self.columns)
         return f"this kinematic is programmed by position{f' and {listed}' if listed else ' alone'}"
 
+    def hint(self, name: str) -> str | None:
+        """Return what to say of a column that is not permitted, where there is more to say than its name."""
+        return self.programmed_by() if self.display.rtcp or name in ANGLE_COLUMNS else None
+
     def length_fault(self, orientation: PoseColumns, values: Sequence[float]) -> tuple[str, str] | None:
         """Return what is wrong with the length of a quaternion or vector, and what is permitted; None if nothing is.
 

@@ -126,7 +126,7 @@ class PoseTable(Table):
         return self.form.permitted()
 
     def _hint(self, name: str) -> str | None:
-        return self.form.programmed_by() if self.form.display.rtcp or name in ANGLE_COLUMNS else None
+        return self.form.hint(name)
 
     def _beside_columns(self) -> tuple[str, ...]:
         # Read for comparison only. Where C runs on over whole turns c_deg is an input of its own.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,7 +19,7 @@ from chainbuild.kinematics.displayed import plane_angle, raised_and_turned
 from chainbuild.shown import fields_shown
 from chainbuild.tables.axes import RESULT_COLUMNS, VIOLATIONS_COLUMN
 from chainbuild.tables.form import OrientationSource, PoseColumns, PoseForm
-from chainbuild.tables.reader import Choice, Table
+from chainbuild.tables.reader import Choice, Table, canonical_columns
 from chainbuild.units import m_from_mm
 
 
@@ -41,18 +40,23 @@ class Recording:
     poses: NDArray[np.float64]
     compared: Task = "pose"
     name: str = "recording"
-    _form: PoseForm | None = field(default=None, repr=False)  # how they were read, where that depends on the chain
+    _rows: _Rows | None = field(default=None, repr=False)  # what was read, where its meaning depends on the chain
 
-    def read_for(self, chain: Chain) -> NDArray[np.float64]:
-        """Return the poses (n, 4, 4) as another chain of the same machine, with other conventions, means them.
+    def read_for(self, chain: Chain, *, rows: NDArray[np.int_] | None = None) -> NDArray[np.float64]:
+        """Return the poses (n, 4, 4) as another chain of the same machine, with other conventions or data, means them.
+
+        Args:
+            chain: The chain.
+            rows: (n,) indices of rows; None: all.
 
         Raises:
             ChainbuildError: its poses have other columns.
         """
-        if self._form is None or (self._form.whole and PoseForm.of(chain, "direction") == self._form):
-            return self.poses
-        poses = read_recording(self.name, chain).poses if Path(self.name).is_file() else self.poses
-        return poses if len(poses) == len(self.poses) else self.poses
+        read, chosen = self._rows, np.arange(len(self.poses)) if rows is None else rows
+        if read is None or len(read.lines) != len(self.poses):  # made of arrays, maybe of some rows of a file
+            return self.poses[chosen]
+        same = read.form.whole and _form(chain) == read.form
+        return self.poses[chosen] if same else read.poses(chain, chosen)
 
 
 def read_recording(path: Path | str, chain: Chain) -> Recording:
@@ -72,19 +76,15 @@ def read_recording(path: Path | str, chain: Chain) -> Recording:
         TableError: a column is missing or unknown, or a row holds no numbers.
     """
     with _RecordingTable(path, chain) as table:
-        values = [chunk.values for chunk in table.chunks()]
-    if not values:
+        chunks = list(table.chunks())
+    if not chunks:
         raise TableError("the recording has no rows", span=Span(str(path)))
-    rows = np.vstack(values)
-    count, first = len(chain.axes), len(chain.axes) + len(table.place_columns)
-    axes = rows[:, :count].copy()
-    poses = np.tile(np.eye(4), (len(rows), 1, 1))
-    for column, name in enumerate(table.place_columns, start=count):
-        poses[:, POSITION_COLUMNS.index(name), 3] = [m_from_mm(value) for value in rows[:, column].tolist()]
-    for n, given in enumerate(rows[:, first:].tolist()):
-        poses[n, :3, :3] = table.rotation(axes[n], given)
-    depends = table.orientation.source not in {"quaternion", "none"}
-    return Recording(axes, poses, table.compared, str(path), table.form if depends else None)
+    lines = tuple(line for chunk in chunks for line in chunk.lines)
+    read = _Rows(str(path), table.read, lines, np.vstack([chunk.values for chunk in chunks]), table.form)
+    meaning, every = _Meaning(chain, table.names), np.arange(len(lines))
+    depends = meaning.orientation.source not in {"quaternion", "none"}
+    axes = read.values[:, : len(chain.axes)].copy()
+    return Recording(axes, read.poses(chain, every), meaning.compared, str(path), read if depends else None)
 
 
 class _RecordingTable(Table):
@@ -92,11 +92,84 @@ class _RecordingTable(Table):
 
     def __init__(self, path: Path | str, chain: Chain) -> None:
         self._chain = chain
-        # Everything recorded is compared, whatever inverse kinematics can solve for.
-        self.form = PoseForm.of(chain, "direction")
+        self.form = _form(chain)
         super().__init__(path, self._choose, chain.axes)
-        self.place_columns = self.form.position(self.names)
-        self.orientation = self._orientation(self.names)
+
+    @property
+    def read(self) -> tuple[str, ...]:
+        """The columns that are read, as the header has them."""
+        return tuple(self.written[self.names.index(name)] for name in (*self.wanted, *self.beside))
+
+    def _choose(self, names: Sequence[str]) -> Choice:
+        permitted = (*(axis.name for axis in self._chain.axes), *self.form.permitted(), *RESULT_COLUMNS)
+        return _Meaning(self._chain, names).columns, (*dict.fromkeys(permitted), VIOLATIONS_COLUMN)
+
+    def _beside_columns(self) -> tuple[str, ...]:
+        # A chain with other conventions may be programmed by them.
+        permitted = {*self.form.permitted()} - {*self.wanted}
+        return tuple(name for name in self.names if name in permitted)
+
+    def _hint(self, name: str) -> str | None:
+        return self.form.hint(name)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Rows:
+    """The numbers of a recording, which chains of different conventions and data take for different poses.
+
+    Attributes:
+        file: Its name.
+        written: Names of the columns as the header has them.
+        lines: (n,) line numbers.
+        values: (n, columns) mm, degrees and unit vectors; NaN where there is no number.
+        form: How the chain that they were first read for writes poses.
+    """
+
+    file: str
+    written: tuple[str, ...]
+    lines: tuple[int, ...]
+    values: NDArray[np.float64]
+    form: PoseForm
+
+    def poses(self, chain: Chain, rows: NDArray[np.int_]) -> NDArray[np.float64]:
+        """Return the poses (n, 4, 4) of some rows as a chain means them [m]."""
+        names = canonical_columns(self.written, chain.axes, self._fault)
+        meaning = _Meaning(chain, names)
+        wrong = {*meaning.columns} - {*names} | {*names} - {*meaning.columns, *meaning.form.permitted()}
+        if wrong:
+            raise TableError(f"missing or unknown column {min(wrong)}", span=Span(self.file))
+        count, first = len(chain.axes), len(chain.axes) + len(meaning.place)
+        places = [POSITION_COLUMNS.index(name) for name in meaning.place]
+        values = self.values[rows][:, [names.index(name) for name in meaning.columns]]
+        poses = np.tile(np.eye(4), (len(rows), 1, 1))
+        for n, (row, line) in enumerate(zip(values, rows.tolist(), strict=True)):
+            given = row[first:].tolist()
+            fault = meaning.form.length_fault(meaning.orientation, given)
+            if fault or not np.isfinite(row).all():
+                text, permitted = fault or ("a column holds no number", None)
+                raise TableError(text, span=Span(self.file, self.lines[line]), permitted=permitted)
+            poses[n, places, 3] = [m_from_mm(value) for value in row[count:first].tolist()]
+            poses[n, :3, :3] = meaning.rotation(row[:count], given)
+        return poses
+
+    def _fault(self, place: int, text: str, permitted: str) -> TableError:
+        return TableError(text, span=Span(self.file), parameter=self.written[place], permitted=permitted)
+
+
+def _form(chain: Chain) -> PoseForm:
+    # Everything recorded is compared, whatever inverse kinematics can solve for.
+    return PoseForm.of(chain, "direction")
+
+
+class _Meaning:
+    """Which columns of a recording give its poses for a chain, and which poses they are."""
+
+    def __init__(self, chain: Chain, names: Sequence[str]) -> None:
+        self._chain = chain
+        self.form = _form(chain)
+        self.place = self.form.position(names)
+        self.orientation = self._orientation(names)
+        self.columns = (*(axis.name for axis in chain.axes), *self.place, *self.orientation.columns)
 
     def _orientation(self, names: Sequence[str]) -> PoseColumns:
         """Return which columns hold the orientation; those of axes are there as axes."""
@@ -110,14 +183,6 @@ class _RecordingTable(Table):
         )
         return next((PoseColumns(*group) for group in groups if found & set(group[1])), PoseColumns("none", ()))
 
-    def _choose(self, names: Sequence[str]) -> Choice:
-        axes = tuple(axis.name for axis in self._chain.axes)
-        permitted = (*axes, *self.form.permitted(), *RESULT_COLUMNS, VIOLATIONS_COLUMN)
-        return (*axes, *self.form.position(names), *self._orientation(names).columns), tuple(dict.fromkeys(permitted))
-
-    def _hint(self, name: str) -> str | None:
-        return self.form.programmed_by() if self.form.display.rtcp or name in ANGLE_COLUMNS else None
-
     @property
     def compared(self) -> Task:
         """What of the poses is there."""
@@ -129,10 +194,6 @@ class _RecordingTable(Table):
 
     def rotation(self, axes: Vector, given: Sequence[float]) -> Matrix:
         """Return the rotation of a row: of a direction one that has it; angles that follow are those of the model."""
-        unit = self.orientation.columns in {QUATERNION_COLUMNS, TOOL_COLUMNS}
-        if unit and not math.hypot(*given) > 0.0:
-            text = f"({', '.join(self.orientation.columns)}) is zero"
-            raise TableError(text, span=Span(self.file), permitted="length 1")
         found = None if self._in_part else self.form.rotation(self.orientation, given)
         return self._completed(axes, given) if found is None else found
 

@@ -14,6 +14,8 @@ from chainbuild.comparison.convention_trials import Trial
 from chainbuild.comparison.crosscheck import CrossCheck
 from chainbuild.comparison.data_trials import DataTrial
 from chainbuild.comparison.diagnosis import Explanation
+from chainbuild.files import printable
+from chainbuild.formats.entries import TOOL_LENGTH
 from chainbuild.units import deg_from_rad, mm_from_m
 
 DIFFERENCE_COLUMNS: Final = ("dx_mm", "dy_mm", "dz_mm")  # theirs minus ours
@@ -33,7 +35,7 @@ def crosscheck_text(check: CrossCheck) -> str:
         lines += _inverse_lines(check.inverse, check.complete)
     lines += _structure_lines(check)
     lines.append("Result: agrees" if check.agrees else "Result: differs")
-    return "\n".join(lines) + "\n"
+    return "".join(f"{printable(line, lines=False)}\n" for line in lines)
 
 
 def _forward_lines(forward: Forward, axes: Sequence[str]) -> list[str]:
@@ -151,7 +153,8 @@ def _data_text(trial: DataTrial) -> str:
     parts = []
     for datum, value in trial.values.items():
         symbol = f"{datum.symbol} " if datum.symbol else ""
-        place = f"line {datum.span.line}" if datum.span is not None else "not given, default"
+        default = "as given" if datum.key[0] == TOOL_LENGTH and datum.value else "not given, default"
+        place = f"line {datum.span.line}" if datum.span is not None else default
         unit = f" {datum.unit}" if datum.unit else ""
         counted = f", in the list {value * datum.counts:.10g}" if datum.counts != 1.0 else ""
         parts.append(f"{symbol}{datum.name} ({place}): {datum.value:.10g} to {value:.10g}{unit}{counted}")

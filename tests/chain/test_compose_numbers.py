@@ -7,23 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import chainbuild
 from chainbuild.chain.assemble import assemble, linear, mark, rotary, shift
 from chainbuild.chain.compose import beside, displaced, follow, stack
 from chainbuild.chain.drives import AffineDrives, DriveLimit, DrivesSideBySide
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.chain.poses import pose
 from chainbuild.frames import rot_x, transform
-
-
-@pytest.fixture(scope="module")
-def arm() -> Chain:
-    return chainbuild.load("kr6r900").chain()
-
-
-@pytest.fixture(scope="module")
-def scara() -> Chain:
-    return chainbuild.load("scara_kin36").chain()
 
 
 def table(offset_deg: float, offset_mm: float = 0.0) -> Chain:

@@ -30,6 +30,14 @@ def test_an_affine_map() -> None:
     assert GEAR.total(1).value(axes) == 6.0
 
 
+def test_a_drive_has_no_limit_where_none_is_given() -> None:
+    robot = Robot.load("ca_head_kin9")
+    limits = Limits.of(robot.chain.with_drive_limits((DriveLimit(4, upper=30.0),)))
+    for value, broken in ((-1e6, False), (29.0, False), (31.0, True)):
+        assert bool(limits.broken_drives(np.array([0.0, 0.0, 0.0, 0.0, value]))) is broken
+    assert (DriveLimit(4).lower, DriveLimit(4).upper, DriveLimit(4).bounded) == (-np.inf, np.inf, False)
+
+
 def test_two_maps_side_by_side() -> None:
     assert joined_drives(None, 2, None, 3) is None
     joined = joined_drives(None, 1, GEAR, 2)
@@ -41,6 +49,15 @@ def test_two_maps_side_by_side() -> None:
     assert apart.differing == (1, 2)
     assert apart.derivative(axes).tolist() == [[1, 0, 0], [0.5, 2, 0], [0, 0, 1]]
     assert apart.follows.tolist() == [[True, False, False], [True, True, False], [False, False, True]]
+    assert apart.turning == (0, 1, 2)
+
+
+def test_a_reach_keeps_its_axis_behind_another_chain() -> None:
+    """By 2.29 sin(A/2) is sin HD7 at most: with HD7 = 45 degrees A reaches 90."""
+    head = Robot.load("cardan_head_kin59").chain.drives
+    assert head is not None
+    assert DrivesSideBySide(GEAR, head, 2).reach == {6: pytest.approx((-90.0, 90.0))}
+    assert DrivesSideBySide(head, GEAR, 5).reach == {4: pytest.approx((-90.0, 90.0))}
 
 
 @pytest.mark.parametrize("other", ["cardan_head_kin59", "ac_table_kin58", "irb2600"])

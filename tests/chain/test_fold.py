@@ -118,6 +118,14 @@ def is_identity(chain: Chain) -> bool:
     return len(straight) == len(chain.joints) == len(chain.axes) and all(same) and not axis_map_in_words(chain)
 
 
+def test_a_direction_drawn_has_no_signed_zeros() -> None:
+    (joint,) = assemble([Axis.unlimited("A", "rotary")], [rotary("A", "z")]).joints
+    turned = folded(joint, -1.0, 0.0)
+    for direction, wanted in ((turned.direction, -1.0), (drawn(turned).direction, 1.0)):
+        assert direction.tolist() == [0.0, 0.0, wanted]
+        assert not np.signbit(direction[:2]).any()
+
+
 @pytest.mark.parametrize("kind", ["revolute", "prismatic"])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_folding_moves_nothing_and_is_undone(kind: str, sign: float) -> None:
@@ -127,6 +135,7 @@ def test_folding_moves_nothing_and_is_undone(kind: str, sign: float) -> None:
         axis = Axis.unlimited("A", "rotary" if kind == "revolute" else "linear")
         place = shift(*rng.normal(size=3) * 300.0)
         (joint,) = assemble([axis], [place, move]).joints
+        assert math.copysign(1.0, folded(joint, -1.0, 0.0).zero) == 1.0  # zero has no sign where it is written
         si = math.radians(offset) if kind == "revolute" else offset / 1000.0
         once = folded(joint, sign, offset)
         twice = folded(once, -1.0, -17.0)

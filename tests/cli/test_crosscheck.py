@@ -219,7 +219,10 @@ def test_bad_requests(run: Run, words: tuple[str, ...], code: int, text: str) ->
         ("C1,B1,B2,A1,B3,A2,x_mm,y_mm,z_mm\n", "the recording has no rows"),
         ("C1,B1,B2,A1,B3,x_mm,y_mm,z_mm\n1,2,3,4,5,6,7,8\n", "missing column A2"),
         ("C1,B1,B2,A1,B3,A2,x_mm,y_mm\n1,2,3,4,5,6,7,8\n", "missing column z_mm"),
-        ("C1,B1,B2,A1,B3,A2,x_mm,y_mm,z_mm,tool_x,tool_y,tool_z\n1,2,3,4,5,6,7,8,9,0,0,0\n", "is zero"),
+        (
+            "C1,B1,B2,A1,B3,A2,x_mm,y_mm,z_mm,tool_x,tool_y,tool_z\n1,2,3,4,5,6,7,8,9,0,0,0\n",
+            "tool_z) has the length 0",
+        ),
         ("C1,B1,B2,A1,B3,A2,x_mm,y_mm,z_mm,colour\n1,2,3,4,5,6,7,8,9,1\n", "unknown column 'colour'"),
     ],
 )

@@ -10,6 +10,7 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import ChainbuildError
+from chainbuild.ik.branches.status_turn import status_turn_rows
 
 ARM = "kr6r900_2"
 NAMES = ("C1", "B1", "B2", "A1", "B3", "A2")
@@ -96,3 +97,20 @@ def test_python_takes_the_bits_among_the_displayed_values() -> None:
         robot.from_display({**shown, "is": 1.5})
     with pytest.raises(ChainbuildError, match="unknown column 'is'"):
         chainbuild.Robot.load("kr6r900").from_display({"x_mm": 1, "y_mm": 2, "z_mm": 3, "is": 1})
+
+
+def test_the_status_of_a_table_is_computed_at_once(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+
+    def counted(robot: chainbuild.Robot, rows: Any) -> Any:
+        asked.append(len(rows))
+        return status_turn_rows(robot, rows)
+
+    monkeypatch.setattr("chainbuild.ik.branches.status_turn.status_turn_rows", counted)
+    rows = np.array([[10.0, -60.0, 70.0, 20.0, -40.0, 30.0], [0.0, -90.0, 90.0, 0.0, 30.0, 0.0], [-10.0] * 6])
+    write_axes(rows)
+    told = run("fk", ARM, "--at", "10,-60,70,20,-40,30", "--axes", "axes.csv")
+    assert asked == [1, 3]
+    bits = [[int(field) for field in line.split(",")[-2:]] for line in told.out.splitlines()[1:]]
+    assert bits[0] == bits[1] == [6, 18]
+    assert bits[1:] == status_turn_rows(chainbuild.Robot.load(ARM), rows).tolist()

@@ -132,7 +132,7 @@ def test_the_progress_is_told(gantry: Machine) -> None:
     evidence = Evidence(recording.axes, recording.poses, "pose", TOLERANCE)
     told: list[tuple[int, int]] = []
     try_data(gantry, chainbuild.Selection(), {}, evidence, lambda done, total: told.append((done, total)))
-    assert told == [(n, 9) for n in range(1, 10)]
+    assert told == [(n, 10) for n in range(1, 11)]  # and the tool length
 
 
 @pytest.mark.parametrize(

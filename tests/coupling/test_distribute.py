@@ -66,6 +66,12 @@ def test_4_3_mixed(robot: Robot) -> None:
     expect(found, [800, 0], [200, 500, 50, 0, 0, 10], [1000, 500, 50, 0, 0, 10])
 
 
+def test_a_zero_has_no_sign(robot: Robot) -> None:
+    for part in robot.distribute([-0.0] * 6).partials:
+        assert part.values.tolist() == [0.0] * 6
+        assert not np.signbit(part.values).any()
+
+
 def test_4_3_along_an_arc(robot: Robot) -> None:
     # The table shows C = 10, which nobody programs: it stands there from before.
     before = {"ROBOT": {"X": 500, "Y": 0, "Z": 1500, "C": 10}, "LINEAR": {"X": 0, "Y": 0}}

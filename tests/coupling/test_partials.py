@@ -17,16 +17,6 @@ from chainbuild.frames import angles_from_matrix, matrix_from_angles, rot_z, tra
 POSE = [600.0, 50.0, 700.0, 10.0, 20.0, 30.0]
 
 
-@pytest.fixture(scope="module")
-def arm() -> Chain:
-    return chainbuild.load("kr6r900").chain()
-
-
-@pytest.fixture(scope="module")
-def scara() -> Chain:
-    return chainbuild.load("scara_kin36").chain()
-
-
 def test_a_partial_beside_carries_no_workpiece(arm: Chain, scara: Chain) -> None:
     """Only a group whose own axes carry the workpiece moves what the tool counts from."""
     robot = chainbuild.Robot(beside(arm, scara, name="ARM", other_name="SCARA"))

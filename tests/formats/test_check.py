@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
 import pytest
 
 import chainbuild
 from chainbuild.errors import ChainbuildError, FileAccessError
+from chainbuild.findings import Finding, Findings
 from tests.kit.machine_files import machine_file
 
 
@@ -101,3 +103,25 @@ def test_an_arm_that_is_singular_in_every_position_is_found(tmp_path: Path) -> N
     found = [finding for finding in chainbuild.check(path) if finding.code == "CB601"]
     assert len(found) == 1
     assert found[0] in chainbuild.Robot.load(path).chain.findings
+
+
+@pytest.mark.parametrize("entry", ["trafo[0].foo 5", "trafo[0].param[77] x"])
+def test_the_work_grows_as_the_lists_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, entry: str) -> None:
+    """Counted by how often a finding is compared with those that are known."""
+    asked: Counter[int] = Counter()
+    path = tmp_path / "many.xti"
+    own = Finding.__hash__
+
+    def counted(count: int) -> Findings:
+        def told(finding: Finding) -> int:
+            asked[count] += 1
+            return own(finding)
+
+        lists = f"<SdaMds>\ntrafo[0].id 9\ntrafo[0].param[1] 3000000\n{entry}\nEnde\n</SdaMds>\n" * count
+        path.write_text(f"<?xml version='1.0'?>\n<TcSmProject>{lists}</TcSmProject>\n", "utf-8")
+        monkeypatch.setattr(Finding, "__hash__", told)
+        return chainbuild.check(path)
+
+    for count in (15, 30):
+        assert len([one for one in counted(count) if one.code in ("CB227", "CB202")]) == count
+    assert asked[30] < 2.5 * asked[15]

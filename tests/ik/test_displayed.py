@@ -12,6 +12,7 @@ import pytest
 import chainbuild
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.displayed import side_of
+from chainbuild.ik.rtcp import _solved
 from tests.kit.random_types import channel_list, random_axes, random_machine
 
 SHIPPED = {name: chainbuild.Robot.load(name) for name in chainbuild.shipped()}
@@ -35,6 +36,13 @@ def shown_of(robot: chainbuild.Robot, rows: np.ndarray) -> dict[str, np.ndarray]
     """Return what is displayed at rows of axis values, column by column."""
     shown = [robot.display(row) for row in rows]
     return {name: np.array([one[name] for one in shown]) for name in shown[0]}
+
+
+def test_slides_at_odd_angles_are_solved_for() -> None:
+    """The slides of no machine here are oblique to each other: three equations, by a general solver."""
+    rng = np.random.default_rng(7)
+    rates, missing = rng.normal(size=(20, 3, 3)), rng.normal(size=(20, 3))
+    np.testing.assert_allclose(_solved(rates, missing), np.linalg.solve(rates, missing[:, :, None])[:, :, 0], rtol=1e-9)
 
 
 @pytest.mark.parametrize("name", BY_SLIDES)

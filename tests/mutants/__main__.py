@@ -1,221 +1,113 @@
 """Run the mutants: `python -m tests.mutants [--minutes N] [part of a path …]`.
 
-Each mutant lives in a forked process in which one module of the translators is replaced; the tests that concern it
-run until the first failure. A mutant that no test fails survives and is listed.
+Each mutant lives in a forked process in which one module is replaced; the tests that concern it run until the first
+failure, those first that killed others of the same file. A mutant that no test fails survives and is listed. The
+mutants of all files take turns, in an order that is random and always the same: where time ends, each file has had
+its share.
 """
 
 from __future__ import annotations
 
 import argparse
-import ast
-import importlib.abc
-import importlib.util
-import io
 import os
+import random
 import sys
 import time
+from collections import Counter, defaultdict
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import zip_longest
 from pathlib import Path
 
-from tests.mutants.mutations import Mutant, mutants_of
+from tests.mutants.equivalent import is_equivalent
+from tests.mutants.forked import Job, Outcome, failing_unmutated, judged
+from tests.mutants.mutations import mutants_of
+from tests.mutants.targets import ROOT, targets, tests_for
 
-ROOT = Path(__file__).parent.parent.parent
-SECONDS_A_MUTANT = 90
-
-
-@dataclass(frozen=True)
-class Job:
-    """A mutant with its file and the tests that should fail on it."""
-
-    path: Path
-    mutant: Mutant
-    tests: tuple[str, ...]
+KILLERS_TRIED = 12  # first, of those that killed others: more are slower than all tests of most files
+UNNOTICED = {"hung", "survived", "untested"}  # to be looked at: what hangs has failed no test
+KINDS = ("killed", "hung", "survived", "equivalent", "untested", "left")
 
 
-TWINCAT = "tests/formats/twincat"
-TWINCAT_SHARED = (TWINCAT, "-k", "hand or reference or arm45 or families or bounds or kin98 or domain")
-SINUMERIK = ("tests/formats/sinumerik", "tests/ik/policies/test_controller.py")
-CHAIN = ("tests/chain",)
+@dataclass
+class Run:
+    """The mutants, what became of them, and the tests that killed some, newest last."""
+
+    jobs: list[Job]
+    outcomes: dict[Job, Outcome] = field(default_factory=dict)
+    killers: defaultdict[tuple[Path, tuple[str, ...]], list[str]] = field(default_factory=lambda: defaultdict(list))
+
+    def judge(self, job: Job) -> None:
+        """Judge one mutant and note the test that killed it."""
+        known = self.killers[job.path, job.tests]
+        outcome = self.outcomes[job] = judged(job, known[-KILLERS_TRIED:])
+        if outcome.killer in known:
+            known.remove(outcome.killer)
+        if outcome.killer:
+            known.append(outcome.killer)
+
+    def kind(self, job: Job) -> str:
+        """Return what became of a mutant."""
+        kind = self.outcomes[job].kind if job in self.outcomes else "left"
+        return "equivalent" if kind == "survived" and is_equivalent(job.path, job.mutant) else kind
 
 
-def _tests(folder: str, *names: str) -> tuple[str, ...]:
-    return tuple(f"tests/{folder}/test_{name}.py" for name in names)
+def jobs_of(only: list[str]) -> list[Job]:
+    """Return the mutants of all files, or of those whose path holds one of these words, taking turns."""
+    files = []
+    for path, tests in targets().items():
+        if only and not any(part in str(path) for part in only):
+            continue
+        jobs = [Job(path, mutant, tests_for(path, mutant, tests)) for mutant in mutants_of(path.read_text("utf-8"))]
+        random.Random(0).shuffle(jobs)
+        files.append(jobs)
+    return [job for turn in zip_longest(*files) for job in turn if job is not None]
 
 
-# Without those that compile solvers anew in each process.
-COMPOSED = (*_tests("chain", "compose_numbers", "compose"), "tests/coupling", "-k", "not written_and_solved")
-UNIVERSAL = _tests("formats/twincat", "directions", "universal_display", "universal", "as_universal")
-COUPLED = _tests("formats/twincat", "two_steps", "coupling", "coupling_axes", "coupling_refused")
-AXIS_MAPS = ("tests/chain", "tests/kinematics/test_robot.py", "-k", "not written_and_solved")
-KINEMATICS = ("tests/kinematics", "tests/ik/test_ik.py", "tests/ik/search/test_arm_reach.py", "-k", "not arrays_of")
-DRIVES = (*_tests("chain", "drives"), *_tests("formats/twincat", "drives"), *_tests("ik", "drive_limits"))
-LIMITS = (*DRIVES, *_tests("ik", "limits_agree"))
-DISPLAYED = (*_tests("ik", "displayed"), *_tests("formats/twincat", "universal_display", "displayed_by_hand"))
-PROGRAMMED = (*_tests("chain", "vectors"), *_tests("ik/policies", "programmed"), *_tests("ik/branches", "status_turn"))
-
-
-def targets() -> dict[Path, tuple[str, ...]]:
-    """Return the files of translators and of what they fold and add, and the tests of each."""
-    package = ROOT / "chainbuild"
-    twincat, sinumerik = package / "formats" / "twincat", package / "formats" / "sinumerik"
-    shared = [*sorted((twincat / "families").glob("[a-z]*.py")), *sorted((twincat / "maps").glob("[a-z]*.py"))]
-    shared += [twincat / "recipes" / f"{name}.py" for name in ("parts", "head_parts", "recipe")]
-    files = dict.fromkeys([*shared, twincat / "translate.py"], TWINCAT_SHARED)
-    robx = [sinumerik / "geometry" / f"{name}.py" for name in ("translate", "robot_axes", "tool")]
-    files |= dict.fromkeys([*robx, sinumerik / "rules" / "chain_data.py"], SINUMERIK)
-    chain = package / "chain"
-    files |= dict.fromkeys([chain / "fold.py", chain / "bodies" / "rods.py"], CHAIN)
-    return files | _beside_the_translators(package)
-
-
-def _beside_the_translators(package: Path) -> dict[Path, tuple[str, ...]]:
-    """Return the files that compose, distribute, move and display what was translated, and the tests of each."""
-    chain, kinematics, twincat = package / "chain", package / "kinematics", package / "formats" / "twincat"
-    files = {
-        chain / "compose.py": COMPOSED,
-        **dict.fromkeys(sorted((package / "coupling").glob("[a-z]*.py")), COMPOSED),
-        **dict.fromkeys(sorted((twincat / "coupling").glob("[a-z]*.py")), COUPLED),
-        **dict.fromkeys(sorted((twincat / "universal").glob("[a-z]*.py")), UNIVERSAL),
-        chain / "axismap.py": AXIS_MAPS,
-        **dict.fromkeys([chain / "drives.py", twincat / "maps" / "drives.py"], DRIVES),
-        **dict.fromkeys(sorted((chain / "programmed").glob("[a-z]*.py")), PROGRAMMED),
-        **dict.fromkeys(sorted(kinematics.glob("[a-z]*.py")), KINEMATICS),
-        **dict.fromkeys([kinematics / "limits.py", kinematics / "ranges.py"], LIMITS),
-    }
-    displayed = [kinematics / "displayed.py", package / "ik" / "displayed.py", package / "ik" / "rtcp.py"]
-    displayed += [chain / "programmed" / "display.py", twincat / "types" / "displays.py"]
-    return files | dict.fromkeys(displayed, DISPLAYED)
-
-
-def types_in(path: Path) -> tuple[int, ...]:
-    """Return the KIN_TYPs that a family file registers."""
-    numbers = {
-        key.value
-        for node in ast.walk(ast.parse(path.read_text("utf-8")))
-        if isinstance(node, ast.Dict)
-        for key in node.keys
-        if isinstance(key, ast.Constant) and isinstance(key.value, int)
-    }
-    return tuple(sorted(numbers))
-
-
-def tests_for(path: Path, mutant: Mutant, default: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the pytest arguments for a mutant: its own type where it lies in one recipe."""
-    if path.parent.name != "families":
-        return default
-    number = mutant.function.removeprefix("kin_")
-    types = (int(number),) if number.isdigit() else types_in(path)
-    if not types:
-        return default
-    return (TWINCAT, f"--mutant-types={','.join(map(str, types))}")
-
-
-class MutatedLoader(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Loads one module from mutated source, everything else as usual."""
-
-    def __init__(self, module: str, path: Path, source: str) -> None:
-        self.module, self.path, self.source = module, path, source
-
-    def find_spec(self, fullname, path=None, target=None):
-        if fullname == self.module:
-            return importlib.util.spec_from_file_location(fullname, self.path, loader=self)
-        return None
-
-    def create_module(self, spec):
-        return None
-
-    def exec_module(self, module) -> None:
-        exec(compile(self.source, str(self.path), "exec"), module.__dict__)
-
-
-class TypeFilter:
-    """Pytest plugin: keep the tests of some KIN_TYPs only."""
-
-    def __init__(self, types: set[int]) -> None:
-        self.types = types
-
-    def pytest_collection_modifyitems(self, items) -> None:
-        def concerned(item) -> bool:
-            spec = getattr(item, "callspec", None)
-            number = spec.params.get("kin") if spec else None
-            return number in self.types or (number is None and "bad" not in item.nodeid)
-
-        items[:] = sorted((i for i in items if concerned(i)), key=lambda i: "hand_formulas" not in i.nodeid)
-
-
-def survives(job: Job) -> bool:
-    """Run a mutant's tests in a fork; True where none fails."""
-    child = os.fork()
-    if child == 0:
-        os._exit(_run_tests(job))
-    deadline = time.monotonic() + SECONDS_A_MUTANT
-    while True:
-        done, status = os.waitpid(child, os.WNOHANG)
-        if done:
-            return os.waitstatus_to_exitcode(status) == 0
-        if time.monotonic() > deadline:
-            os.kill(child, 9)
-            os.waitpid(child, 0)
-            return False  # a mutant that hangs is noticed
-        time.sleep(0.02)
-
-
-def _run_tests(job: Job) -> int:
-    import pytest
-
-    module = ".".join(job.path.relative_to(ROOT).with_suffix("").parts)
-    sys.meta_path.insert(0, MutatedLoader(module, job.path, job.mutant.source))
-    plugins: list[object] = []
-    arguments = []
-    for argument in job.tests:
-        if argument.startswith("--mutant-types="):
-            plugins.append(TypeFilter({int(n) for n in argument.partition("=")[2].split(",")}))
-        else:
-            arguments.append(argument)
-    with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
-        try:
-            return int(pytest.main([*arguments, "-x", "-q", "-p", "no:cacheprovider", "--rootdir", str(ROOT)], plugins))
-        except BaseException:
-            return 1
+def summary(run: Run) -> str:
+    """Return a table of the files and the list of all that no test noticed."""
+    counts: dict[str, Counter[str]] = defaultdict(Counter)
+    for job in run.jobs:
+        for row in (str(job.path.relative_to(ROOT / "chainbuild")), "all"):
+            counts[row][run.kind(job)] += 1
+    total = counts.pop("all", Counter())
+    width = max(map(len, counts), default=0)
+    lines = [f"{'file':{width}}" + "".join(f"{kind:>11}" for kind in ("run", *KINDS))]
+    for row, count in [*sorted(counts.items()), ("all", total)]:
+        numbers = (count.total() - count["left"], *(count[kind] for kind in KINDS))
+        lines.append(f"{row:{width}}" + "".join(f"{number:11}" for number in numbers))
+    unnoticed = [f"  {run.kind(job)}: {job}" for job in run.jobs if run.kind(job) in UNNOTICED]
+    return "\n".join([*lines, *sorted(unnoticed)])
 
 
 def main() -> int:
-    """Run all mutants within the time and list the survivors."""
+    """Run all mutants within the time; list the survivors and what was left."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--minutes", type=float, default=20.0)
+    parser.add_argument("--minutes", type=float, default=60.0)
     parser.add_argument("only", nargs="*", help="parts of paths")
     options = parser.parse_args()
     os.chdir(ROOT)
     import pinocchio  # noqa: F401 - shared by all forks
+    import pytest  # noqa: F401 - the same
 
-    jobs = [
-        Job(path, mutant, tests_for(path, mutant, tests))
-        for path, tests in targets().items()
-        if not options.only or any(part in str(path) for part in options.only)
-        for mutant in mutants_of(path.read_text("utf-8"))
-    ]
-    start, survivors, done = time.monotonic(), [], 0
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+    run = Run(jobs_of(options.only))
+    start = time.monotonic()
 
-        def judge(job: Job) -> None:
-            nonlocal done
-            if time.monotonic() - start > options.minutes * 60.0:
-                return
-            if survives(job):
-                survivors.append(job)
-            done += 1
+    def judge(job: Job) -> None:
+        if time.monotonic() - start < options.minutes * 60.0:
+            run.judge(job)
+            if run.kind(job) in UNNOTICED:
+                print(f"{run.kind(job)}: {job}", flush=True)
             if sys.stderr.isatty():
-                print(f"\r{done}/{len(jobs)} mutants, {len(survivors)} survive", end="", file=sys.stderr, flush=True)
+                print(f"\r{len(run.outcomes)}/{len(run.jobs)} mutants", end="", file=sys.stderr, flush=True)
 
-        list(pool.map(judge, jobs))
-    print(
-        f"\n{done} of {len(jobs)} mutants run in {(time.monotonic() - start) / 60.0:.1f} min, {len(survivors)} survive"
-    )
-    for job in sorted(survivors, key=lambda j: (str(j.path), j.mutant.line)):
-        print(f"  {job.path.relative_to(ROOT)}:{job.mutant.line} {job.mutant.function}: {job.mutant.what}")
-    return 0 if done == len(jobs) else 1
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        list(pool.map(judge, run.jobs))
+    broken = failing_unmutated(outcome.killer for outcome in run.outcomes.values() if outcome.killer)
+    print(f"\n{summary(run)}\n{(time.monotonic() - start) / 60.0:.1f} min")
+    for name in broken:
+        print(f"fails without a mutant, too: {name}")
+    return 1 if broken or any(run.kind(job) in {*UNNOTICED, "left"} for job in run.jobs) else 0
 
 
 if __name__ == "__main__":

@@ -16,7 +16,6 @@ _NAMES = {
     "rot_z": "rot_x",
     "inside": "outside",
 }
-_ZEROED_CALLS = {"shift", "translation", "offset", "f_frame", "dh_link"}
 _OPERATORS: dict[type[ast.operator], type[ast.operator]] = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Div: ast.Mult}
 
 
@@ -52,6 +51,8 @@ def mutants_of(source: str) -> Iterator[Mutant]:
 def _drop_annotations(tree: ast.AST) -> None:
     """Take annotations and docstrings away: nothing in them can be wrong geometry."""
     for node in ast.walk(tree):
+        if isinstance(node, ast.AnnAssign) and "ClassVar" not in ast.unparse(node.annotation):
+            node.annotation = ast.Name("object", ast.Load())
         if isinstance(node, ast.FunctionDef):
             node.returns = None
             for argument in (*node.args.args, *node.args.kwonlyargs):
@@ -99,19 +100,18 @@ def _changes(node: ast.AST) -> Iterator[tuple[str, Callable[[ast.AST], None]]]:
 
 
 def _zeroed(node: ast.Call) -> Iterator[tuple[str, Callable[[ast.AST], None]]]:
-    """Zero each argument of a call that makes an offset; flip the sign of each keyword `sign` or `offset_…`."""
+    """Zero each argument of a `shift`; flip the sign of each of its keywords, and of keywords `sign`, `offset_…`."""
     called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
     for index, argument in enumerate(node.args):
-        if called in _ZEROED_CALLS and not isinstance(argument, ast.Constant | ast.Starred):
+        if called == "shift" and not isinstance(argument, ast.Constant | ast.Starred):
 
             def zero(n: ast.AST, index: int = index) -> None:
                 assert isinstance(n, ast.Call)
                 n.args[index] = ast.Constant(0.0)
 
-            if called == "shift":
-                yield f"zeroed: {ast.unparse(argument)}", zero
+            yield f"zeroed: {ast.unparse(argument)}", zero
     for index, keyword in enumerate(node.keywords):
-        if keyword.arg in {"sign", "offset_deg", "offset_mm", "zero_deg"} or (called == "shift"):
+        if keyword.arg in {"sign", "offset_deg", "offset_mm", "zero_deg"} or called == "shift":
 
             def flip(n: ast.AST, index: int = index) -> None:
                 assert isinstance(n, ast.Call)

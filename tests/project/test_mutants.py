@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from tests.kit.paths import PACKAGE, ROOT
-from tests.mutants.__main__ import targets, types_in
+from tests.mutants.equivalent import EQUIVALENT, Equivalent
+from tests.mutants.mutations import mutants_of
+from tests.mutants.targets import targets, types_in
 
 TARGETS = targets()
 
@@ -30,3 +34,39 @@ def test_every_room_that_signs_pass_through_is_mutated() -> None:
 
 def test_the_types_of_a_family_are_read_from_its_file() -> None:
     assert types_in(PACKAGE / "formats" / "twincat" / "families" / "scara.py") == (36,)
+
+
+JUDGED = """
+from tests.mutants.forked import Job, failing_unmutated, judged
+from tests.mutants.equivalent import EQUIVALENT, Equivalent
+from tests.mutants.mutations import Mutant
+from tests.mutants.targets import ROOT
+
+path = ROOT / "chainbuild" / "chain" / "axismap.py"
+test = "tests/kinematics/test_by_hand.py::test_an_affine_map_there_and_back"
+source = path.read_text("utf-8")
+wrong, broken = source.replace("(q - self.b)", "(q + self.b)"), "import no_such_module"
+for text, killers in ((source, [test]), (wrong, []), (wrong, [test]), (broken, [])):
+    found = judged(Job(path, Mutant(0, "", "", text), (test,)), killers)
+    print(found.kind, found.killer.partition("::")[2])
+print(failing_unmutated([test]))
+"""
+
+
+def test_mutants_are_killed_by_the_test_that_fails_and_the_rest_survives() -> None:
+    """In a process of its own, as in `make mutants`: the package must not be imported before."""
+    done = subprocess.run([sys.executable, "-c", JUDGED], cwd=ROOT, capture_output=True, text=True, check=True)
+    name = "test_an_affine_map_there_and_back"
+    words = ["survived ", f"killed {name}", f"killed {name}", "killed ", "[]"]
+    assert done.stdout.splitlines() == words
+
+
+@pytest.mark.parametrize("known", EQUIVALENT, ids=lambda known: f"{known.file} {known.what}")
+def test_what_is_said_to_compute_the_same_is_still_a_mutant(known: Equivalent) -> None:
+    path = PACKAGE / known.file
+    assert [mutant for mutant in mutants_of(path.read_text("utf-8")) if known.is_of(path, mutant)]
+
+
+def test_nothing_in_annotations_is_mutated() -> None:
+    text = "class A:\n    letter: Literal['x', 'y'] = 'x'\n\n\ndef f(a: Literal['z'] = 'z') -> Literal['-x']:\n    ..."
+    assert [(mutant.line, mutant.what) for mutant in mutants_of(text)] == [(2, "axis x → y"), (5, "axis z → x")]

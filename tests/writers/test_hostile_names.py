@@ -65,6 +65,60 @@ def test_no_text_of_a_file_commands_the_terminal(words: str, machine: str, capsy
     assert not commands_a_terminal(captured.err), captured.err
 
 
+FORGED = "name\nFORGED: all is well"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "info", "check", f"fk --at {AT}", f"collide --at {AT}", "crosscheck --solver opw --count 9", "limits", "demo",
+        "workspace --samples 50 --cells 4 --workers 1", "couple --tcp X=1", f"singularity --at {AT}", "urdf",
+        "crosscheck --recording FORGED", "ik --poses FORGED", "ik --poses absent-FORGED",
+        "limits --axis A3 --over FORGED", "info --convention FORGED=x", "info --kinematic FORGED",
+        "info --channel FORGED", f"fk --at {AT} --angles FORGED",
+        "couple --lock FORGED", "singularity --at FORGED", "info --FORGED", "info FORGED", "crosscheck --solver FORGED",
+    ],
+)  # fmt: skip
+def test_a_name_does_not_begin_a_line(
+    words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Else a machine could say of itself what the command has not found."""
+    monkeypatch.chdir(tmp_path)
+    source = shipped_path("kr6r900")
+    assert source is not None
+    shutil.copy(source, f"{FORGED}.tea")
+    Path(f"{FORGED}.chainbuild.toml").write_text(f"name = {json.dumps(FORGED)}\n", "utf-8")
+    poses, recorded = "x_mm,y_mm,z_mm,a_deg,b_deg,c_deg", f"A1,A2,A3,A4,A5,A6,x_mm,y_mm,z_mm\n{AT},5140,0,850\n"
+    Path(FORGED).write_text(recorded if "crosscheck" in words else f"{poses}\n5140,0,850,0,0,0\n", "utf-8")
+    command, *options = words.split(" ")
+    main([command, f"{FORGED}.tea", *(option.replace("FORGED", FORGED) for option in options)])
+    captured = capsys.readouterr()
+    lines = (captured.out + captured.err).splitlines()
+    assert "FORGED: all is well" in captured.out + captured.err or command == "urdf"
+    assert not [line for line in lines if line.lstrip().startswith("FORGED")], lines
+
+
+@pytest.mark.parametrize(
+    "overlay",
+    [
+        "[limits]\nNAME = [0, 1]\n", "[speeds]\nNAME = 1\n", "endless = [NAME]\n", "[conventions]\nNAME = 'x'\n",
+        "kinematic = NAME\n", "[tool]\nNAME = 1\n", "NAME = 1\n", "[geometry]\nNAME = 3\n", "axis_lists = [NAME]\n",
+    ],
+)  # fmt: skip
+def test_a_key_of_the_overlay_does_not_begin_a_line(
+    overlay: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = shipped_path("kr6r900")
+    assert source is not None
+    shutil.copy(source, tmp_path / "m.tea")
+    (tmp_path / "m.chainbuild.toml").write_text(overlay.replace("NAME", json.dumps(FORGED)), "utf-8")
+    for command in ("info", "check"):
+        main([command, str(tmp_path / "m.tea")])
+        captured = capsys.readouterr()
+        lines = (captured.out + captured.err).splitlines()
+        assert not [line for line in lines if line.lstrip().startswith("FORGED")], lines
+
+
 @pytest.mark.parametrize(
     "text",
     [

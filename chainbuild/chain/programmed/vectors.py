@@ -43,7 +43,7 @@ TOOL_PLANES: Final[Mapping[int, tuple[AxisLetter, AxisLetter]]] = MappingProxyTy
 BOTH_SET_ALARM: Final = 22027
 
 _SHOWN: Final = 100  # characters of a refused value in a message
-_UNITS: Final = {"x": np.array([1.0, 0.0, 0.0]), "y": np.array([0.0, 1.0, 0.0]), "z": np.array([0.0, 0.0, 1.0])}
+_UNITS: Final = dict(zip("xyz", np.eye(3), strict=True))
 _TURNS: Final = {"x": rot_x, "y": rot_y, "z": rot_z}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -14,14 +14,23 @@ from chainbuild.chain.programmed.display import POSE_ANGLES, Display
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, MachineDataError, Span
 from chainbuild.findings import Collector, refuse_errors
-from chainbuild.formats.entries import Datum, KinematicEntry, ParameterRow, Selected, checked_channel, checked_kinematic
+from chainbuild.formats.entries import (
+    Datum,
+    KinematicEntry,
+    ParameterRow,
+    Selected,
+    changed_overlay,
+    checked_channel,
+    checked_kinematic,
+)
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.sinumerik.geometry.robot_axes import basic_moves
-from chainbuild.formats.sinumerik.geometry.tool import Tool, tools_of_channels
+from chainbuild.formats.sinumerik.geometry.tool import Tool, active_data, tools_of_channels
 from chainbuild.formats.sinumerik.geometry.translate import translate
-from chainbuild.formats.sinumerik.parameters import geometry_data, parameter_rows
-from chainbuild.formats.sinumerik.reading.data_table import DataTable, tabulate, with_values
+from chainbuild.formats.sinumerik.parameters import geometry_data, parameter_rows, tool_data
+from chainbuild.formats.sinumerik.reading.catalogue import catalogue
+from chainbuild.formats.sinumerik.reading.data_table import DataTable, DatumKey, tabulate, with_values
 from chainbuild.formats.sinumerik.reading.reader import read_assignments
 from chainbuild.formats.sinumerik.reading.robx import WRISTS, Robx
 from chainbuild.formats.sinumerik.reading.transformations import find_transformations
@@ -117,14 +126,23 @@ class RobxMachine(Machine):
     def with_values(self, values: Mapping[Datum, float]) -> RobxMachine:
         """Return the machine with other values of some data."""
         te4 = {robx.data.channel_number for robx in self.transformations if robx.data.te4}
-        changed = {
-            (one.channel, one.channel in te4, *one.key): (value, one.span or Span(self.file))
+        changed: dict[DatumKey, tuple[float, Span]] = {
+            (one.channel, one.channel in te4 and not isinstance(one.key[1], tuple), *one.key): (
+                value,
+                one.span or Span(self.file),
+            )
             for one, value in values.items()
+            if one.key[0] in catalogue()
         }
-        table = with_values(self.table, changed)
+        table, overlay = with_values(self.table, changed), changed_overlay(self.overlay, values)
         collector = Collector(self._collector.strict, list(self._reading))
         transformations = find_transformations(table, Collector(strict=False))
-        return RobxMachine(self.path, self.overlay, collector, table, transformations, self.tools)
+        tools = tools_of_channels(table, list(self.tools), overlay, Collector(strict=False))
+        return RobxMachine(self.path, overlay, collector, table, transformations, tools)
+
+    def _tool_data(self, selected: Selected) -> Iterator[Datum]:
+        rows, own = active_data(self.table, self.overlay, selected.entry.channel)
+        return tool_data(rows, own, self.overlay)
 
     def transformation(
         self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None

@@ -1,4 +1,4 @@
-"""Rows of `info`: every ROBX datum of a transformation with value, meaning and source."""
+"""Rows of `info`: every ROBX datum with value, meaning and source; and the data that place and direct an arm."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final
 
 from chainbuild.convention import Choices
-from chainbuild.formats.entries import Datum, ParameterRow
+from chainbuild.formats.entries import TOOL_TABLE, Datum, ParameterRow
+from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.sinumerik.geometry.robot_axes import RECIPES, ArmData, basic_moves, internal_axes
 from chainbuild.formats.sinumerik.geometry.tool import Tool
+from chainbuild.formats.sinumerik.reading.assignment import Assignment
 from chainbuild.formats.sinumerik.reading.catalogue import MachineDatum, catalogue
 from chainbuild.formats.sinumerik.reading.data_table import written_name
 from chainbuild.formats.sinumerik.reading.robx import Robx
@@ -24,6 +26,7 @@ _SI: Mapping[str, tuple[str, Callable[[float], float]]] = {
 
 _DIRECTIONS: Final = "ROBX_AXES_DIR"
 _ZEROS: Final = "ROBX_MAMES"
+_LENGTHS: Final = ("DP3", "DP4", "DP5")  # of a tool
 _PLACING: Final = ("geometry", "axes", "additional_axes")  # groups of the data that act on poses
 
 
@@ -48,6 +51,31 @@ def geometry_data(robx: Robx, choose: Choices) -> tuple[Datum, ...]:
     own = [datum for datum in catalogue().values() if datum.te4_name and datum.group in _PLACING]
     placing = [datum for datum in own if datum.type == "float" or datum.name == _DIRECTIONS]
     return tuple(found for datum in placing for found in _geometry(robx, datum, linear))
+
+
+def tool_data(rows: Mapping[str, Assignment], own: Mapping[str, float], overlay: Overlay) -> Iterator[Datum]:
+    """Yield the numbers of the active tool: its lengths, given or not, and what else is given.
+
+    Args:
+        rows: Those of the file by names such as "DP3".
+        own: Those of the overlay, which win.
+        overlay: The overlay.
+    """
+    first = next(iter(rows.values()), None)
+    for name in dict.fromkeys((*_LENGTHS, *rows, *own)) if rows or own else ():
+        datum, row = catalogue()[name], rows.get(name)
+        given = own.get(name, row.value if row is not None else 0.0)
+        if isinstance(given, str) or (datum.unit == "none" and (datum.type == "int" or not given)):
+            continue
+        unit, others = ("", (-given,)) if datum.unit == "none" else (datum.unit, ())
+        if first is not None and name not in own:
+            index, span = first.index, row.span if row is not None else None
+            symbol = "T{} D{}".format(*index) if isinstance(index, tuple) else ""
+            key, area = (name, index if isinstance(index, tuple) else None), (row or first).area
+            yield Datum(written_name(datum, False, index), symbol, given, unit, span, area, key, others)
+        else:
+            place, span = f"{TOOL_TABLE}TC_{name}", overlay.span("tool", f"TC_{name}")
+            yield Datum(place, "overlay", given, unit, span, 0, (place, None), others)
 
 
 def _geometry(robx: Robx, datum: MachineDatum, linear: Sequence[bool]) -> Iterator[Datum]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -18,13 +18,14 @@ from chainbuild.formats.entries import (
     KinematicEntry,
     ParameterRow,
     Selected,
+    changed_overlay,
     checked_channel,
     checked_kinematic,
     matching_id,
 )
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay
-from chainbuild.formats.twincat.geometry import geometry_data, with_values
+from chainbuild.formats.twincat.geometry import geometry_data, tool_data, with_tool_values, with_values
 from chainbuild.formats.twincat.lists.axislist import AxisList
 from chainbuild.formats.twincat.lists.config import UNKNOWN_ID_ALARM, Channel, Trafo
 from chainbuild.formats.twincat.lists.source import DIALECT, Source, chain_name
@@ -70,7 +71,6 @@ class TwinCatMachine(Machine):
         self._content = content
         self.channels = content.channels
         self._tools = content.tools
-        self._axis_lists = content.axis_lists
         self._configured = {channel.index: tuple(_entries(channel)) for channel in content.channels}
         self._listed = tuple(one.entry for here in self._configured.values() for one in here)
 
@@ -102,8 +102,12 @@ class TwinCatMachine(Machine):
         """Return the machine with other values of some data."""
         channels = tuple(with_values(channel, values) for channel in self.channels)
         collector = Collector(self._collector.strict, list(self._reading))
-        content = replace(self._content, channels=channels)
-        return TwinCatMachine(self.file, self.path, self.overlay, collector, content)
+        tools = tuple({n: with_tool_values(tool, values) for n, tool in own.items()} for own in self._tools)
+        content = replace(self._content, channels=channels, tools=tools)
+        return TwinCatMachine(self.file, self.path, changed_overlay(self.overlay, values), collector, content)
+
+    def _tool_data(self, selected: Selected) -> Iterator[Datum]:
+        return tool_data(self._source(selected, 0.0))
 
     def _translate(self, selected: Selected, tool_length_mm: float, choose: Choices, collector: Collector) -> Chain:
         source, default = self._source(selected, tool_length_mm), self._default_source
@@ -127,13 +131,24 @@ class TwinCatMachine(Machine):
             channel=found.channel,
             tool=tool,
             tool_length_mm=tool_length_mm + (tool.length_mm if tool else 0.0),
-            axis_lists=[
-                entry for entry, number in self._axis_lists if number in ("", "0", str(found.channel.index + 1))
-            ],
+            axis_lists=self._axis_lists_of(found.channel),
             overlay=self.overlay,
             second=self._found(second).trafo if second else None,
             main=self._is_main(selected),
         )
+
+    def _axis_lists_of(self, channel: Channel) -> list[AxisList]:
+        """Return the axis lists of a channel and those of any, in file order."""
+        places = [n for number in ("", "0", str(channel.index + 1)) for n in self._by_number.get(number, ())]
+        return [self._content.axis_lists[n][0] for n in sorted(places)]
+
+    @cached_property
+    def _by_number(self) -> Mapping[str, Sequence[int]]:
+        """Places of the axis lists by the number of their channel; looked up, since there may be thousands of both."""
+        found: dict[str, list[int]] = {}
+        for n, (_, number) in enumerate(self._content.axis_lists):
+            found.setdefault(number, []).append(n)
+        return found
 
     def _is_main(self, selected: Selected) -> bool:
         """Tell whether the overlay is written for a kinematic: the one it names, else the default of the channel."""

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from chainbuild.arrays import Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.closed import find_closed, unreached_words, usual_branch
-from chainbuild.ik.branches.core.axis_values import axes_for
 from chainbuild.ik.branches.core.branches import Branches, Solutions, collect, named
-from chainbuild.ik.branches.core.free_axis import SolutionsOf, with_free_axes_inside
+from chainbuild.ik.branches.core.free_axis import solutions_of, with_free_axes_inside
 from chainbuild.ik.branches.core.query import BranchQuery
-from chainbuild.ik.branches.core.serial import ArmSolver
 from chainbuild.ik.branches.direct import find_direct
 from chainbuild.ik.branches.multistart import multistart_branches
 from chainbuild.ik.branches.status_filter import StatusFilter
@@ -56,7 +51,7 @@ def every_branch(query: BranchQuery) -> Solutions:
     elif plan.name == "struts":
         found = find_closed(query, every_branch)
     elif plan.solver is not None:
-        found = collect(query, with_free_axes_inside(query, _arm_solutions(plan.solver)))
+        found = collect(query, with_free_axes_inside(query, solutions_of(plan.solver)))
     else:
         _refuse_redundant(query)
         found = collect(query, ((x, ()) for x in multistart_branches(query)))
@@ -96,20 +91,6 @@ def no_closed_form(request: IkRequest) -> ChainbuildError:
         permitted="auto, damped",
         hint="if more axes are free than the pose determines, hold some",
     )
-
-
-def _arm_solutions(solver: ArmSolver) -> SolutionsOf:
-    """Return what yields SI axis values that may be solutions, with their free axes."""
-
-    def solve(query: BranchQuery) -> Iterator[tuple[Vector, list[int]]]:
-        joints = np.array([screw.joint for screw in query.serial().screws], dtype=np.intp)
-        keep = query.q0[joints].tolist()
-        free_axes = query.structure.free
-        for values, free in solver(query.target.homogeneous, keep):
-            for x in axes_for(query, joints, values, free_axes):
-                yield x, query.undetermined_axes(joints, free, free_axes)
-
-    return solve
 
 
 def _refuse_redundant(query: BranchQuery) -> None:

@@ -155,3 +155,8 @@ def test_a_basic_offset_says_where_the_partial_stands() -> None:
     # The carrier turned by 90 degrees about Z as seen from the table: X of the offset becomes Y.
     (turned,) = told([*AT_TABLE, "trafo[3].base[0] 30000000", "trafo[3].base[5] 900000"], "CB454")
     assert "at X 0, Y 3000, Z 0 mm" in turned.text
+    # 2121.3203 mm along X and Y, turned by 45 degrees, lie along X; rounding leaves no sign at zero.
+    for sign, along in ((1, "-3000"), (-1, "3000")):
+        base = [f"trafo[3].base[{n}] {sign * 21213203}" for n in (0, 1)]
+        (turned,) = told([*AT_TABLE, *base, "trafo[3].base[5] 450000"], "CB454")
+        assert f"at X {along}, Y 0, Z 0 mm" in turned.text

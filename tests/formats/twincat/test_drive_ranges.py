@@ -79,6 +79,16 @@ def test_the_page_moves_a_bent_axis_likewise(tmp_path: Path) -> None:
     assert motion.axes[:, 3].max() == pytest.approx(100.0)
 
 
+@pytest.mark.parametrize("zero", [-1200000, 1200000])
+def test_a_turn_without_limits_of_its_own_has_those_of_its_drive(zero: int, tmp_path: Path) -> None:
+    """At A = 0 the drive of C stands at C + HD16: its limits reach ∓120 degrees further on the axis."""
+    overlay = f"[limits]\n{LINEAR}A = [-30, 30]\n[limits.drives]\nC = [-150, 100]\n"
+    robot = Robot.load(machine_file(tmp_path, text_of(59, {**CARDAN, 15: zero}), overlay))
+    off = robot.drives([0, 0, 0, 0, 0])[3]
+    assert abs(off) == pytest.approx(120.0)
+    assert (robot.axes[3].lower, robot.axes[3].upper) == pytest.approx((-150.0 - off, 100.0 - off), abs=1e-9)
+
+
 def test_a_held_axis_is_told_the_limits_that_are_tested(tmp_path: Path) -> None:
     robot = geared(tmp_path)
     refused = robot.ik(robot.fk([0, 0, 0, 0, 30]), held={"A": 120.0})

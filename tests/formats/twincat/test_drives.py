@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import chainbuild
-from chainbuild import ChainbuildError, Robot
+from chainbuild import AffineDrives, ChainbuildError, Robot
+from chainbuild.formats.twincat.maps.drives import BevelDrives
 from tests.kit.machine_files import machine_file
 
 LINEAR = "X = [-3000, 3000]\nY = [-3000, 3000]\nZ = [-3000, 3000]\n"
@@ -74,6 +75,22 @@ def test_28_by_the_gear(tmp_path: Path, place: str) -> None:
     # What the other place of the signs gives is another answer.
     other = gear_28(30.0, 40.0, (-signs[0], -signs[1]))
     assert robot.drives([0, 0, 0, 30, 40])[3:].tolist() != pytest.approx(other)
+
+
+def test_28_a_gear_that_reverses(tmp_path: Path) -> None:
+    """A_drive = A·HD16/HD17, here -A; 1:1 it is no gear at all."""
+    robot = robot_of(tmp_path, 28, {**GEAR_2, 16: -1})
+    assert robot.drives([1, 2, 3, 40, 50]).tolist() == [1, 2, 3, 40, -50]
+    assert robot_of(tmp_path, 28, {**GEAR_2, 16: 1}).chain.drives is None
+
+
+def test_28_a_gear_without_an_offset_has_no_signed_zeros(tmp_path: Path) -> None:
+    robot = robot_of(tmp_path, 28, {**GEAR_2, 14: -1, 15: -1}, gear_flag_place="before_gear")
+    drives = robot.chain.drives
+    assert isinstance(drives, AffineDrives)
+    assert drives.b.tolist() == [0.0] * 5
+    assert not np.signbit(drives.b).any()
+    assert not np.signbit(drives.A[drives.A == 0.0]).any()
 
 
 def test_28_axis_values_that_are_the_drives(tmp_path: Path) -> None:
@@ -228,6 +245,8 @@ def test_76_machine_axes_point_the_tool_where_it_is_programmed(tmp_path: Path, a
         }[axes_stand]
         found = rot((0, 0, 1), 20.0 if mounting == "plus" else -20.0) @ head @ z
         assert found == pytest.approx(robot.fk(axes).rotation[:, 2], abs=1e-12)
+        assert isinstance(robot.chain.drives, BevelDrives)
+        assert robot.chain.drives.direction(robot.drives(axes)) == pytest.approx(head @ z, abs=1e-12)
         check_derivative(robot, axes)
     assert robot.drives(np.zeros(5))[4] == pytest.approx(
         -20.0 if axes_stand == "upright" and mounting == "plus" else 20.0 if axes_stand == "upright" else 0.0, abs=1e-9

@@ -70,6 +70,7 @@ def test_table_flag_coding(kin: int) -> None:
             ("plus_minus_one", 0, 1), ("plus_minus_one", 1, 1), ("plus_minus_one", -1, -1),
         ):  # fmt: skip
             built = build(kin, {flag: value}, table_flag_coding=choice)
+            assert "CB430" not in built.codes()
             assert built.base_rotation(frame, axes) == pytest.approx(TURN[letter(row.name)](sense * 10.0), abs=1e-14)
 
 

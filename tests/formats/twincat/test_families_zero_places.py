@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
 from chainbuild.formats.twincat.lists.hdtable import type_data
+from chainbuild.formats.twincat.recipes.recipe import Params
 from tests.kit.kin_types import build
 
 # Type, HD values → frame and its place in the machine base at zero of all axes.
@@ -66,3 +69,9 @@ def test_rotary_axes_lie_at_the_origin_without_offsets(kin: int) -> None:
     for row in type_data()[kin].axes:
         if row.kind == "rotary":
             assert built.base_mm(row.name, built.zeros()) == pytest.approx((0, 0, 0), abs=1e-12)
+
+
+def test_a_zero_of_the_list_has_no_sign() -> None:
+    """Written as -0: what is shown of it would be -0."""
+    value = Params(type_data()[58], {1: -0.0}).mm(1)
+    assert (value, math.copysign(1.0, value)) == (0.0, 1.0)

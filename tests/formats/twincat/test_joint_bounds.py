@@ -42,3 +42,27 @@ def test_bounds_hold_every_reachable_joint_value(kin: int, tmp_path: Path) -> No
     assert (found <= high + 1e-9).all(), (found.max(axis=0), high)
     span = found.max(axis=0) - found.min(axis=0)
     assert (high - low <= 2.0 * span + 1e-9).all(), (high - low, span)
+
+
+def test_a_quarter_turn_is_not_left(tmp_path: Path) -> None:
+    """70 at ±90 degrees: wherever CV stands the head turns its axes no further, and no rounding says otherwise."""
+    path = tmp_path / "machine.lis"
+    path.write_text("trafo[0].id 70\nEnde\n")
+    (tmp_path / "machine.chainbuild.toml").write_text("[limits]\nB = [-90.0, 90.0]\nA = [-90.0, 90.0]\n")
+    model = chainbuild.Robot.load(path).model
+    assert np.degrees(model.lowerPositionLimit[3:]).tolist() == pytest.approx([-90.0, -90.0])
+    assert np.degrees(model.upperPositionLimit[3:]).tolist() == pytest.approx([90.0, 90.0])
+
+
+@pytest.mark.parametrize("offset", [-50000, 50000])
+def test_a_nozzle_is_longest_at_its_larger_tilt(offset: int, tmp_path: Path) -> None:
+    """25: length·(1/cos a - 1) with a = A ± 5 degrees, for A within ±60 degrees: from 0 to that at 65 degrees."""
+    path = tmp_path / "machine.lis"
+    path.write_text(f"trafo[0].id 25\ntrafo[0].param[0] 1500000\ntrafo[0].param[2] {offset}\nEnde\n")
+    (tmp_path / "machine.chainbuild.toml").write_text("[limits]\nA = [-60.0, 60.0]\n")
+    chain = chainbuild.load(path).chain(tool_length_mm=80.0, conventions={"kin25_length": "head_and_gap"})
+    robot = chainbuild.Robot(chain)
+    n = [joint.name for joint in robot.chain.joints].index("nozzle")
+    longest = (0.15 + 0.08) * (1.0 / np.cos(np.radians(65.0)) - 1.0)
+    bounds = robot.model.lowerPositionLimit[n], robot.model.upperPositionLimit[n]
+    assert bounds == pytest.approx((0.0, longest), abs=1e-12)

@@ -52,6 +52,23 @@ def test_names_win_over_slots_and_tools_are_added() -> None:
     assert pose(chain, [0] * 5)[:3, 3] == pytest.approx([0, 0, -250 - 1 - 50])
 
 
+@pytest.mark.parametrize("k", [0, 2])
+def test_a_direction_in_slots_is_told_at_its_slot(k: int) -> None:
+    """PARAM[7] is the type of axis 0, [8] to [10] its direction, and each axis takes seven of them."""
+    axes = [replace(axis, orientation=tuple(2 * v for v in axis.orientation)) if n == k else axis
+            for n, axis in enumerate(CA_HEAD.axes)]  # fmt: skip
+    chain = machine("\n".join(replace(CA_HEAD, axes=axes).slots())).chain()
+    (told,) = [finding for finding in chain.findings if finding.code == "CB453"]
+    assert told.span is not None
+    assert told.span.text.startswith(f"trafo[0].param[{8 + 7 * k}] ")
+
+
+def test_tools_are_added_to_slots() -> None:
+    lines = [*CA_HEAD.slots(), "wz[3].kinematic.param[5] -10000"]
+    chain = machine("\n".join(lines), overlay=Overlay(tool={"number": 3.0})).chain()
+    assert pose(chain, [0] * 5)[:3, 3] == pytest.approx([0, 0, -250 - 1])
+
+
 def test_it_equals_58_and_9() -> None:
     # 58: A 500 below the machine zero, C 60 above A. 91 counts from the machine, 58 from the workpiece at zero.
     table = Universal(

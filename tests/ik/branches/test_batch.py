@@ -13,6 +13,7 @@ from scipy.spatial.transform import RigidTransform
 
 import chainbuild
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.opw import (
@@ -49,7 +50,7 @@ def row_of(name: str) -> int:
     return sum(lengths.get(before, 1) for before in CONSTANTS[: CONSTANTS.index(name)])
 
 
-def compare_with_single(robot: Robot, targets: np.ndarray, found: np.ndarray) -> int:
+def compare_with_single(robot: Robot, targets: np.ndarray, found: np.ndarray, within: float = 1e-9) -> int:
     """Compare with `ik_all`, pose by pose, and with Pinocchio; return how many branches there are."""
     count = 0
     for row, target in zip(found, targets, strict=True):
@@ -59,7 +60,7 @@ def compare_with_single(robot: Robot, targets: np.ndarray, found: np.ndarray) ->
         for one in kept:
             assert np.abs(one - single).max(axis=1).min() < 1e-5
             assert robot.violated_limits(one) == ()
-            assert np.abs(robot.fk(one).homogeneous - target).max() < 1e-9
+            assert np.abs(robot.fk(one).homogeneous - target).max() < within
         count += len(kept)
     return count
 
@@ -94,6 +95,42 @@ def test_the_same_where_the_wrist_stands_on_the_first_axis(compiled: bool) -> No
     targets[:, :3, 3] += np.stack([-centre[:, 0], -centre[:, 1], 0.0 * centre[:, 2]], axis=1)
     found = ik_all_batch(robot, targets, compiled=compiled)
     assert compare_with_single(robot, targets, found) > 100
+
+
+def narrowed(robot: Robot, **limits: tuple[float, float]) -> Robot:
+    """Return a robot with other limits of some axes."""
+    ends = {axis.name: limits.get(axis.name, (axis.lower, axis.upper)) for axis in robot.axes}
+    axes = [replace(axis, lower=ends[axis.name][0], upper=ends[axis.name][1]) for axis in robot.axes]
+    return Robot(replace(robot.chain, axes=tuple(axes)))
+
+
+@both_paths
+def test_a_free_axis_of_the_wrist_is_placed_where_all_limits_hold(compiled: bool) -> None:
+    """A4 in the middle of its limits would turn A6 beyond its own."""
+    robot = narrowed(arm(), A4=(-100.0, 100.0), A6=(-60.0, 60.0))
+    axes = np.array(poses(robot, 40))
+    axes[:, 4] = 0.0
+    axes[:, 3] = np.linspace(-100.0, 100.0, len(axes))
+    targets = robot.fk_batch(axes)
+    found = ik_all_batch(robot, targets, compiled=compiled)
+    assert compare_with_single(robot, targets, found) > 40
+    assert np.isfinite(found[:, :4, 0]).any(axis=1).all()
+    loose = ik_all_batch(robot, targets, limits=False, compiled=compiled)
+    assert (np.abs(found - loose)[np.isfinite(found)] > 1.0).any()
+    kept = np.isfinite(found[:, :, :3]) & np.isfinite(loose[:, :, :3])  # the slot is that of the same branch
+    assert np.abs((found - loose)[:, :, :3][kept]).max() < 1e-5
+
+
+@both_paths
+def test_a_free_axis_keeps_sums_of_axes(compiled: bool) -> None:
+    sums = AxisConstraint("A4 + A2", AxisSum((0.0, 1.0, 0.0, 1.0, 0.0, 0.0), 0.0), 20.0, 90.0)
+    robot = narrowed(Robot(replace(arm().chain, constraints=(sums,))), A4=(-170.0, 170.0))
+    axes = np.array(poses(arm(), 15))
+    axes[:, 3], axes[:, 4] = np.clip(np.linspace(20.0, 90.0, len(axes)) - axes[:, 1], -170.0, 170.0), 0.0
+    targets = robot.fk_batch(axes)
+    found = ik_all_batch(robot, targets, compiled=compiled)
+    # A branch that ends on a limit of an axis is moved onto it by what rounding may leave.
+    assert compare_with_single(robot, targets, found, within=1e-7) > 15
 
 
 @both_paths

@@ -18,6 +18,7 @@ from chainbuild.convention import Choices
 from chainbuild.errors import MachineDataError, OverlayError, Span
 from chainbuild.findings import Collector
 from chainbuild.formats.overlay import Overlay
+from chainbuild.formats.sinumerik.reading.assignment import Assignment
 from chainbuild.formats.sinumerik.reading.catalogue import lookup
 from chainbuild.formats.sinumerik.reading.data_table import DataTable
 from chainbuild.formats.sinumerik.reading.robx import Robx, Vector3
@@ -170,11 +171,30 @@ def active_tool(table: DataTable, overlay: Overlay, collector: Collector, area: 
     plane = int(settings.get("plane", _G17))
     if plane not in _WORKING_PLANES:
         raise _error(overlay, "plane", "17, 18 or 19")
-    values, name, span = _from_file(table, area, overlay, settings, collector)
-    own = {key.removeprefix("TC_"): value for key, value in settings.items() if key not in _CHOOSERS}
+    rows, name = _from_file(table, area, overlay, settings, collector)
+    values = {datum: row.value for datum, row in rows.items() if not isinstance(row.value, str)}
+    own = _own(settings)
     if own:
         values, name = {**values, **own}, f"{name} and overlay" if name else "overlay"
-    return _tool(values, plane, name, span)
+    return _tool(values, plane, name, next(iter(rows.values())).span if rows else None)
+
+
+def active_data(
+    table: DataTable, overlay: Overlay, channel: int
+) -> tuple[Mapping[str, Assignment], Mapping[str, float]]:
+    """Return the active tool's data in the file, and those of the overlay, which win, by names such as "DP3".
+
+    Raises:
+        OverlayError: see `active_tool`.
+    """
+    settings = _settings(overlay)
+    rows, _ = _from_file(table, _area(table, channel), overlay, settings, Collector(strict=False))
+    return rows, _own(settings)
+
+
+def _own(settings: Mapping[str, float]) -> dict[str, float]:
+    """Return the overlay's tool data by their names."""
+    return {key.removeprefix("TC_"): value for key, value in settings.items() if key not in _CHOOSERS}
 
 
 def _settings(overlay: Overlay) -> dict[str, float]:
@@ -199,7 +219,7 @@ def _error(overlay: Overlay, key: str, permitted: str) -> OverlayError:
 
 def _from_file(
     table: DataTable, area: int, overlay: Overlay, settings: Mapping[str, float], collector: Collector
-) -> tuple[dict[str, float], str, Span | None]:
+) -> tuple[Mapping[str, Assignment], str]:
     edges = table.tools(area)
     if "number" in settings:
         wanted = (int(settings["number"]), int(settings.get("edge", 1)))
@@ -214,10 +234,8 @@ def _from_file(
         if edges and not settings.keys() - set(_CHOOSERS):
             text = f"the file holds {len(edges)} cutting edges; none is active"
             collector.add("CB337", text, span=Span(table.reading.file), hint="choose one in the overlay: tool.number")
-        return {}, "", None
-    rows = edges[wanted]
-    values = {name: row.value for name, row in rows.items() if not isinstance(row.value, str)}
-    return values, f"T{wanted[0]} D{wanted[1]}", next(iter(rows.values())).span
+        return {}, ""
+    return edges[wanted], f"T{wanted[0]} D{wanted[1]}"
 
 
 def _tool(values: Mapping[str, float], plane: int, name: str, span: Span | None) -> Tool:

@@ -14,7 +14,7 @@ from chainbuild.formats.sinumerik.reading.reader import Reading
 from chainbuild.formats.sinumerik.reading.values import ElementIndex, Value
 
 _SHARED: Final = 0  # stands for "no channel" in keys: NC, axis and tool data are the same for all channels
-_Key = tuple[int, bool, str, ElementIndex]
+DatumKey = tuple[int, bool, str, ElementIndex]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class DataTable:
     """
 
     reading: Reading
-    rows: Mapping[_Key, Assignment]
+    rows: Mapping[DatumKey, Assignment]
 
     def channel(self, number: int, *, te4: bool = False) -> ChannelData:
         """Return the data of one channel, under ROBX's names or under TE4's."""
@@ -121,7 +121,7 @@ class ChannelData:
 
 def tabulate(reading: Reading, collector: Collector) -> DataTable:
     """Build the table of a file; a repeated assignment is replaced, with a warning where the values differ."""
-    rows: dict[_Key, Assignment] = {}
+    rows: dict[DatumKey, Assignment] = {}
     equal: list[Assignment] = []
     for row in reading.assignments:
         channel = row.channel if row.datum.prefix == "MC" else row.area if row.datum.prefix == "TC" else _SHARED
@@ -141,19 +141,21 @@ def tabulate(reading: Reading, collector: Collector) -> DataTable:
     return DataTable(reading, rows)
 
 
-def with_values(table: DataTable, values: Mapping[tuple[int, bool, str, int | None], tuple[float, Span]]) -> DataTable:
-    """Return a table with other values of some channel data.
+def with_values(table: DataTable, values: Mapping[DatumKey, tuple[float, Span]]) -> DataTable:
+    """Return a table with other values of some channel and tool data.
 
     Args:
         table: The table.
-        values: (channel, TE4 name?, datum name, index) → value, and the place of one that the file does not give.
+        values: (channel or tool area, TE4 name?, datum name, index) → value, and the place of one that the file
+            does not give.
     """
     rows = dict(table.rows)
-    for (channel, te4, name, index), (value, span) in values.items():
-        key: _Key = (channel, te4, name, index)
+    for key, (value, span) in values.items():
+        channel, te4, name, index = key
         row = rows.get(key)
         if row is None:
-            row = Assignment(catalogue()[name], te4, index, value, channel, span)
+            area = channel if isinstance(index, tuple) else _SHARED
+            row = Assignment(catalogue()[name], te4, index, value, channel, span, area)
         rows[key] = replace(row, value=value)
     return DataTable(table.reading, rows)
 

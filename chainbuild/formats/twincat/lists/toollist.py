@@ -43,6 +43,7 @@ class Tool:
         kin_name: Partial kinematic that carries it (P-TOOL-00148), or an empty string.
         kin_id: Kinematic to be used with it (P-TOOL-00011); 0: the channel's default.
         axis_offsets: j → ax_versatz[j], the list's counts (P-TOOL-00006).
+        places: "laenge" and "radius" → where the list gives them.
         inches: True where the list counts it in inches (P-TOOL-00008), which is not read.
     """
 
@@ -54,6 +55,7 @@ class Tool:
     kin_name: str = ""
     kin_id: int = 0
     axis_offsets: Mapping[int, RawValue] = field(default_factory=dict)
+    places: Mapping[str, Span] = field(default_factory=dict)
     inches: bool = False
 
 
@@ -73,7 +75,7 @@ def read_tools(parameters: ParameterList, collector: Collector) -> dict[int, Too
 
 def _tool(number: int, entries: Iterable[Assignment], collector: Collector) -> Tool:
     values: dict[str, float] = {}
-    lengths: list[RawValue] = []
+    lengths: dict[str, RawValue] = {}
     params: dict[int, RawValue] = {}
     offsets: dict[int, RawValue] = {}
     kin_name, span = "", None
@@ -97,10 +99,10 @@ def _tool(number: int, entries: Iterable[Assignment], collector: Collector) -> T
                     unit: Unit = "mm" if key in ("laenge", "radius") else ""
                     check_number(values[key], entry.raw, entry.name, entry.span, unit, collector)
                     if unit:
-                        lengths.append(RawValue(values[key], entry.name, entry.span, entry.raw))
+                        lengths[key] = RawValue(values[key], entry.name, entry.span, entry.raw)
                 case _:
                     _warn_misspelt(entry, collector)
-    check_lengths(lengths, f"length and radius of tool {number} are", "mm", collector)
+    check_lengths(list(lengths.values()), f"length and radius of tool {number} are", "mm", collector)
     assert span is not None  # a tool exists by its entries
     return Tool(
         number=number,
@@ -111,6 +113,7 @@ def _tool(number: int, entries: Iterable[Assignment], collector: Collector) -> T
         kin_name=kin_name,
         axis_offsets=offsets,
         kin_id=int(values.get("kin_id", 0)),
+        places={key: entry.span for key, entry in lengths.items()},
         inches=values.get("mass_einheit", _MILLIMETRES) != _MILLIMETRES,
     )
 

@@ -15,8 +15,10 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from chainbuild.arrays import Vector
-from chainbuild.ik.branches.core.branches import Candidate, verified
+from chainbuild.ik.branches.core.axis_values import axes_for
+from chainbuild.ik.branches.core.branches import Candidate, collect, verified
 from chainbuild.ik.branches.core.query import BranchQuery
+from chainbuild.ik.branches.core.serial import ArmSolver
 
 # SI axis values that may be solutions of a query, with the indices of their free axes.
 SolutionsOf = Callable[[BranchQuery], Iterator[tuple[Vector, list[int]]]]
@@ -28,6 +30,28 @@ _ROOT_STEPS: Final = 60  # far more than the ten that a smooth margin needs
 _AT_ZERO: Final = 1e-11  # m or rad: a margin so small is inside, within the slack
 _THIRD: Final = 0.382  # golden section
 _PEAK_STEPS: Final = 45  # golden sections that bring 20 degrees to 1e-10 rad: the square of it is below rounding
+
+
+def solutions_of(solver: ArmSolver) -> SolutionsOf:
+    """Return what yields SI axis values that may be solutions, with their free axes."""
+
+    def solve(query: BranchQuery) -> Iterator[tuple[Vector, list[int]]]:
+        joints = np.array([screw.joint for screw in query.serial().screws], dtype=np.intp)
+        keep = query.q0[joints].tolist()
+        free_axes = query.structure.free
+        for values, free in solver(query.target.homogeneous, keep):
+            for x in axes_for(query, joints, values, free_axes):
+                yield x, query.undetermined_axes(joints, free, free_axes)
+
+    return solve
+
+
+def placed_branches(query: BranchQuery, solve: SolutionsOf) -> Iterator[tuple[Vector, Vector]]:
+    """Yield the branches with free axes, mm and degrees: these at the start, and where all limits hold."""
+    for (x, free), placed in zip(solve(query), with_free_axes_inside(query, solve), strict=True):
+        found = collect(query, [placed] if free else []).branches
+        if len(found):
+            yield query.shown(x), found[0].axes
 
 
 def with_free_axes_inside(query: BranchQuery, solve: SolutionsOf) -> Iterator[Candidate]:

@@ -10,8 +10,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import rigid_rows
+from chainbuild.ik.branches.arms.arms import arm_solver
+from chainbuild.ik.branches.core.free_axis import placed_branches, solutions_of
+from chainbuild.ik.branches.core.query import BranchQuery
+from chainbuild.ik.branches.core.subproblems import ON_AXIS
 from chainbuild.ik.branches.opw.constants import opw_constants
-from chainbuild.ik.branches.opw.formulas import BRANCHES, constant_rows, finished, flipped, upper_branches
+from chainbuild.ik.branches.opw.formulas import (
+    BRANCHES,
+    affine,
+    constant_rows,
+    finished,
+    flipped,
+    upper_branches,
+)
+from chainbuild.ik.request import IkRequest
 from chainbuild.ik.search.batch import at_row, pose_array
 from chainbuild.ik.search.compiled import packing
 from chainbuild.ik.search.solver import refusal
@@ -24,6 +36,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+_STRAIGHT: Final = 2.0 * ON_AXIS  # sine of θ5: what the formulas take for straight, and rounding
+_SAME_BRANCH: Final = 1e-3  # degrees: far above rounding, far below the distance of branches
 _CHUNK: Final = 2048  # poses at a time: their data stay in the processor's cache
 _LAST_ROW: Final = (0.0, 0.0, 0.0, 1.0)  # of a rigid transform
 
@@ -39,10 +53,10 @@ def ik_all_batch(
     """Return all branches (n, 8, 6) of poses, mm and degrees; NaN where a branch does not exist.
 
     They are the branches of `ik_all` without a start: whole turns end near the middle of the limits, and an axis that
-    does not affect a pose is placed there. Every row of numbers was confirmed by forward kinematics to 1e-6 m and
-    1e-6 rad. Slot 4·flip + 2·shoulder + elbow is the same branch in every pose: flip 0 has θ5 ≥ 0 (the wrist turned
-    from straight in the one sense), shoulder 0 the arm in front of axis 1, elbow 0 and 1 its two bends. Branches that
-    coincide fill the first of their slots.
+    does not affect a pose is placed where all limits hold, as near to there as possible. Every row of numbers was
+    confirmed by forward kinematics to 1e-6 m and 1e-6 rad. Slot 4·flip + 2·shoulder + elbow is the same branch in every
+    pose: flip 0 has θ5 ≥ 0 (the wrist turned from straight in the one sense), shoulder 0 the arm in front of axis 1,
+    elbow 0 and 1 its two bends. Branches that coincide fill the first of their slots.
 
     Args:
         robot: A six-axis arm whose axes stand at right angles or parallel, with a spherical wrist.
@@ -67,7 +81,8 @@ def ik_all_batch(
     _refuse_what_is_not_rigid(targets, np.flatnonzero(doubtful))
     if limits and robot.limits.sums:
         for chunk in _chunks(len(targets)):
-            _keep_sums(robot, axes[chunk])
+            _keep_sums(robot, constants, axes[chunk])
+    _place_straight_wrists(robot, targets, axes)
     return axes if units == "controller" else axes * factors
 
 
@@ -94,18 +109,41 @@ def _write_branches(targets: Array, constants: Array, axes: Array, doubtful: NDA
         T = np.ascontiguousarray(targets[chunk, :3].transpose(1, 2, 0)).reshape(12, -1)
         with np.errstate(invalid="ignore", divide="ignore"):
             M, *upper = upper_branches(T, rows)
-            branches = np.array([branch[:6] for branch in (*upper, *map(flipped, upper))])  # (8, 6, m)
-            found = finished(branches.swapaxes(0, 1), M, rows)
+            every = (*upper, *map(flipped, upper))
+            branches, straight = np.array([one[:6] for one in every]), np.array([one[6] for one in every])
+            found = finished(branches.swapaxes(0, 1), straight, M, rows)  # six times (8, m)
         axes[chunk] = np.array(found).transpose(2, 1, 0)
-        doubtful[chunk] = np.isnan(found[0]).all(axis=0) | (targets[chunk, 3] != _LAST_ROW).any(axis=1)
+        doubtful[chunk] = ~np.isfinite(found[0]).any(axis=0) | (targets[chunk, 3] != _LAST_ROW).any(axis=1)
 
 
-def _keep_sums(mechanism: Mechanism, axes: Array) -> None:
-    """Leave out branches (m, 8, 6) that break a limit on a sum of axes."""
+def _keep_sums(mechanism: Mechanism, constants: Array, axes: Array) -> None:
+    """Leave out branches (m, 8, 6) that break a limit on a sum of axes; with a straight wrist they become infinite."""
+    backward = constant_rows(constants)[4]
     for constraint in mechanism.limits.sums:
-        total = axes @ np.array(constraint.sum.coefficients) + constraint.sum.offset
+        with np.errstate(invalid="ignore"):
+            total = axes @ np.array(constraint.sum.coefficients) + constraint.sum.offset
         kept = (total >= constraint.lower - LIMIT_SLACK) & (total <= constraint.upper + LIMIT_SLACK)
-        axes[~kept] = np.nan
+        broken = ~kept & np.isfinite(axes[:, :, 0])
+        straight = np.abs(np.sin(affine(axes[broken].T, backward)[4])) < _STRAIGHT
+        axes[broken] = np.where(straight, np.inf, np.nan)[:, None]
+
+
+def _place_straight_wrists(mechanism: Mechanism, targets: Array, axes: Array) -> None:
+    """Place the free axis of infinite branches (n, 8, 6) where all limits hold, as `ik_all` does; else NaN."""
+    rows = np.flatnonzero(np.isinf(axes[:, :, 0]).any(axis=1))
+    if not len(rows):
+        return
+    loose, _ = np.empty((len(rows), BRANCHES, 6)), np.empty(len(rows), dtype=bool)
+    _write_branches(targets[rows], _constants(mechanism, False), loose, _)
+    for row, branches in zip(rows.tolist(), loose, strict=True):
+        slots = np.flatnonzero(np.isinf(axes[row, :, 0]))
+        axes[row, slots] = np.nan
+        query = BranchQuery.of(IkRequest(mechanism, targets[row]))
+        known = arm_solver(query.serial(), "pose")
+        for at_start, inside in placed_branches(query, solutions_of(known[1])) if known else ():
+            turned = np.abs(np.remainder(branches[slots] - at_start + 180.0, 360.0) - 180.0).max(axis=1)
+            if np.nanmin(turned, initial=np.inf) < _SAME_BRANCH:
+                axes[row, slots[int(np.nanargmin(turned))]] = inside
 
 
 def _refuse_what_is_not_rigid(targets: Array, doubtful: NDArray[np.intp]) -> None:

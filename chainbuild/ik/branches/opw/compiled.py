@@ -157,7 +157,7 @@ def _block(poses, constants, axes, doubtful):
             none = True
             for n in range(48):
                 axes[first + i, n] = found[n * _LANE + i]
-                none &= math.isnan(found[n * _LANE + i])
+                none &= not math.isfinite(found[n * _LANE + i])
             T = poses[first + i]
             doubtful[first + i] = none or T[3, 0] != 0.0 or T[3, 1] != 0.0 or T[3, 2] != 0.0 or T[3, 3] != 1.0
 
@@ -170,7 +170,7 @@ def _all_branches(fingerprint: int) -> Any:
         Args:
             poses: (N, 4, 4) tool in the workpiece frame [m].
             constants: (n, 6), see `opw_branches.CONSTANTS`.
-            axes: (N, 48) out: eight times six axis values, mm and degrees.
+            axes: (N, 48) out: eight times six axis values, mm and degrees; see `opw_branches.finished`.
             doubtful: (N,) out: True where no branch confirms a pose or its last row is not 0 0 0 1.
         """
         if len(poses) < _ALONE:

@@ -93,12 +93,12 @@ def six(c: Operand, row: int) -> Operand:
 
 
 def all_branches(T: Operand, rows: Operand) -> Operand:
-    """Return the axis values of eight branches, six each; NaN where there is none."""
+    """Return the axis values of eight branches, six each; NaN where there is none; see `finished`."""
     M, a, b, c, d = upper_branches(T, rows)
     return (
-        finished(a, M, rows), finished(b, M, rows), finished(c, M, rows), finished(d, M, rows),
-        finished(flipped(a), M, rows), finished(flipped(b), M, rows),
-        finished(flipped(c), M, rows), finished(flipped(d), M, rows),
+        finished(a, a[6], M, rows), finished(b, b[6], M, rows), finished(c, c[6], M, rows), finished(d, d[6], M, rows),
+        finished(flipped(a), a[6], M, rows), finished(flipped(b), b[6], M, rows),
+        finished(flipped(c), c[6], M, rows), finished(flipped(d), d[6], M, rows),
     )  # fmt: skip
 
 
@@ -212,8 +212,11 @@ def flipped(branch: Operand) -> Operand:
     return first, second, third, fourth + math.pi, where(straight, np.nan, -fifth), sixth + math.pi, straight
 
 
-def finished(branch: Operand, M: Operand, rows: Operand) -> Operand:
-    """Return the axis values of a branch if it is inside the limits and meets the pose, else NaN."""
+def finished(branch: Operand, straight: Operand, M: Operand, rows: Operand) -> Operand:
+    """Return the axis values of a branch if it is inside the limits and meets the pose, else NaN.
+
+    Infinity where the branch is outside, but its wrist straight: another θ4 may bring it inside.
+    """
     _, _, arm, forward, backward, limits = rows
     x = affine(branch, forward)
     x0, in_0 = inside(x[0], limits, 0)
@@ -222,10 +225,13 @@ def finished(branch: Operand, M: Operand, rows: Operand) -> Operand:
     x3, in_3 = inside(x[3], limits, 3)
     x4, in_4 = inside(x[4], limits, 4)
     x5, in_5 = inside(x[5], limits, 5)
-    good = in_0 & in_1 & in_2 & in_3 & in_4 & in_5 & confirmed((x0, x1, x2, x3, x4, x5), M, arm, backward)
+    within = in_0 & in_1 & in_2 & in_3 & in_4 & in_5
+    good = within & confirmed((x0, x1, x2, x3, x4, x5), M, arm, backward)
+    # A branch that does not exist is no number in every axis.
+    none = where(straight, where(within, np.nan, (np.abs(x[0]) + 1.0) * np.inf), np.nan)
     return (
-        where(good, x0, np.nan), where(good, x1, np.nan), where(good, x2, np.nan),
-        where(good, x3, np.nan), where(good, x4, np.nan), where(good, x5, np.nan),
+        where(good, x0, none), where(good, x1, none), where(good, x2, none),
+        where(good, x3, none), where(good, x4, none), where(good, x5, none),
     )  # fmt: skip
 
 
