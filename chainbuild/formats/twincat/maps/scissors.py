@@ -21,7 +21,7 @@ from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m, rad_from_deg
 
 _Z: Final = 2  # index in X1, X2, Z, C
-_C: Final = 3
+_C: Final = 3  # likewise
 _STRETCHED: Final = 1e-12  # sine of the triangle's angle below which the rods lie in line
 
 

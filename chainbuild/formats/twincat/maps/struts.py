@@ -23,9 +23,9 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m, rad_from_deg
 
-Point = tuple[float, float, float]
+Centre = tuple[float, float, float]
 
-_ARMS: Final = 3
+_ARMS: Final = 3  # three balls have a common point
 _TO_SI: Final = {"linear": m_from_mm, "rotary": rad_from_deg}
 _SHOWN: Final = {"linear": mm_from_m, "rotary": deg_from_rad}
 _PER_ARM: Final = 3  # joints: the axis, and two angles of the rod
@@ -50,18 +50,18 @@ class Column:
 
     kind = "linear"
 
-    def centre(self, value: float) -> tuple[Point, Point, float]:
+    def centre(self, value: float) -> tuple[Centre, Centre, float]:
         """Return the centre of the ball [m], its derivative by the axis, and the turn of the rod's frame [rad]."""
         x, y = _direction(self.angle_deg)
         return (self.radius * x, self.radius * y, self.sign * value), (0.0, 0.0, self.sign), 0.0
 
-    def values(self, p: Point, radius: float, side: float) -> list[float]:
+    def values(self, p: Centre, radius: float, side: float) -> list[float]:
         """Return the axis values [m] for a platform point: one, the carriage above (side 1) or below it."""
         x, y = _direction(self.angle_deg)
         square = radius**2 - (p[0] - self.radius * x) ** 2 - (p[1] - self.radius * y) ** 2
         return [self.sign * (p[2] + side * math.sqrt(square))] if square >= 0.0 else []
 
-    def missing(self, p: Point, radius: float) -> float:
+    def missing(self, p: Centre, radius: float) -> float:
         """Return how much longer [m] the rod would have to be for a platform point; 0 or less: it is long enough."""
         x, y = _direction(self.angle_deg)
         return math.hypot(p[0] - self.radius * x, p[1] - self.radius * y) - radius
@@ -85,7 +85,7 @@ class Lever:
 
     kind = "rotary"
 
-    def centre(self, value: float) -> tuple[Point, Point, float]:
+    def centre(self, value: float) -> tuple[Centre, Centre, float]:
         """Return the centre of the ball [m], its derivative by the axis, and the turn of the rod's frame [rad]."""
         x, y = _direction(self.angle_deg)
         angle = value - rad_from_deg(self.zero_deg)
@@ -93,7 +93,7 @@ class Lever:
         out, slope = self.radius + self.length * c, -self.length * s
         return (out * x, out * y, -self.length * s), (slope * x, slope * y, -self.length * c), angle
 
-    def values(self, p: Point, radius: float, side: float) -> list[float]:
+    def values(self, p: Centre, radius: float, side: float) -> list[float]:
         """Return the axis values [rad] for a platform point: two, the elbow outside first."""
         # In the plane of the lever: |u - length·(cos θ, -sin θ)|² = r² - across².
         x, y = _direction(self.angle_deg)
@@ -110,7 +110,7 @@ class Lever:
         both.sort(key=lambda angle: -math.cos(angle))
         return [math.remainder(angle, math.tau) + rad_from_deg(self.zero_deg) for angle in both]
 
-    def missing(self, p: Point, radius: float) -> float:
+    def missing(self, p: Centre, radius: float) -> float:
         """Return how much longer (positive) or shorter [m] lever and rod would have to be for a platform point."""
         x, y = _direction(self.angle_deg)
         out, across = p[0] * x + p[1] * y - self.radius, p[1] * x - p[0] * y
@@ -177,7 +177,7 @@ class ThreeRodsMap:
             q += [value, *self._rod_angles(arm, p, centre, turned)]
         return np.array(q)
 
-    def _rod_angles(self, arm: Column | Lever, p: Point, centre: Point, turned: float) -> tuple[float, float]:
+    def _rod_angles(self, arm: Column | Lever, p: Centre, centre: Centre, turned: float) -> tuple[float, float]:
         x, y = _direction(arm.angle_deg)
         dx, dy = p[0] - centre[0], p[1] - centre[1]
         out, across, up = dx * x + dy * y, dy * x - dx * y, p[2] - centre[2]
@@ -185,7 +185,7 @@ class ThreeRodsMap:
         lean = math.asin(max(-1.0, min(1.0, -s * across / self.rod)))
         return math.remainder(math.atan2(s * out, s * up) - turned, math.tau), lean
 
-    def common(self, centres: Sequence[Point]) -> Point | None:
+    def common(self, centres: Sequence[Centre]) -> Centre | None:
         """Return the common point [m] of balls about three centres, or None where there is none."""
         (ax, ay, az), b, c = centres
         ux, uy, uz = b[0] - ax, b[1] - ay, b[2] - az
@@ -267,7 +267,7 @@ class ThreeRodsMap:
             text = "the rods hold nothing: their joints lie on a line, about which the platform could turn"
         return AxisValueError(text, parameter=self.names[n], permitted=permitted)
 
-    def _worst(self, centres: Sequence[Point]) -> tuple[int, float]:
+    def _worst(self, centres: Sequence[Centre]) -> tuple[int, float]:
         """Return the rod that misses the circle on which the others meet by most, and by how much [m]."""
         found = []
         for n in range(_ARMS):
@@ -323,7 +323,7 @@ class ThreeRodsMap:
             own[n] = reached[int(rng.integers(len(reached)))]
         return self._shown(own)
 
-    def _near(self, value: float, rng: np.random.Generator) -> Point:
+    def _near(self, value: float, rng: np.random.Generator) -> Centre:
         """Return a random point on the ball of the first arm, on the platform's side of its centre."""
         (x, y, z), _, _ = self.arms[0].centre(value)
         out = rng.normal(size=3)
