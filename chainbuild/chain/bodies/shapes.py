@@ -32,6 +32,7 @@ WORKPIECE_SIDE: Final[tuple[Colour, Colour]] = ((0.10, 0.55, 0.55), (0.33, 0.71,
 _STOUT: Final = 0.055
 _SLENDER: Final = 0.032
 _HUB: Final = 0.5  # of a link's radius: the middle of a platform that hangs on rods, and its arms
+_SPECK: Final = 0.01  # likewise: a shift of a platform alone is nothing one could see
 # A machine with long strokes and small heads is drawn as thick as an arm of this share of its stroke.
 _STROKE_SHARE: Final = 0.35
 # Without known limits: the range drawn and swept, as a share of the machine's size, and in degrees.
@@ -176,7 +177,8 @@ class _Drawing:
             return self._base_body()
         radius, end, colour = self.radius(link), self.end(link), self.colour(link)
         if link in self.floating:
-            return _body(link, "link", np.eye(4), "sphere", (_HUB * radius,), colour)
+            carries = any(frame.link == link and frame.name in self.loop_ends for frame in self.chain.frames)
+            return _body(link, "link", np.eye(4), "sphere", ((_HUB if carries else _SPECK) * radius,), colour)
         length, linear = float(np.linalg.norm(end)), joint.kind == "prismatic"
         if length > 0.5 * radius:
             T = _along(end, end / 2)
