@@ -37,6 +37,10 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.analysis.singularity.singularity import Singularity as Singularity
     from chainbuild.analysis.singularity.speeds import AxisSpeed as AxisSpeed
     from chainbuild.analysis.singularity.speeds import SpeedReport as SpeedReport
+    from chainbuild.analysis.verdicts.blockverdicts import BlockVerdict as BlockVerdict
+    from chainbuild.analysis.verdicts.blockverdicts import SingularityVerdicts as SingularityVerdicts
+    from chainbuild.analysis.verdicts.blockverdicts import VerdictPart as VerdictPart
+    from chainbuild.analysis.verdicts.judging import singularity_verdicts as singularity_verdicts
     from chainbuild.analysis.workspace.maps import Map as Map
     from chainbuild.analysis.workspace.maps import make_map as make_map
     from chainbuild.analysis.workspace.mapspec import Grid as Grid
@@ -161,6 +165,8 @@ _HOMES = {
     "chainbuild.analysis.singularity.nearest": "Nearest nearest_singularity",
     "chainbuild.analysis.singularity.singularity": "Singularity",
     "chainbuild.analysis.singularity.speeds": "AxisSpeed SpeedReport",
+    "chainbuild.analysis.verdicts.blockverdicts": "BlockVerdict SingularityVerdicts VerdictPart",
+    "chainbuild.analysis.verdicts.judging": "singularity_verdicts",
     "chainbuild.analysis.workspace.maps": "Map make_map",
     "chainbuild.analysis.workspace.mapspec": "Grid MapKind MapSpec",
     "chainbuild.chain.axismap": "AffineMap AxisMap",

@@ -28,6 +28,7 @@ class Convention:
         why: Why the default is the default.
         verify: What to look at on the controller to decide it.
         source: Manual section.
+        poses: Whether a choice can change a pose, so that recorded poses can decide it.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Convention:
     why: str
     verify: str
     source: str
+    poses: bool = True
 
     def __repr__(self) -> str:
         choices = " | ".join(f"{choice} (default)" if choice == self.default else choice for choice in self.choices)

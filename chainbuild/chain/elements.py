@@ -182,6 +182,10 @@ class SingularityWatch:
         threshold: SD41670: at and below it a position is singular; None where the file does not give it.
         clearance: SD41671: between the two a position is examined more closely; None likewise.
         speed_alarm: Alarm where an axis would exceed its speed.
+        handled: MD28592: whether blocks with singular parts are split; None where the file does not say.
+        measure: What the two are compared with: the choice of convention `singularity_measure`.
+        block: What the alarm of a singular block counts: the choice of `singular_block`.
+        lacks: Why the control does not handle singular blocks of this kinematic; empty: it does.
     """
 
     __repr__ = fields_shown
@@ -189,6 +193,10 @@ class SingularityWatch:
     threshold: float | None
     clearance: float | None
     speed_alarm: int
+    handled: bool | None = None
+    measure: str = "one_minus_cosine"
+    block: str = "whole_block"
+    lacks: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,7 +2,8 @@
 
 `entry` builds the application; the commands are `info`, `check`, `types`, `fk`, `ik`, `urdf`, `inspect`, `demo`,
 `singularity`, `collide`, `limits`, `workspace`, `crosscheck`, `couple`, `as_universal` and `warm`. What several of them
-use: `usage`, `show`, `axisvalues`, `info_tables`, `open_points`, `progress`, `process`.
+use: `usage`, `show`, `axisvalues`, `info_tables`, `open_points`, `progress`, `process`; of paths `pathinput`,
+`pathreport`, `pathdata`, `pathnotes` and `verdicts`.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from chainbuild.cli.axisvalues import At, given_rows
 from chainbuild.cli.show import console, empty_table, note, print_json, say
-from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, Json, MachineOptions, UsageError
+from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, BetweenRows, Json, MachineOptions, UsageError
 from chainbuild.units import m_from_mm, mm_from_m
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ def collide(
     *,
     at: At = (),
     axes: Path | None = None,
+    between: BetweenRows = "ptp",
     clearance: float = 0.0,
     picture: Path | None = None,
     json: Json = False,
@@ -56,10 +57,14 @@ def collide(
 
     Example: `chainbuild collide kr6r900 --at 0,-90,90,0,0,0`
 
+    Example: `chainbuild collide kr6r900 --axes path.csv --between cp`
+
     Args:
         file: A machine file, or the name of a shipped machine.
         at: Axis values in channel order, mm and degrees, separated by commas; may be repeated.
-        axes: CSV table of axis values: a path, linear in the axes between rows.
+        axes: CSV table of axis values: a path.
+        between: What the machine does between the rows of --axes. ptp: all axes change evenly, no contact is missed;
+            cp: the tip moves along a straight line, sampled; rows: only the rows are looked at.
         clearance: Smallest permitted distance between bodies in mm.
         picture: SVG file to write: the smallest distance over the rows.
         json: Print JSON.
@@ -81,7 +86,7 @@ def collide(
         if json:
             print_json(data)
         return 0
-    found = _positions(model, rows, axes is not None, m_from_mm(clearance))
+    found = _positions(model, rows, between if axes is not None else None, m_from_mm(clearance))
     if picture:
         note(f"wrote {_draw(model, rows, picture)}")
     if json:
@@ -94,8 +99,16 @@ def collide(
 class _Found:
     """Contacts along the rows, and the closest bodies at each position."""
 
-    def __init__(self, contacts: list[Contact], closest: list[Distance | None], names: list[str]) -> None:
+    def __init__(
+        self,
+        contacts: list[Contact],
+        closest: list[Distance | None],
+        names: list[str],
+        between: BetweenRows | None,
+        remarks: tuple[str, ...],
+    ) -> None:
         self.contacts, self.closest, self.names = contacts, closest, names
+        self.between, self.remarks = between, remarks
 
     @property
     def collides(self) -> bool:
@@ -104,6 +117,8 @@ class _Found:
     def data(self) -> dict[str, Any]:
         return {
             "collides": self.collides,
+            "between": self.between,
+            "remarks": list(self.remarks),
             "contacts": [
                 {
                     "row": contact.row + 1,
@@ -139,18 +154,19 @@ class _Found:
             say(f"{between}: {' and '.join(contact.pair)} touch at {values}")
         if not self.contacts:
             say("no collision")
+        for remark in self.remarks:
+            say(remark)
 
 
-def _positions(model: CollisionModel, rows: Any, is_path: bool, clearance: float) -> _Found:
-    from chainbuild.analysis.collision.paths import contacts
+def _positions(model: CollisionModel, rows: Any, between: BetweenRows | None, clearance: float) -> _Found:
+    """Return what collides; `between`: None for positions that are no path."""
+    from chainbuild.analysis.collision.paths import collision_remarks, contacts
 
-    robot = model.robot
-    names = [axis.name for axis in robot.axes]
+    names = [axis.name for axis in model.robot.axes]
     closest = [model.nearest(row) for row in rows]
-    if is_path:
-        return _Found(list(contacts(robot, rows, clearance=clearance, bodies=model)), closest, names)
-    found = [contact for row in rows for contact in contacts(robot, row[None, :], clearance=clearance, bodies=model)]
-    return _Found(found, closest, names)
+    found = list(contacts(model.robot, rows, clearance=clearance, bodies=model, between=between or "rows"))
+    remarks = () if between is None else collision_remarks(model.robot, between)
+    return _Found(found, closest, names, between, remarks)
 
 
 def _sample(model: CollisionModel, sampling: PairOptions, as_json: bool) -> dict[str, Any]:

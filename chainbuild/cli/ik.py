@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final, Self
 
 from cyclopts import Parameter
 
@@ -196,7 +196,8 @@ def ik(
         start: CSV table of axis values to start from: one row for all poses, or one row per pose. Default: the
             previous solution.
         follow: Treat the poses as a path: it begins at the single row of --start, and each pose is reached from the
-            previous one on the nearest branch, looking a few poses ahead.
+            previous one on the nearest branch, looking a few poses ahead. What happens between the rows, the tip on
+            a line, is told on stderr: singularities, limits, where the line leaves the reach.
         solver: damped: damped least squares; analytic: closed form; controller: the iteration limit of the machine
             data; auto: damped, then closed form if that finds nothing.
         output_file: CSV table of axis values to write. Default: stdout.
@@ -205,25 +206,28 @@ def ik(
     from chainbuild.tables import AxisTable, IkWriter, PoseForm, PoseTable
 
     robot = options.robot(file)
+    path: list[Vector | None] = []
     with ExitStack() as stack:
         table = stack.enter_context(PoseTable(poses, PoseForm.of(robot.chain, robot.task)))
-        report = _Report(table.file, contradiction(table), all(axis.kind == "rotary" for axis in robot.axes))
+        report = IkReport.of(robot, table)
         starts = stack.enter_context(AxisTable(start, robot.axes)) if start else None
-        if table.unused:
-            used = ", ".join(table.orientation.columns) or "the position alone"
-            note(f"{table.file}: {', '.join(table.unused)} not used: {used} counts")
-        report.tell_held(
-            [axis.name for axis in robot.axes if axis.held and axis.name not in table.names and not starts]
-        )
+        report.tell_held(robot, table, starts)
         coupled = bool(robot.limits.sums or robot.limits.drives)
         writer = IkWriter(stack.enter_context(output(output_file)), robot.axes, violations=coupled)
         for row, result in with_progress(solutions(robot, table, starts, solver, follow=follow), table, "axis values"):
             report.add(row, result, contradicts(robot, table, row, result))
             angle = deg_from_rad(result.rotation_error) if table.oriented else None
             axes, distance = result.axes if result.success else None, mm_from_m(result.position_error)
+            if follow:
+                path.append(axes)
             violated = () if result.success else result.violated or robot.violated_limits(result.axes)
             writer.write(axes, result.status, distance, angle, violated)
-    return REJECTED if report.finish() else 0
+    failed = report.finish()
+    if follow:
+        from chainbuild.cli.pathnotes import tell_between
+
+        tell_between(robot, path, table.file)
+    return REJECTED if failed else 0
 
 
 @dataclass(slots=True)
@@ -235,7 +239,7 @@ class _Group:
     count: int = 0
 
 
-class _Report:
+class IkReport:
     """Reports on stderr how many rows failed and why, and which values of the table were not used.
 
     Args:
@@ -252,8 +256,17 @@ class _Report:
         self._first_contradictory = 0
         self._farthest_mm = 0.0
 
-    def tell_held(self, names: Sequence[str]) -> None:
-        """Name the input axes that are held at 0 because the input gives no value for them."""
+    @classmethod
+    def of(cls, robot: Robot, table: PoseTable) -> Self:
+        """Return the report on the rows of a table."""
+        return cls(table.file, contradiction(table), all(axis.kind == "rotary" for axis in robot.axes))
+
+    def tell_held(self, robot: Robot, table: PoseTable, starts: AxisTable | None) -> None:
+        """Name unused columns, and the input axes that are held at 0 because nothing gives a value for them."""
+        if table.unused:
+            used = ", ".join(table.orientation.columns) or "the position alone"
+            note(f"{table.file}: {', '.join(table.unused)} not used: {used} counts")
+        names = [axis.name for axis in robot.axes if axis.held and axis.name not in table.names and not starts]
         if names:
             note(f"{', '.join(names)} held at 0: neither {self._file} nor --start gives a value")
 

@@ -39,12 +39,13 @@ def urdf(
     robot = options.robot(file)
     path = write_urdf(robot, folder)
     limitations = urdf_limitations(robot.chain)
+    shaping = [used for used in robot.chain.conventions if used.convention.poses]
     if json:
-        conventions = {used.convention.name: used.choice for used in robot.chain.conventions}
+        conventions = {used.convention.name: used.choice for used in shaping}
         print_json({"path": str(path), "not_expressed": list(limitations), "conventions": conventions})
         return 0
     say(path)
-    for used in robot.chain.conventions:
+    for used in shaping:
         say(f"  convention {used.convention.name}={used.choice}{'' if used.by_user else ' (default)'}")
     for limitation in limitations:
         say(f"  not expressed: {limitation}")

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final, Literal
 
 from cyclopts import Parameter
 
@@ -28,6 +28,7 @@ _OUTPUTS: Final = frozenset({"output_file", "export", "html", "picture"})
 _FOLDERS: Final = frozenset({"folder", "srdf"})
 
 Json = Annotated[bool, Parameter(negative="")]
+BetweenRows = Literal["ptp", "cp", "rows"]
 Output = Annotated[Path | None, Parameter(name=["--output", "-o"])]
 
 

@@ -97,8 +97,8 @@ class _TrialRun:
     evidence: Evidence
 
     def alternatives(self) -> list[tuple[str, str]]:
-        """Return every (name, choice) that is not in force."""
-        used = self._chain({}).conventions
+        """Return every (name, choice) that is not in force and can change a pose."""
+        used = [one for one in self._chain({}).conventions if one.convention.poses]
         return [
             (one.convention.name, choice) for one in used for choice in one.convention.choices if choice != one.choice
         ]

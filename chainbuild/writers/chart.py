@@ -25,6 +25,8 @@ _BOTTOM: Final = 50.0
 _WIDTH: Final = 560.0
 _HEIGHT: Final = 400.0
 _TICKS: Final = 6  # about as many as can be read along an axis
+_LINE: Final = 12.0  # of small text
+_HAIR: Final = 1.0  # narrower ranges could not be seen
 _INK, _GRID = "#24292f", "#d0d7de"
 
 
@@ -96,6 +98,20 @@ class Chart:
         corners = [*zip(x, low, strict=True), *reversed(list(zip(x, high, strict=True)))]
         points = " ".join(f"{self.x(a):.2f},{self.y(b):.2f}" for a, b in corners)
         ET.SubElement(self.svg, "polygon", {"points": points, "fill": colour, "opacity": "0.35"})
+
+    def stretch(self, begin: float, end: float, colour: str, words: str = "", line: int = 0) -> None:
+        """Shade a range of x over the whole height, at least a hair wide, with words on a line below the upper edge."""
+        left, width = self.x(begin), max(self.x(end) - self.x(begin), _HAIR)
+        box = {"x": f"{left:.2f}", "y": f"{_TOP}", "width": f"{width:.2f}", "height": f"{self.height:.2f}"}
+        ET.SubElement(self.svg, "rect", {**box, "fill": colour, "opacity": "0.18"})
+        if words:
+            self._text(left + width / 2.0, _TOP + _LINE * (line + 1), words, anchor="middle", size="10")
+
+    def mark(self, x: float, y: float, colour: str, filled: bool) -> None:
+        """Mark a point with a circle."""
+        centre = {"cx": f"{self.x(x):.2f}", "cy": f"{self.y(y):.2f}", "r": "4"}
+        look = {"fill": colour if filled else "white", "stroke": colour, "stroke-width": "1.6"}
+        ET.SubElement(self.svg, "circle", {**centre, **look})
 
     def image(self, pixels: Pixels) -> None:
         """Fill the frame with pixels (rows from above, columns, RGBA)."""

@@ -119,9 +119,10 @@ def header(chain: Chain) -> str:
         "Bodies are default primitives; machine data contain neither shapes nor masses. Effort limits, and velocity",
         "limits of axes of unknown speed, are placeholders.",
     ]
-    if chain.conventions:
+    shaping = [used for used in chain.conventions if used.convention.poses]
+    if shaping:
         lines += ["", "Conventions used where the manuals leave a choice ([I] inferred, [?] open):"]
-        for used in chain.conventions:
+        for used in shaping:
             meaning = used.convention.choices.get(used.choice, "")
             chosen = "chosen" if used.by_user else "default"
             lines.append(f"  {used.convention.name}={used.choice} [{used.convention.mark}] ({chosen}): {meaning}")

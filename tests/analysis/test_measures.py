@@ -1,4 +1,4 @@
-"""Measures, speeds and thresholds against plain linear algebra."""
+"""Measures and speeds against plain linear algebra."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import chainbuild
 from chainbuild.analysis.singularity.jacobians import pose_jacobians
 from chainbuild.analysis.singularity.measures import measure, measure_batch, scaling_of, smallest_value
 from chainbuild.analysis.singularity.speeds import speeds
-from chainbuild.analysis.singularity.thresholds import Thresholds, assess, assess_path, thresholds_of
 from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.errors import ChainbuildError
 
@@ -115,45 +114,6 @@ def test_speeds_blow_up_at_the_singularity() -> None:
             speeds(robot, [0.0] * 6, wrong)
     with pytest.raises(ChainbuildError, match="direction"):
         speeds(robot, [0.0] * 6, 10.0, [0.0, 0.0, 0.0])
-
-
-def test_thresholds_of_the_control(tmp_path) -> None:
-    machine = chainbuild.load("kr6r900")
-    chain = machine.chain()
-    limits = thresholds_of(chain)
-    assert limits == Thresholds(2e-6, 1e-3, 3.0, ())
-    text = machine.path.read_text("utf-8").replace("M17", "$SN_SINGULARITY_THRESHOLD=1e-5\nM17")
-    file = tmp_path / "own.tea"
-    file.write_text(text, "utf-8")
-    own = chainbuild.load(file)
-    given = thresholds_of(own.chain())
-    assert given is not None
-    assert (given.threshold, given.given) == (1e-5, ("SINGULARITY_THRESHOLD",))
-    assert thresholds_of(chainbuild.load("kr6r900_2").chain()) is None
-
-
-def test_judgements_of_the_control() -> None:
-    robot = chainbuild.Robot.load("kr6r900")
-
-    def at(a5: float) -> list[float]:
-        return [0.0, -90.0, 90.0, 0.0, a5, 0.0]
-
-    limits = Thresholds()
-    found = [assess(robot, at(a5), limits) for a5 in (0.0, 0.1, 2.0, 10.0)]
-    assert [one.level for one in found] == ["singular", "watched", "clear", "clear"]
-    assert [one.hand_limit for one in found] == [True, True, True, False]
-    assert found[2].hand_deg == pytest.approx(2.0)
-    # A path along A1 with A5 = 0 is singular all the way, and longer than 30 mm.
-    path = [[a1, -90.0, 90.0, 0.0, a5, 0.0] for a1, a5 in ((0, 20), (1, 0), (4, 0), (8, 0), (9, 30))]
-    (stretch,) = assess_path(robot, path, limits)
-    assert (stretch.first, stretch.last, stretch.level, stretch.alarm) == (1, 3, "singular", 75327)
-    reach = float(np.hypot(*robot.fk(path[1]).translation[:2]))
-    chords = 2000.0 * reach * (np.sin(np.radians(1.5)) + np.sin(np.radians(2.0)))
-    assert stretch.length_mm == pytest.approx(chords)
-    product = assess(robot, at(2.0), limits, "product")
-    assert product.value < found[2].value
-    with pytest.raises(ChainbuildError, match="quantity"):
-        assess(robot, at(2.0), limits, "sum")  # type: ignore[arg-type]
 
 
 def test_speeds_are_compared_at_the_drives() -> None:

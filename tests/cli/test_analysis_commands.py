@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import chainbuild
 from chainbuild.machines import shipped_path
 from tests.kit.command_line import Run
 
@@ -74,14 +75,38 @@ def test_singularity_for_programs(run: Run) -> None:
 def test_singularity_along_a_path(run: Run) -> None:
     rows = [f"0,-90,90,10,{a5},0" for a5 in range(-20, 21)]
     Path("path.csv").write_text("A1,A2,A3,A4,A5,A6\n" + "\n".join(rows) + "\n", "utf-8")
-    outcome = run("singularity", "kr6r900", "--axes", "path.csv", "--picture", "path.svg")
+    words = ("singularity", "kr6r900", "--axes", "path.csv", "--between", "rows")
+    outcome = run(*words, "--picture", "path.svg")
     assert outcome.code == 0
     assert "wrist (alpha5)" in outcome.out
     assert "41 rows" in outcome.out
     assert is_picture("path.svg")
-    data = json.loads(run("singularity", "kr6r900", "--axes", "path.csv", "--json").out)
+    data = json.loads(run(*words, "--json").out)
     assert len(data["smallest"]) == 41
     assert min(row["row"] for row in data["rows"]) > 5
+
+
+def test_verdicts_of_the_control_on_a_path(run: Run) -> None:
+    """Both rows are clear; the block between them is not."""
+    Path("path.csv").write_text("A1,A2,A3,A4,A5,A6\n0,-90,90,10,-8,0\n0,-90,90,10,8,0\n", "utf-8")
+    outcome = run("singularity", "kr6r900", "--axes", "path.csv")
+    assert "MD28592 $MC_MM_NUM_SINGULARITY_BLOCKS = 1 switches it on" in " ".join(outcome.out.split())
+    assert "rows 1 … 2" in outcome.out
+    assert "alarm 10911" in " ".join(outcome.out.split())
+    assert "75327" not in outcome.out
+    text = chainbuild.load("kr6r900").path.read_text("utf-8")
+    Path("on.tea").write_text(text.replace("M17", "$MC_MM_NUM_SINGULARITY_BLOCKS=1\nM17"), "utf-8")
+    choices = ["--convention", "singularity_measure=product", "--convention", "singular_block=stretch"]
+    data = json.loads(run("singularity", "on.tea", "--axes", "path.csv", "--json", *choices).out)["verdicts"]
+    assert (data["measure"], data["singular_block"], data["handled"]) == ("product", "stretch", True)
+    (block,) = data["blocks"]
+    assert (block["row"], block["level"], block["alarm"]) == (1, "singular", None)
+    assert block["parts"][0]["least"]["share"] == pytest.approx(0.5)
+    at = json.loads(run("singularity", "on.tea", "--at", "0,-90,90,10,1,0", "--json", *choices).out)
+    assert at["rows"][0]["judgement"]["measure"] == "product"
+    shown = run("singularity", "on.tea", "--at", "0,-90,90,10,1,0").out
+    assert "watched" in shown
+    assert "one_minus_cosine" in shown
 
 
 def test_collide_at_a_position_and_along_a_path(run: Run) -> None:
@@ -190,7 +215,7 @@ def test_workspace_maps(run: Run) -> None:
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [
-        (["singularity", "kr6r900"], 2, "expected --at or --axes"),
+        (["singularity", "kr6r900"], 2, "expected --at, --axes or --poses"),
         (["singularity", "kr6r900", "--at", "1,2"], 1, "expected 6 axis values"),
         (["singularity", "kr6r900", "--at", "1,x,3"], 2, "--at 1,x,3: expected numbers separated by commas"),
         (["singularity", "kr6r900", "--at", NEAR_WRIST, "--speed", "0"], 1, "speed"),

@@ -132,13 +132,14 @@ def test_a_solver_that_fails_is_one_error(text: str, says: str, kind: str, run: 
 def test_rows_of_json_are_those_of_the_tables(run: Run) -> None:
     rows = ["0,-90,90,10,20,0", AT, "0,-90,90,10,0.2,0", "0,-90,90,10,-20,0"]
     Path("path.csv").write_text("A1,A2,A3,A4,A5,A6\n" + "\n".join(rows) + "\n", "utf-8")
-    shown = run("singularity", "kr6r900", "--axes", "path.csv").out
-    data = json.loads(run("singularity", "kr6r900", "--axes", "path.csv", "--json").out)
+    words = ("singularity", "kr6r900", "--axes", "path.csv", "--between", "rows")
+    shown = run(*words).out
+    data = json.loads(run(*words, "--json").out)
     told = {int(line.split()[0]) for line in shown.splitlines() if line[:3].strip().isdigit() and "wrist" in line}
     assert 3 in told
     assert told == {row["row"] for row in data["rows"] if row["names"] or row["notices"]}
-    for stretch in data["stretches"]:
-        assert f"rows {stretch['first']} … {stretch['last']}: {stretch['level']}" in shown
+    for block in data["verdicts"]["blocks"]:
+        assert f"rows {block['row']} … {block['row'] + 1}, {block['length_mm']:.4g} mm: {block['level']} at " in shown
 
     Path("folded.csv").write_text(f"A1,A2,A3,A4,A5,A6\n0,-90,90,0,0,0\n{FOLDED}\n{FOLDED}\n", "utf-8")
     shown = run("collide", "kr6r900", "--at", FOLDED).out

@@ -54,9 +54,11 @@ def test_every_help_has_an_example_that_parses() -> None:
     app = entry.build_app()
     for name in ("", *(name for name in app if not name.startswith("-"))):
         text = " ".join((app[name] if name else app).help.split())
-        (example,) = re.findall(r"Example: `chainbuild ([^`]*)`", text)
-        assert example.startswith(name)
-        app.parse_args(shlex.split(example), print_error=False, exit_on_error=False)
+        examples = re.findall(r"Example: `chainbuild ([^`]*)`", text)
+        assert examples
+        for example in examples:
+            assert example.startswith(name)
+            app.parse_args(shlex.split(example), print_error=False, exit_on_error=False)
 
 
 def test_common_options_are_everywhere(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -330,8 +330,12 @@ def test_limits_of_drives_are_counted_and_named(run: Run) -> None:
 def test_rows_beyond_the_reach_are_left_out_of_measures(run: Run) -> None:
     write("head.lis", "trafo[0].id 60\ntrafo[0].param[6] 450000\nEnde\n")
     write("axes.csv", "X,Y,Z,C,B\n0,0,0,0,30\n0,0,0,0,120\n0,0,0,0,0\n")
-    outcome = run("singularity", "head.lis", "--axes", "axes.csv", "--picture", "path.svg")
+    words = ("singularity", "head.lis", "--axes", "axes.csv")
+    outcome = run(*words, "--between", "rows", "--picture", "path.svg")
     assert outcome.code == 0
     assert "1 rows have no pose and are left out" in outcome.out
-    assert json.loads(run("singularity", "head.lis", "--axes", "axes.csv", "--json").out)["smallest"][1] is None
+    assert json.loads(run(*words, "--between", "rows", "--json").out)["smallest"][1] is None
+    for between in ("ptp", "cp"):
+        path = json.loads(run(*words, "--between", between, "--json").out)["path"]
+        assert (path["smallest"][1], path["gaps"], path["length_mm"]) == (None, [2], 0.0)
     assert run("singularity", "head.lis", "--at", "0,0,0,0,120").code == 1

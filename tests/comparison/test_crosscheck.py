@@ -247,6 +247,17 @@ def test_the_conventions_that_would_make_a_recording_agree() -> None:
     assert {"table_rotary_sense": "left_handed"} in [dict(trial.choices) for trial in found.deciding]
 
 
+def test_conventions_that_change_no_pose_are_not_tried() -> None:
+    machine = chainbuild.load("arm_nn")
+    there = chainbuild.Robot(machine.chain(conventions={"nn": "zyx"}))
+    here = chainbuild.Robot(machine.chain())
+    assert "singularity_measure" in {used.convention.name for used in here.chain.conventions}
+    axes = make_samples(here, 20, ("random",)).axes
+    recording = Recording(axes, np.array([there.fk(row).homogeneous for row in axes]))
+    found = crosscheck(here, recording, machine=machine, selection=Selection())
+    assert {name for trial in found.trials for name in trial.choices} == {"nn"}
+
+
 def test_samples_are_repeatable_and_inside_the_limits() -> None:
     robot = arm()
     one, other = make_samples(robot, 90, seed=3), make_samples(robot, 90, seed=3)

@@ -44,7 +44,7 @@ def commands_of(page: str) -> list[str]:
     return [line for line in lines if line.startswith("chainbuild ")]
 
 
-@pytest.mark.parametrize(("page", "least"), [("README.md", 4), ("docs/tables.md", 3)])
+@pytest.mark.parametrize(("page", "least"), [("README.md", 4), ("docs/tables.md", 3), ("docs/paths.md", 4)])
 def test_the_commands_of_the_pages_run(page: str, least: int, tmp_path: Path) -> None:
     commands = commands_of(page)
     assert len(commands) >= least

@@ -85,6 +85,11 @@ def path() -> chainbuild.PathReport:
 
 
 @cache
+def verdicts() -> chainbuild.SingularityVerdicts:
+    return chainbuild.singularity_verdicts(robot(), [[*AXES[:4], -8.0, 0.0], [*AXES[:4], 8.0, 400.0]])
+
+
+@cache
 def workspace() -> chainbuild.Map:
     return chainbuild.make_map(robot(), MapSpec(cells=5, samples=50), workers=1)
 
@@ -144,6 +149,9 @@ OBJECTS: dict[str, Callable[[], Any]] = {
     "Nearest": lambda: chainbuild.nearest_singularity(robot(), AXES),
     "ParameterRow": lambda: chainbuild.load("kr6r900").parameters()[0],
     "Partial": lambda: robot("gantry_robot_kin210").chain.partials[0],
+    "BlockVerdict": lambda: verdicts().blocks[0],
+    "SingularityVerdicts": verdicts,
+    "VerdictPart": lambda: verdicts().blocks[0].parts[0],
     "PathMinimum": lambda: path().stretches[0].minima[0],
     "PathOptions": lambda: chainbuild.PathOptions(feed_mm_min=6000.0),
     "PathPlace": lambda: path().stretches[0].begin,

@@ -1,19 +1,23 @@
 """Self-collision along paths, with a bound that covers the motion between samples.
 
-Between two rows the axes move along a straight line. A pair of bodies at distance d cannot touch before one of the
-joints between them has moved them by d together: joint j moves a body by at most |dq_j|·r_j, r_j the largest distance
-of any of its points from the joint's line. The next step is therefore as long as the smallest distance allows.
+Between two rows the axes move along a straight line, or the tip does: then the way is cut into pieces along which the
+axes are nearly straight (`chainbuild.analysis.collision.pieces`), and what is said of them is sampled. A pair of bodies
+at distance d cannot touch before one of the joints between them has moved them by d together: joint j moves a body by
+at most |dq_j|·r_j, r_j the largest distance of any of its points from the joint's line. The next step is therefore as
+long as the smallest distance allows.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from chainbuild.analysis.collision.pieces import line_pieces
+from chainbuild.analysis.path.motion import BETWEEN, Between
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.elements import BASE_LINK, Chain
@@ -63,15 +67,24 @@ def first_contact(
 
 
 def contacts(
-    robot: Mechanism, path: ArrayLike, *, clearance: float = 0.0, bodies: CollisionModel | None = None
+    robot: Mechanism,
+    path: ArrayLike,
+    *,
+    clearance: float = 0.0,
+    bodies: CollisionModel | None = None,
+    between: Between = "ptp",
 ) -> Iterator[Contact]:
     """Yield the first contact of each segment of a path that has one.
 
+    None is missed where the axes are straight between the rows and the axis map is affine; `collision_remarks` tells
+    what is sampled.
+
     Args:
         robot: The robot.
-        path: (N, n_axes) axis values, mm and degrees; straight lines in between.
+        path: (N, n_axes) axis values, mm and degrees.
         clearance: Smallest permitted distance [m].
         bodies: Its bodies and the pairs watched; None: all pairs that can collide.
+        between: "ptp": straight lines of the axes in between; "cp": of the tip; "rows": only the rows are looked at.
 
     Raises:
         ChainbuildError: the path has the wrong shape or is not finite, the clearance is negative, or the bodies are
@@ -82,13 +95,52 @@ def contacts(
     if rows.shape[1] != len(model.robot.axes) or not np.isfinite(rows).all():
         raise ChainbuildError(f"expected a path of finite axis values of shape (N, {len(model.robot.axes)})")
     check_clearance(clearance)
+    if between not in BETWEEN:
+        raise ChainbuildError(f"unknown motion '{between}'", parameter="between", permitted=", ".join(BETWEEN))
     if not model.pairs:
         return
+    if between == "cp" and len(rows) > 1:
+        yield from _on_lines(model, rows, clearance)
+        return
     walk = _ConservativeAdvancement(model, rows, clearance)
-    for row in range(max(len(rows) - 1, 1)):
-        found = walk.segment(row)
+    alone = between == "rows" or len(rows) == 1
+    for row in range(len(rows) if alone else len(rows) - 1):
+        found = walk.place(row) if alone else walk.segment(row)
         if found is not None:
             yield found
+
+
+def _on_lines(model: CollisionModel, rows: Matrix, clearance: float) -> Iterator[Contact]:
+    """Yield the contacts of the segments of a path along which the tip moves on lines."""
+    done = -1
+    for part in line_pieces(model.robot, rows):
+        if part.block == done:
+            continue
+        walk = _ConservativeAdvancement(model, part.axes, clearance)
+        found = next(filter(None, map(walk.segment, range(len(part.shares) - 1))), None)
+        if found is not None:
+            done = part.block
+            begin, end = part.shares[found.row : found.row + 2].tolist()
+            yield replace(found, row=done, share=begin + found.share * (end - begin))
+
+
+def collision_remarks(robot: Mechanism, between: Between) -> tuple[str, ...]:
+    """Return what `contacts` samples on such a path, in words; empty: nothing is missed.
+
+    Args:
+        robot: The robot.
+        between: What happens between rows.
+    """
+    remarks = []
+    if between == "rows":
+        remarks.append("only the rows were looked at, nothing between them")
+    if between == "cp":
+        remarks.append(
+            "along a line the axes are sampled, and straight in between; beyond the reach nothing was looked at"
+        )
+    if between != "rows" and not isinstance(robot.chain.axis_map, AffineMap):
+        remarks.append("the axis map is not affine: contacts between rows are sampled, with a margin")
+    return tuple(remarks)
 
 
 def check_clearance(clearance: float) -> None:
@@ -110,20 +162,29 @@ class _ConservativeAdvancement:
         q = np.array([self.map.q(row) for row in rows])
         self.weights = pair_weights(model, np.abs(drawn_values(model.robot.chain.joints, q)).max(axis=0))
 
+    def place(self, row: int) -> Contact | None:
+        """Return the contact at a row itself."""
+        axes = self.rows[row]
+        return self._touching(row, 0.0, axes, self.model.distances(axes) - self.clearance)
+
     def segment(self, row: int) -> Contact | None:
+        """Return the first contact from a row to the next."""
         start = self.rows[row]
         way = self.rows[min(row + 1, len(self.rows) - 1)] - start
         share = 0.0
         while True:
             axes = start + share * way
             free = self.model.distances(axes) - self.clearance
-            closest = int(np.argmin(free))
-            if free[closest] < CONTACT:
-                distance = float(free[closest]) + self.clearance
-                return Contact(row, share, axes, self._names(closest), distance)
-            if share >= 1.0:
-                return None
+            found = self._touching(row, share, axes, free)
+            if found is not None or share >= 1.0:
+                return found
             share = min(1.0, share + max(self._step(start, way, share, free), _SHORTEST_STEP))
+
+    def _touching(self, row: int, share: float, axes: Vector, free: Vector) -> Contact | None:
+        closest = int(np.argmin(free))
+        if free[closest] >= CONTACT:
+            return None
+        return Contact(row, share, axes, self._names(closest), float(free[closest]) + self.clearance)
 
     def _step(self, start: Vector, way: Vector, share: float, free: Vector) -> float:
         """Return a step, as a share of the segment, within which no pair can touch."""

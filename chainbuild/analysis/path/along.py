@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sized
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain, islice
 from typing import Final
 
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from chainbuild.analysis.path.collect import BlockRun, Growing, Point, StretchCollector
 from chainbuild.analysis.path.feeds import SpeedWatch, speeds_at
 from chainbuild.analysis.path.limitwatch import LimitWatch
-from chainbuild.analysis.path.motion import Between, motion_of
+from chainbuild.analysis.path.motion import BETWEEN, Between, motion_of
 from chainbuild.analysis.path.nearby import KindLows, Near, leaving, nearby
 from chainbuild.analysis.path.places import PathMinimum, PathPlace, PathReport, PathSpeed, PathStretch, PathViolation
 from chainbuild.analysis.singularity.measures import measure_batch, smallest_value
@@ -26,7 +26,6 @@ from chainbuild.progress import Progress, counting
 
 _CHUNK: Final = 1024  # blocks worked on at a time: memory does not grow with the path
 _SECONDS_A_MINUTE: Final = 60.0  # feeds are per minute, speeds per second
-BETWEEN: Final = ("ptp", "cp", "rows")  # in the order of the help
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,6 +138,7 @@ class _Walk:
     limits: LimitWatch = field(init=False)
     feeds: SpeedWatch | None = field(init=False)
     last: Vector | None = None
+    alone: bool = False
 
     def __post_init__(self) -> None:
         self.limits = LimitWatch(self.robot.limits)
@@ -149,6 +149,7 @@ class _Walk:
         known = np.isfinite(part).all(axis=1)
         measured = np.full(len(part), np.nan)
         measured[known] = measure_batch(self.robot, part[known]).smallest
+        known &= np.isfinite(measured)  # the others have no pose
         self.smallest.append(measured)
         self.gaps += [self.rows + int(n) for n in np.flatnonzero(~known)]
         begin = 0
@@ -160,25 +161,27 @@ class _Walk:
             if len(run):
                 self._run(run, first)
             if end < len(part):
-                self._interrupt()
-                self.last = None
+                self._interrupt(run, first)
             elif len(run):
                 self.last = run[-1].copy()
             begin = end + 1
         self.rows += len(part)
 
     def _run(self, rows: Matrix, first: int) -> None:
-        """Take rows without gaps."""
-        if len(rows) < 2 and self.last is None and self.between != "rows":
-            return  # the next rows begin with it
+        """Take rows without gaps, the first of them that of `last` if there is one."""
         if self.between == "rows":
-            self._rows_alone(rows, first)
+            self._rows_alone(rows if self.last is None else rows[1:], first + (self.last is not None))
             return
         if len(rows) < 2:
-            return
+            self.alone = self.alone or self.last is None
+            return  # the next rows begin with it
+        self.alone = False
         motion = motion_of(self.robot, rows, self.between)
         count = len(rows) - 1
         ways = motion.lengths(np.arange(count), np.ones(count))
+        if not np.isfinite(ways).all():
+            self.remarks["the way of blocks on which places have no pose is not counted"] = None
+            ways = np.where(np.isfinite(ways), ways, 0.0)
         begins = self.way_mm + np.concatenate([[0.0], np.cumsum(ways[:-1])])
         chunk = BlockRun(motion, first, begins, self.options.feed)
         merged = _merged(nearby(motion, Near(self.options.near, self.options.smallest)))
@@ -204,21 +207,26 @@ class _Walk:
 
     def _rows_alone(self, rows: Matrix, first: int) -> None:
         """Look at rows only: each is a block that stands still."""
-        begin = 1 if self.last is not None else 0
-        for n in range(begin, len(rows)):
+        feed = None if self.between == "rows" else self.options.feed
+        for n in range(len(rows)):
             still = motion_of(self.robot, rows[[n, n]], "ptp")
-            chunk = BlockRun(still, first + n, np.zeros(1), None)
+            chunk = BlockRun(still, first + n, np.full(1, self.way_mm), feed)
             merged = _merged(nearby(still, Near(self.options.near, self.options.smallest)))
             for found in merged.values():
                 collector = StretchCollector(found.kind)
                 grown = [*collector.take(chunk, found), *collector.finish()]
-                self.stretches += [self._stretch(one) for one in grown]
-            self.violations += [*self.limits.take(chunk, np.empty(0, np.intp)), *self.limits.finish()]
+                self.stretches += [self._stretch(_at_begin(one)) for one in grown]
+            violated = [*self.limits.take(chunk, np.empty(0, np.intp)), *self.limits.finish()]
+            self.violations += [replace(one, end=one.begin, worst=one.begin) for one in violated]
 
-    def _interrupt(self) -> None:
+    def _interrupt(self, run: Matrix, first: int) -> None:
+        """End what the path is in; a row that stands alone between gaps is looked at for itself."""
         for collector in self.collectors.values():
             self.stretches += [self._stretch(one) for one in collector.finish()]
         self.violations += self.limits.finish()
+        if self.alone:
+            self._rows_alone(run[-1:], first + len(run) - 1)
+        self.last, self.alone = None, False
 
     def _sampled_words(self) -> str:
         if self.between == "ptp":
@@ -253,7 +261,8 @@ class _Walk:
 
     def finish(self) -> PathReport:
         """Return the report."""
-        self._interrupt()
+        last = np.empty((0, len(self.robot.axes))) if self.last is None else self.last[None]
+        self._interrupt(last, self.rows - 1)
         self.stretches.sort(key=lambda one: (one.begin.row, one.begin.share))
         self.violations.sort(key=lambda one: (one.begin.row, one.begin.share))
         made: tuple[PathSpeed, ...] = ()
@@ -282,3 +291,9 @@ def _merged(found: Iterable[KindLows]) -> dict[str, KindLows]:
                 one.kind, before.proven and one.proven, parts, max(before.singular, one.singular)
             )
     return merged
+
+
+def _at_begin(one: Growing) -> Growing:
+    """Return what was found on a block that stands still as found at its row."""
+    zeros = [replace(point, place=one.begin) for point in one.zeros[:1]]
+    return replace(one, end=one.begin, least=replace(one.least, place=one.begin), zeros=zeros)

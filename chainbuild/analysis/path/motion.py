@@ -21,6 +21,7 @@ from chainbuild.ik.rtcp import linear_axes_batch
 from chainbuild.kinematics.mechanism import Mechanism
 
 Between = Literal["ptp", "cp", "rows"]
+BETWEEN: Final = ("ptp", "cp", "rows")  # in the order of the help
 
 _GAUSS: Final = np.polynomial.legendre.leggauss(8)  # exact for lengths that vary as a polynomial of degree 15
 _STEPS: Final = 12  # Newton steps along a line: from the straight axes 3 or 4 do, next to a singularity more

@@ -34,9 +34,10 @@ class PathPlace:
     @property
     def label(self) -> str:
         """The place as tables count rows, from 1: "3" or "3 + 0.412"."""
-        if self.share <= 0.0 or self.share >= 1.0:
+        shown = f"{self.share:.6g}"  # of a share next to 1 nothing is left to show
+        if not 0.0 < float(shown) < 1.0:
             return f"{self.row + 1 + round(self.share)}"
-        return f"{self.row + 1} + {self.share:.6g}"
+        return f"{self.row + 1} + {shown}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -161,7 +162,7 @@ class PathReport:
         violations: Parts outside limits, in order.
         speeds: Largest speeds at the given feed, by axis, then by drive; empty: no feed.
         leaves: Places at which a line leaves the reach of the arm.
-        gaps: Rows without axis values, from 0.
+        gaps: Rows without axis values or without a pose, from 0.
         near: Threshold of the functions of named kinds.
         smallest: (rows,) smallest scaled singular value at the rows; not a number at gaps.
         remarks: What was sampled, and other notes.

@@ -69,16 +69,28 @@ class SingularFunctions:
     Attributes:
         functions: One for each kind.
         complete: Whether the robot is singular only where one of them is 0.
+        constant: Product of the scaled singular values over that of the functions; 0 where they are not complete.
     """
 
     __repr__ = fields_shown
 
     functions: tuple[SingularFunction, ...]
     complete: bool
+    constant: float = 0.0
 
     def of_kind(self, kind: SingularityKind) -> SingularFunction | None:
         """Return the function of a kind, or None."""
         return next((function for function in self.functions if function.kind == kind), None)
+
+    def determinant(self) -> SingularFunction:
+        """Return the product of the scaled singular values, signed, of complete functions."""
+        multiples, parts = np.zeros((1, self.functions[0].multiples.shape[1])), np.array([self.constant + 0.0j])
+        for function in self.functions:
+            # cos α · cos β = (cos(α + β) + cos(α − β)) / 2
+            waves = function.amplitudes * np.exp(1j * function.phases) / 2.0
+            multiples = np.concatenate([m + sign * function.multiples for sign in (1.0, -1.0) for m in multiples])
+            parts = np.concatenate([one * side for side in (waves, waves.conj()) for one in parts])
+        return SingularFunction("other", multiples, np.abs(parts), np.angle(parts))
 
 
 def singular_functions(robot: Mechanism) -> SingularFunctions:
@@ -114,7 +126,8 @@ def _found(robot: Mechanism) -> SingularFunctions:
             return SingularFunctions((), complete=False)
         found.append(function)
     found.sort(key=lambda function: _ORDER.index(function.kind))
-    return SingularFunctions(tuple(found), bool(found) and _is_determinant(robot, tuple(found), rng))
+    constant = _over_determinant(robot, tuple(found), rng) if found else 0.0
+    return SingularFunctions(tuple(found), constant > 0.0, constant)
 
 
 def _fitted(
@@ -162,14 +175,14 @@ def _wave(
     return SingularFunction(kind, np.array(rows), np.array(amplitudes), np.array(phases), size)
 
 
-def _is_determinant(robot: Mechanism, found: tuple[SingularFunction, ...], rng: np.random.Generator) -> bool:
-    """Return whether the product of the functions is the determinant of the scaled Jacobian, up to a constant.
+def _over_determinant(robot: Mechanism, found: tuple[SingularFunction, ...], rng: np.random.Generator) -> float:
+    """Return the determinant of the scaled Jacobian over the product of the functions; 0 if that is not constant.
 
     With fewer axes than rows it is the root of the determinant of JᵀJ: the product of the singular values, too.
     """
     scaling = scaling_of(robot)
     if len(scaling.rows) < len(scaling.columns):
-        return False
+        return 0.0
     lower = np.array([max(axis.lower, -_STRETCH) for axis in robot.axes])
     upper = np.array([min(axis.upper, _STRETCH) for axis in robot.axes])
     ratios: list[float] = []
@@ -182,4 +195,5 @@ def _is_determinant(robot: Mechanism, found: tuple[SingularFunction, ...], rng: 
         if len(ratios) == _PROBES:
             break
     mean = float(np.mean(ratios)) if ratios else 0.0
-    return len(ratios) == _PROBES and mean != 0.0 and all(abs(ratio / mean - 1.0) < _SAME * 1e3 for ratio in ratios)
+    steady = len(ratios) == _PROBES and mean != 0.0 and all(abs(ratio / mean - 1.0) < _SAME * 1e3 for ratio in ratios)
+    return mean if steady else 0.0

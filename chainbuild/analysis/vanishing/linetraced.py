@@ -139,7 +139,7 @@ class WristTraced:
 
     def steps(self, blocks: Blocks, t: Vector, margins: Vector) -> Vector:
         """Return a share over which forearm and tool together turn by less than the margin."""
-        on, arm = self.on, self.on.arm
+        on = self.on
         at, speed = on.at(blocks, t), on.speed(blocks)
         turning = np.linalg.norm(on.lines.turns[blocks], axis=1)
         half = np.abs(at.across) / 2.0
@@ -153,7 +153,7 @@ class WristTraced:
             moved = speed * carried * np.minimum(share, 1.0)
             worst = turning + speed * self._turns(half, carried, at.reach, moved)
             share = np.minimum(share, _shares(margins, worst))
-        return np.where(np.isfinite(margins) & np.isfinite(arm.fore / half), share, 0.0)
+        return np.where(np.isfinite(margins) & (half > 0.0), share, 0.0)
 
     def _turns(self, r: Vector, carried: Vector, reach: Vector, moved: Vector | float) -> Vector:
         """Return a bound of the forearm's turn [rad] for each metre of the wrist point, D within `moved` of `reach`."""

@@ -122,7 +122,7 @@ def _with_minima(traced: Traced, blocks: Blocks, begins: Vector, ends: Vector) -
     valley[:, 1:] &= sizes[:, 1:] != sizes[:, :-1]
     part, column = np.nonzero(valley)
     low, high = shares[part, np.maximum(column - 1, 0)], shares[part, np.minimum(column + 1, _FEWEST - 1)]
-    t, values = _lowest(traced, blocks[part], low, high, shares[part, column], sizes[part, column])
+    t, values = lowest_places(traced, blocks[part], low, high, shares[part, column], sizes[part, column])
     found: dict[int, list[Low]] = {}
     for n, block in enumerate(blocks.tolist()):
         mine = part == n
@@ -135,7 +135,7 @@ def _with_minima(traced: Traced, blocks: Blocks, begins: Vector, ends: Vector) -
     return found
 
 
-def _lowest(
+def lowest_places(
     traced: Traced, blocks: Blocks, low: Vector, high: Vector, start: Vector, known: Vector
 ) -> tuple[Vector, Vector]:
     """Return shares and sizes of the minima in brackets, by golden-section search; no worse than those known."""

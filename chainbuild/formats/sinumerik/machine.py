@@ -284,7 +284,7 @@ def _build(
         tool_axis="z" if robx.tool_dir == 1 else "x",
         follows_c=robx.num_axes == 4,
         controller_solver=controller_solver(robx, translation, axes),
-        singularity_watch=singularity_watch(machine.table),
+        singularity_watch=singularity_watch(robx, choose),
         display=_DISPLAYS.get(robx.num_axes, POSE_ANGLES),
     )
     return renamed(chain, [axis.name for axis in named])

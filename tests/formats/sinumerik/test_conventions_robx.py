@@ -9,7 +9,8 @@ from chainbuild.convention import conventions
 from chainbuild.errors import ChainbuildError
 from chainbuild.formats.overlay import Overlay
 from chainbuild.frames import angles_from_matrix
-from tests.kit.robx_files import CC4, FLANGE, NR6, TABLE, TE4_ARM, F, R, T, chain_of, close, pose_of
+from chainbuild.writers.notes import header
+from tests.kit.robx_files import ARM5, CC4, FLANGE, NR6, TABLE, TE4_ARM, F, R, T, chain_of, close, pose_of
 
 AXES = np.array((31, -47, 53, 71, -37, 113), dtype=float)
 TESTED: set[str] = set()
@@ -298,11 +299,52 @@ def test_tflwp_default_c(choice):
     assert not any(item.convention.name == "tflwp_default_c" for item in chain_of(NR6).conventions)
 
 
+HANDLED = "$MC_MM_NUM_SINGULARITY_BLOCKS=1"
+
+
+@pytest.mark.parametrize("choice", choices("singularity_measure"))
+def test_singularity_measure(choice):
+    """It changes no pose and stands in no URDF; what it compares is tested with the verdicts."""
+    chain = chain_of(NR6, conventions={"singularity_measure": choice})
+    assert "singularity_measure" not in header(chain)
+    assert chain.singularity_watch.measure == choice
+    assert close(pose_of(chain, AXES), pose_of(chain_of(NR6), AXES))
+
+
+@pytest.mark.parametrize("choice", choices("singular_block"))
+def test_singular_block(choice):
+    chain = chain_of(NR6, extra=HANDLED, conventions={"singular_block": choice})
+    assert chain.singularity_watch.block == choice
+    assert close(pose_of(chain, AXES), pose_of(chain_of(NR6), AXES))
+
+
+@pytest.mark.parametrize(
+    ("data", "axes_in", "extra", "handled", "lacks"),
+    [
+        (NR6, None, HANDLED, True, ""),
+        (NR6, None, "", None, "is not in the file"),
+        (NR6, None, "$MC_MM_NUM_SINGULARITY_BLOCKS=0", False, "MD28592 $MC_MM_NUM_SINGULARITY_BLOCKS is 0"),
+        (ARM5, None, HANDLED, True, "it needs 6 robot axes, here are 5"),
+        (CC4, None, HANDLED, True, "it needs 6 robot axes, here are 4"),
+        (TABLE, BOTH[:11], HANDLED, True, ""),
+        ({**FLANGE, **TABLE}, BOTH, HANDLED, True, ""),
+        ({**FLANGE, **TABLE}, (*BOTH, 10), HANDLED, True, "it permits 3 additional axes, here are 4"),
+    ],
+)  # fmt: skip
+def test_singular_block_is_asked_only_where_the_control_handles_them(data, axes_in, extra, handled, lacks):
+    """ROBX manual 10.1.2, 10.2.1: six robot axes, at most three additional ones, MD28592 = 1."""
+    chain = chain_of(data, axes_in=axes_in, extra=extra)
+    watch = chain.singularity_watch
+    assert watch.handled is handled
+    assert (lacks in watch.lacks) if lacks else (watch.lacks == "")
+    assert ("singular_block" in [item.convention.name for item in chain.conventions]) == (not lacks)
+
+
 def test_conventions_without_bearing_are_not_listed_and_noted():
     chain = chain_of(NR6, conventions={"cs": "zy"})
-    assert chain.conventions == ()
+    assert [item.convention.name for item in chain.conventions] == ["singularity_measure"]
     assert [finding.code for finding in chain.findings] == ["CB339"]
-    assert chain_of(TE4_ARM).conventions == ()
+    assert [item.convention.name for item in chain_of(TE4_ARM).conventions] == ["singularity_measure"]
 
 
 def test_every_convention_has_a_test():

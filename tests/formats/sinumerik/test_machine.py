@@ -193,9 +193,9 @@ def test_dynamics_are_si():
 def test_conventions_from_overlay_and_argument():
     data = {**NR6, "MAIN_AXES": 6}
     overlay = Overlay(conventions={"cs": "zy"})
-    (used,) = chain_of(data, overlay=overlay).conventions
+    used, _ = chain_of(data, overlay=overlay).conventions
     assert (used.convention.name, used.choice) == ("cs", "zy")
-    (used,) = chain_of(data, overlay=overlay, conventions={"cs": "rotary_about_y"}).conventions
+    used, _ = chain_of(data, overlay=overlay, conventions={"cs": "rotary_about_y"}).conventions
     assert used.choice == "rotary_about_y"
     with pytest.raises(ConventionError, match="no choice 'up'"):
         chain_of(data, conventions={"cs": "up"})

@@ -204,6 +204,7 @@ _SCARA = ("CC", "SC", "CS")
 _ANGLE_DEG: Final = 1e-6  # degrees: far below what machine data are written to
 _PARALLEL: Final = 1e-6  # cosine: far below what machine data are written to
 _WITH_HAND: Final = 5  # axes: from the fifth on there is an angle of the hand
+_HANDLED_AXES: Final = (6, 3)  # robot axes and most additional ones with singularity handling, ROBX manual 10.1.2
 
 
 def _sum(axes: Sequence[Axis], factors: Mapping[str, float], offset: float) -> AxisSum:
@@ -297,14 +298,36 @@ def controller_solver(robx: Robx, translation: Translation, axes: Sequence[Axis]
     return replace(robx.control.solver, hand_angle=_sum(axes, hand.drive, hand.offset))
 
 
-def singularity_watch(table: DataTable) -> SingularityWatch:
-    """Return the setting data on singularities, as far as the file gives them."""
-    threshold, clearance = (table.shared(name, None) for name in ("SINGULARITY_THRESHOLD", "MIN_DIST_TO_SINGULARITY"))
+def singularity_watch(robx: Robx, choose: Choices) -> SingularityWatch:
+    """Return the data on singularities, as far as the file gives them."""
+    names = "SINGULARITY_THRESHOLD", "MIN_DIST_TO_SINGULARITY"
+    threshold, clearance = (robx.data.table.shared(name, None) for name in names)
+    row = robx.data.row("MM_NUM_SINGULARITY_BLOCKS")
+    handled = None if row is None else bool(row.value)
+    lacks = _lacks_handling(robx, handled)
     return SingularityWatch(
         threshold=None if threshold is None else float(threshold.value),
         clearance=None if clearance is None else float(clearance.value),
         speed_alarm=ALARM_EXCESSIVE_SPEED,
+        handled=handled,
+        measure=choose["singularity_measure"],
+        block="whole_block" if lacks else choose["singular_block"],
+        lacks=lacks,
     )
+
+
+def _lacks_handling(robx: Robx, handled: bool | None) -> str:
+    """Return why singularities in blocks are not handled, or an empty string (ROBX manual 10.1.2, 10.2.1)."""
+    additional = len(robx.base_axes) + len(robx.table.axes) + len(robx.flange.axes)
+    if robx.data.te4:
+        return "the package TE4 does not have it"
+    if robx.num_axes != _HANDLED_AXES[0]:
+        return f"it needs {_HANDLED_AXES[0]} robot axes, here are {robx.num_axes}"
+    if additional > _HANDLED_AXES[1]:
+        return f"it permits {_HANDLED_AXES[1]} additional axes, here are {additional}"
+    if handled is None:
+        return "MD28592 $MC_MM_NUM_SINGULARITY_BLOCKS = 1 switches it on, and is not in the file"
+    return "" if handled else "MD28592 $MC_MM_NUM_SINGULARITY_BLOCKS is 0"
 
 
 def _rotary(translation: Translation) -> list[InternalAxis]:
