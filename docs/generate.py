@@ -70,7 +70,9 @@ def displays() -> str:
         by_axes = display.kind == "axes" and not display.columns
         columns = [names[n] for n in display.axes] if by_axes else list(display.columns)
         shown = ", ".join(f"`{column}`" for column in columns) or "nothing"
-        if by_axes and all(params.axes[n].kind == "linear" for n in display.solved):
+        # A table's axes beside struts: the struts are linear axes, but not along the coordinates.
+        beside_struts = entry.family == "parallel"
+        if by_axes and not beside_struts and all(params.axes[n].kind == "linear" for n in display.solved):
             shown = "its rotary axes by name" if columns else shown
             solved = "the linear axes alone, exactly"
         else:

@@ -34,11 +34,12 @@ class Fixed:
     T: Matrix
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Mark:
-    """A frame's place on the branch."""
+    """A frame's place on the branch, or beside it by T (4, 4) with its translation in mm."""
 
     frame: str
+    T: Matrix | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,9 +117,9 @@ def turn(rotation: Matrix) -> Fixed:
     return Fixed(frames.transform(rotation))
 
 
-def mark(frame: str) -> Mark:
-    """Name the frame reached so far."""
-    return Mark(frame)
+def mark(frame: str, beside: Matrix | None = None) -> Mark:
+    """Name the frame reached so far, or one that stands beside it (4, 4), its translation in mm."""
+    return Mark(frame, beside)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,6 +137,7 @@ def assemble(
     tool: Sequence[Element],
     workpiece: Sequence[Element] = (),
     axis_map: AxisMap | None = None,
+    branches: Sequence[Sequence[Element]] = (),
 ) -> Assembly:
     """Turn two branches into links, joints, frames and an axis map.
 
@@ -146,6 +148,7 @@ def assemble(
         axis_map: A nonlinear map over the joints in the order tool branch, workpiece branch; None: the affine one
             that the joints' drives describe. Joints that a nonlinear map couples or bends have no drive; joints that
             one axis alone drives are folded all the same, and the map passes that axis on.
+        branches: Further branches from the base without a tip: the arms of closed loops. Their joints come last.
 
     Raises:
         ChainError: a drive names an unknown axis, a name is duplicate, or the map is singular.
@@ -153,13 +156,15 @@ def assemble(
     links, joints, marks = [Link(BASE_LINK)], [], [Frame("base", BASE_LINK, np.eye(4))]
     kinds = {axis.name: axis.kind for axis in axes}
     moves: list[Move] = []
-    for branch, tip in ((tool, "tool"), (workpiece, "workpiece")):
+    tips: list[Sequence[Element]] = [(*tool, Mark("tool")), (*workpiece, Mark("workpiece")), *branches]
+    for branch in tips:
         parent, T = BASE_LINK, np.eye(4)
-        for element in (*branch, Mark(tip)):
+        for element in branch:
             if isinstance(element, Fixed):
                 T = T @ element.T
             elif isinstance(element, Mark):
-                marks.append(Frame(element.frame, parent, _in_metres(T)))
+                beside = T if element.T is None else T @ element.T
+                marks.append(Frame(element.frame, parent, _in_metres(beside)))
             else:
                 child = f"{element.name}_link"
                 direction = np.array(element.direction)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol, runtime_checkable
+from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,8 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.shown import fields_shown
 from chainbuild.units import AxisKind, si_factor
+
+_DRAWS: Final = 400  # for one closed state: of a small tripod a hundredth of the draws closes
 
 
 class AxisMap(Protocol):
@@ -74,6 +76,55 @@ class TurningMap(Protocol):
     def periodic(self) -> tuple[int, ...]:
         """Indices of the axes whose whole turn leads to the same pose."""
         ...
+
+
+@runtime_checkable
+class ClosingMap(Protocol):
+    """An axis map of closed loops that tells every axis value that closes them."""
+
+    def closing(self, q: Vector) -> list[list[float]]:
+        """Return for each axis its values, mm and degrees, that close the loops at the joint values between the tips.
+
+        Args:
+            q: (n_q,) joint values; only those between the tips count. The loops of each axis close by themselves;
+                whether all together close in the assembly mode is left to `q`.
+        """
+        ...
+
+    def rank(self, axes: Vector) -> int:
+        """Return how far axis values are from the branch that is taken without a start: 0 is that one."""
+        ...
+
+    def unreached(self, q: Vector) -> str:
+        """Return which rod does not reach the joint values between the tips, and by how much; empty: all do."""
+        ...
+
+
+@runtime_checkable
+class SamplingMap(Protocol):
+    """An axis map of closed loops that knows where they close."""
+
+    def drawn_axes(self, rng: np.random.Generator, lower: Vector, upper: Vector) -> Vector | None:
+        """Return random axis values (n_axes,) that are likely to close inside limits, or None: draw again."""
+        ...
+
+
+def random_axis_values(
+    axis_map: AxisMap, rng: np.random.Generator, lower: Vector, upper: Vector, count: int = 1
+) -> Matrix:
+    """Return axis values (count, n_axes) drawn from a box; where loops must close, from where they do.
+
+    Values of a map that knows where it closes are inside the box, too, unless hardly anything in it closes.
+    """
+    if not isinstance(axis_map, SamplingMap):
+        values: Matrix = lower + (upper - lower) * rng.random((count, len(lower)))
+        return values
+    rows = []
+    for _ in range(count):
+        drawn = (axis_map.drawn_axes(rng, lower, upper) for _ in range(_DRAWS))
+        closing = (row for row in drawn if row is not None and ((row >= lower) & (row <= upper)).all())
+        rows.append(next(closing, lower + (upper - lower) * rng.random(len(lower))))
+    return np.array(rows).reshape(-1, len(lower))
 
 
 def periodic_of(axis_map: AxisMap) -> tuple[int, ...]:

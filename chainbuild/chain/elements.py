@@ -308,8 +308,12 @@ class Chain:
 
     @property
     def solves_linear_axes(self) -> bool:
-        """Whether the linear axes alone are solved for where what is displayed is given: RTCP, and KIN_TYP 76."""
-        return self.display.kind == "axes" and all(self.axes[n].kind == "linear" for n in self.display.solved)
+        """Whether the linear axes alone are solved for where what is displayed is given: RTCP, and KIN_TYP 76.
+
+        Struts are no such axes (KIN_TYP 209): the position does not follow from them affinely.
+        """
+        linear = all(self.axes[n].kind == "linear" for n in self.display.solved)
+        return not self.loops and self.display.kind == "axes" and linear
 
     @property
     def display_columns(self) -> tuple[str, ...]:

@@ -118,7 +118,7 @@ def _pose_meaning(chain: Chain) -> str:
     display = chain.display
     columns = f"poses: {', '.join((*POSITION_COLUMNS, *chain.display_columns))}"
     if display.rtcp:
-        linear = ", the linear axes are solved for" if chain.solves_linear_axes else ""
+        linear = ", the linear axes are solved for" if chain.solves_linear_axes or chain.loops else ""
         return f"{columns} (RTCP{linear})"
     if display.kind != "angles":
         return columns

@@ -17,6 +17,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild.arrays import Vector
+from chainbuild.chain.axismap import random_axis_values
 from chainbuild.chain.bodies.rods import pinned_links
 from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.elements import BASE_LINK
@@ -222,7 +223,7 @@ class CollisionModel:
         rng = np.random.default_rng(_SEED)
         touching = np.ones(len(self.pairs), dtype=bool)
         for _ in range(_PROBES):
-            self.colliding_pairs(lower + (upper - lower) * rng.random(len(lower)))
+            self.colliding_pairs(random_axis_values(self.robot.chain.axis_map, rng, lower, upper)[0])
             results = self._scratch.found.collisionResults
             touching &= np.array([result.isCollision() for result in results], dtype=bool)
         links = {self.links_of(self.pairs[n]): None for n in np.flatnonzero(touching)}

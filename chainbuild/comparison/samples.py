@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final, Literal, get_args
 import numpy as np
 
 from chainbuild.arrays import Vector
+from chainbuild.chain.axismap import random_axis_values
 from chainbuild.errors import ChainbuildError
 from chainbuild.shown import fields_shown
 
@@ -98,9 +99,7 @@ def _range(robot: Mechanism) -> tuple[Vector, Vector]:
 
 def random_samples(robot: Mechanism, count: int, rng: np.random.Generator) -> Vector:
     """Return axis values drawn uniformly from the limits."""
-    lower, upper = _range(robot)
-    values: Vector = lower + (upper - lower) * rng.random((count, len(lower)))
-    return values
+    return random_axis_values(robot.chain.axis_map, rng, *_range(robot), count)
 
 
 def grid_samples(robot: Mechanism, count: int, rng: np.random.Generator) -> Vector:

@@ -92,10 +92,13 @@ def _try_chain(
     machine: Machine, kinematic: int | str | None, channel: int | None, collector: Collector
 ) -> Chain | None:
     """Translate a kinematic; an error becomes a finding, and None is returned."""
-    from chainbuild.kinematics.mechanism import Mechanism  # reading alone needs no Pinocchio
+    from chainbuild.kinematics.closure import check_closure  # reading alone needs no Pinocchio
+    from chainbuild.kinematics.mechanism import Mechanism
 
     try:
-        chain = Mechanism(machine.translated(kinematic=kinematic, channel=channel)).chain
+        mechanism = Mechanism(machine.translated(kinematic=kinematic, channel=channel))
+        check_closure(mechanism)
+        chain = mechanism.chain
         collector.findings.extend(chain.findings)
         return chain
     except UnsupportedKinematicError as error:

@@ -17,6 +17,7 @@ from chainbuild.ik.branches.arms.virtual_joints import (
     with_spin_joint,
     with_virtual_joints,
 )
+from chainbuild.ik.branches.closed import opened_query
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import ArmSolver, Serial
 from chainbuild.ik.branches.direct import query_is_direct
@@ -26,7 +27,7 @@ from chainbuild.ik.request import IkRequest
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.shown import two_lines
 
-PlanName = ArmName | Literal["direct", "EAIK", "elimination", "search"]
+PlanName = ArmName | Literal["direct", "EAIK", "elimination", "struts", "search"]
 
 TASK_ROWS: Final[Mapping[Task, int]] = {"pose": 6, "direction": 5, "position": 3}  # freedoms that a task determines
 _MAX_VIRTUAL_JOINTS: Final = 2  # chains of fewer than four joints are left to EAIK or to the search
@@ -44,8 +45,8 @@ class SolverPlan:
     """The solver that finds every branch of a pose, chosen once for each set of held axes.
 
     Attributes:
-        name: "direct", "spherical wrist", "single wrist axis", "parallel arm", "position", "EAIK", "elimination", or
-            "search": damped descents from many starts.
+        name: "direct", "spherical wrist", "single wrist axis", "parallel arm", "position", "EAIK", "elimination",
+            "struts" (closed loops), or "search": damped descents from many starts.
         reason: Why, in words.
         complete: True if no branch can be missing; False if branches are only searched for.
     """
@@ -70,7 +71,10 @@ def plan_of(mechanism: Mechanism, held: Mapping[str, float] | Iterable[str] = ()
 def plan_for(query: BranchQuery) -> SolverPlan:
     """Return the plan of a query, chosen at the first one of its kind."""
     if query.mechanism.chain.loops:
-        return _searched("the chain has closed loops")
+        opened = opened_query(query)
+        if opened is None or not (known := plan_for(opened)).complete:
+            return _searched("the chain has closed loops")
+        return SolverPlan("struts", f"closed loops, each axis by itself; before that {known.reason}", True)
     if query_is_direct(query):
         return _complete("direct")
     serial = query.serial()

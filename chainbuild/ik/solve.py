@@ -45,6 +45,11 @@ def solve(
     request, searched = IkRequest.of(mechanism, T, start, held, options), None
     if status_turn != (None, None):
         return checked(request, of_status(request, status_turn, solver, absolute_c_deg, prefer))
+    if request.mechanism.chain.loops and solver == "auto":
+        # Each axis by itself, exactly; the damped descent would walk from one assembly towards another.
+        closed = _complete_answer(request)
+        if closed is not None:
+            return checked(request, closed)
     if absolute_c_deg is None and solver in {"auto", "damped"}:
         searched = search(request)
         if searched.success and prefer is None:

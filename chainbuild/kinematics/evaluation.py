@@ -16,14 +16,15 @@ from numpy.typing import NDArray
 
 from chainbuild import tolerances
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.axismap import AffineMap
-from chainbuild.chain.elements import BASE_LINK, Chain, Joint, Task
+from chainbuild.chain.axismap import AffineMap, random_axis_values
+from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint, Task
 from chainbuild.chain.fold import reach
 from chainbuild.kinematics.newton import Residual
 from chainbuild.kinematics.product import product_of
 from chainbuild.units import si_factor
 
 _SAMPLES: Final = 8  # configurations in which the rank of a Jacobian is looked at
+_DRAWN: Final = 170.0  # mm or degrees either way: what lines up at half a turn does not there
 _TRIES: Final = 50  # for one of them with a pose: enough where a tenth of the range has poses
 
 _LOCAL = pin.ReferenceFrame.LOCAL
@@ -225,11 +226,16 @@ def _joint_model(joint: Joint) -> pin.JointModel:
     return aligned() if aligned else _UNALIGNED[joint.kind](x, y, z)
 
 
+def usual_range(axis: Axis) -> tuple[float, float]:
+    """Return the range of an axis in which positions are drawn: its limits, no wider than about half a turn."""
+    low, high = max(axis.lower, -_DRAWN), min(axis.upper, _DRAWN)
+    return (low, high) if low < high else (axis.lower, axis.upper)
+
+
 def sampled_jacobians(kinematics: Kinematics, free: NDArray[np.bool_]) -> Callable[[int], Matrix]:
     """Return the function n → Jacobian by the free axes at the n-th of a few fixed configurations, each made once."""
     axes = kinematics.chain.axes
-    lower = np.array([max(axis.lower, -170.0) for axis in axes]) * kinematics.si_factors
-    upper = np.array([min(axis.upper, 170.0) for axis in axes]) * kinematics.si_factors
+    lower, upper = np.array([usual_range(axis) for axis in axes]).T
     rng = np.random.default_rng(0)
     made: list[Matrix] = []
 
@@ -237,7 +243,8 @@ def sampled_jacobians(kinematics: Kinematics, free: NDArray[np.bool_]) -> Callab
         while len(made) <= n:
             J = np.zeros((6, len(axes)))
             for _ in range(_TRIES):  # limits may be wider than what the axis map has joint values for
-                there = kinematics.pose_and_jacobian(lower + (upper - lower) * rng.random(len(axes)))[1]
+                values = random_axis_values(kinematics.chain.axis_map, rng, lower, upper)[0]
+                there = kinematics.pose_and_jacobian(values * kinematics.si_factors)[1]
                 if np.isfinite(there).all():
                     J = there
                     break

@@ -46,7 +46,8 @@ def chains() -> dict[str, Chain]:
 
 
 def test_the_record_is_of_these_cases() -> None:
-    since = {name for name in chains() if name.startswith("comau_calibrated/")}  # shipped after the fold
+    # Built after the fold: a shipped arm, and the closed loops, whose passive joints have no axis to fold.
+    since = {name for name in chains() if name.startswith("comau_calibrated/") or chains()[name].loops}
     assert set(BEFORE) | since == set(chains())
 
 

@@ -13,22 +13,35 @@ from tests.hand.tables_cases import FORMULAS as TABLES
 FORMULAS = {**HEADS, **TABLES}
 
 # Where a type's formula is defined only for some axis values or parameters; everything else is drawn freely.
-ROTARY_RANGE: dict[int, dict[str, tuple[float, float]]] = {
+AXIS_RANGE: dict[int, dict[str, tuple[float, float]]] = {
+    12: dict.fromkeys(("Z1", "Z2", "Z3"), (-150.0, 150.0)),
+    21: {"X1": (-900.0, -450.0), "X2": (450.0, 850.0)},
     25: {"A": (-75.0, 75.0)},
+    37: dict.fromkeys(("J1", "J2", "J3"), (-20.0, 70.0)),
     59: {"A": (-35.0, 35.0)},
     60: {"B": (-35.0, 35.0)},
     70: {"B": (-40.0, 40.0), "A": (-40.0, 40.0), "CV": (-90.0, 90.0)},
+    209: dict.fromkeys(("Z1", "Z2", "Z3"), (-150.0, 150.0)),
 }
+# Struts that meet at every axis value in the ranges above: radii, rods, and where the columns of a tripod stand.
+TRIPOD: dict[int, Sequence[float]] = {
+    5: (400e4, 550e4), 6: (60e4, 120e4), 7: (800e4, 950e4), 8: (0, 1), 9: (105e4, 130e4), 10: (110e4, 125e4),
+}  # fmt: skip
 FIXED_HD: dict[int, dict[int, Sequence[float]]] = {
+    12: TRIPOD,
+    21: {2: (900e4, 950e4), 3: (900e4, 950e4), 4: (1200e4, 1500e4), 5: (-90e4, 120e4), 6: (-15e4, 10e4), 12: (1, 2)},
     5: {5: (0.0, 88.0e4, 92e4, -90e4, 180e4)},
     11: {3: (30e4, 45e4)},
     28: {16: (2,), 17: (5,), 12: (3,), 13: (7,)},
     33: {3: (40e4, 55e4)},
+    37: {4: (40e4, 60e4), 5: (140e4, 200e4), 6: (500e4, 600e4), 7: (150e4, 220e4), 8: (-10e4, 12e4), 9: (-8e4, 11e4),
+         10: (-9e4, 10e4), 11: (0,), 12: (0,)},
     59: {7: (30e4, 50e4), 19: (0,), 20: (0,), 21: (0, 1)},
     60: {7: (30e4, 50e4), 21: (0, 1)},
     207: {4: (60e4, 90e4, 110e4)},
+    209: TRIPOD,
     # HD16/HD17: 1,0 turns about Z, 0,1 about X; 0,0 is the deprecated default.
-}
+}  # fmt: skip
 
 
 def random_machine(kin: int, rng: np.random.Generator) -> dict[int, float]:
@@ -59,7 +72,7 @@ def random_axes(kin: int, rng: np.random.Generator) -> list[float]:
     values = []
     for axis in chainbuild.catalogue()[kin].axes:
         lower, upper = (-900.0, 900.0) if axis.kind == "linear" else (-175.0, 175.0)
-        lower, upper = ROTARY_RANGE.get(kin, {}).get(axis.name, (lower, upper))
+        lower, upper = AXIS_RANGE.get(kin, {}).get(axis.name, (lower, upper))
         values.append(float(rng.uniform(lower, upper)))
     return values
 

@@ -10,7 +10,7 @@ from tests.kit.paths import PACKAGE
 CARRIES = {"t": "tool", "w": "workpiece"}
 FAMILIES = {
     "head", "table", "mixed", "saw", "fixed_head", "cardan", "face", "arm", "scara", "palletiser", "lever",
-    "linear_robot",
+    "linear_robot", "parallel",
 }  # fmt: skip
 EFFECTS = {"pose", "limit", "none", "control"}
 

@@ -30,6 +30,7 @@ ORDER = [
     "ik.rules", "ik.result", "ik.region", "ik.request", "ik.verify",
     "ik.search.starts", "ik.search.found", "ik.search.problem", "ik.search.compiled", "ik.search",
     "ik.branches.core", "ik.branches.arms", "ik.branches.elimination", "ik.branches.opw", "ik.branches.direct",
+    "ik.branches.closed",
     "ik.plan", "ik.branches",
     "ik.policies",
     "ik",

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from chainbuild.analysis.collision.paths import check_clearance
+from chainbuild.chain.axismap import random_axis_values
 from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.collision.model import CollisionModel, bodies_of
 from chainbuild.ik.solve import solve
@@ -74,7 +75,7 @@ def collision_free_ik(
                 reason = f"every solution found collides: {pair} are {1000.0 * nearest.distance:.3g} mm apart"
                 blocked = replace(result, success=False, status="limits", reason=reason)
         if attempt < attempts:
-            elsewhere = lower + (upper - lower) * rng.random(len(lower))
+            elsewhere = random_axis_values(robot.chain.axis_map, rng, lower, upper)[0]
             for n, axis in enumerate(robot.axes):
                 if axis.held:
                     elsewhere[n] = result.axes[n]

@@ -7,6 +7,7 @@ from typing import Final, Literal
 
 import numpy as np
 
+from chainbuild.chain.axismap import random_axis_values
 from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
@@ -80,7 +81,7 @@ def classify_pairs(
     hits: dict[frozenset[str], int] = {}
     link_of = {solid.name: solid.link for solid in model.solids}
     for _ in range(samples):
-        found = model.colliding_pairs(lower + (upper - lower) * rng.random(len(lower)))
+        found = model.colliding_pairs(random_axis_values(chain.axis_map, rng, lower, upper)[0])
         for touching in {frozenset(link_of[name] for name in pair) for pair in found}:
             hits[touching] = hits.get(touching, 0) + 1
     verdicts = []

@@ -15,7 +15,9 @@ from numpy.typing import ArrayLike
 
 from chainbuild.analysis.singularity.measures import characteristic_length
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.axismap import random_axis_values
 from chainbuild.chain.elements import Chain
+from chainbuild.kinematics.evaluation import usual_range
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.screws import joints_between_tips, screws_at
 
@@ -125,9 +127,10 @@ def lines_at_q(robot: Mechanism, q: Vector) -> Lines:
 def _probe_positions(robot: Mechanism) -> list[Vector]:
     """Return positions inside the limits at which no joints are aligned by chance."""
     rng = np.random.default_rng(7)
-    lower = np.array([max(axis.lower, -170.0) for axis in robot.axes])
-    upper = np.array([min(axis.upper, 170.0) for axis in robot.axes])
-    drawn = (lower + (upper - lower) * rng.uniform(0.1, 0.9, len(lower)) for _ in range(_TRIES * _PROBES))
+    lower, upper = np.array([usual_range(axis) for axis in robot.axes]).T
+    inner = 0.1 * (upper - lower)
+    axis_map = robot.chain.axis_map
+    drawn = (random_axis_values(axis_map, rng, lower + inner, upper - inner)[0] for _ in range(_TRIES * _PROBES))
     # Limits may be wider than what the axis map has joint values for.
     having_a_pose = (axes for axes in drawn if np.isfinite(robot.chain.axis_map.q(axes)).all())
     return list(islice(having_a_pose, _PROBES))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from chainbuild.analysis.singularity.measures import measure_batch
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.axismap import random_axis_values
 from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.names import axis_index
 from chainbuild.errors import ChainbuildError
@@ -147,7 +148,7 @@ def mapped_axes(robot: Mechanism, spec: MapSpec) -> list[int]:
 def random_axes(robot: Mechanism, rng: np.random.Generator, count: int) -> Matrix:
     """Return axis values (count, n_axes) drawn uniformly from the limits; input axes are at 0 or the nearest limit."""
     lower, upper = shown_limits(robot.chain)
-    values: Matrix = lower + (upper - lower) * rng.random((count, len(lower)))
+    values = random_axis_values(robot.chain.axis_map, rng, lower, upper, count)
     for n, axis in enumerate(robot.axes):
         if axis.held:
             values[:, n] = min(max(0.0, lower[n]), upper[n])

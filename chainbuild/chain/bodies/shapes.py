@@ -31,6 +31,8 @@ WORKPIECE_SIDE: Final[tuple[Colour, Colour]] = ((0.10, 0.55, 0.55), (0.33, 0.71,
 # Radius of a link over the size of the machine: at the base and at the tip, where arms are slender.
 _STOUT: Final = 0.055
 _SLENDER: Final = 0.032
+_HUB: Final = 0.5  # of a link's radius: the middle of a platform that hangs on rods, and its arms
+_SPECK: Final = 0.01  # likewise: a shift of a platform alone is nothing one could see
 # A machine with long strokes and small heads is drawn as thick as an arm of this share of its stroke.
 _STROKE_SHARE: Final = 0.35
 # Without known limits: the range drawn and swept, as a share of the machine's size, and in degrees.
@@ -70,8 +72,9 @@ def link_bodies(chain: Chain) -> tuple[Body, ...]:
 def detail_bodies(chain: Chain) -> tuple[Body, ...]:
     """Return the details of a drawing: joint housings, rails, flange, tool, table and the lever of a rod."""
     drawing = _Drawing(chain)
-    bodies = [drawing.joint_body(joint, n) for n, joint in enumerate(drawing.joints)]
-    return (*bodies, *drawing.lever_bodies(), *drawing.tip_bodies())
+    drawn_joints = [(n, joint) for n, joint in enumerate(drawing.joints) if joint.child not in drawing.floating]
+    bodies = [drawing.joint_body(joint, n) for n, joint in drawn_joints]
+    return (*bodies, *drawing.lever_bodies(), *drawing.platform_bodies(), *drawing.tip_bodies())
 
 
 def machine_size(chain: Chain) -> float:
@@ -130,6 +133,11 @@ class _Drawing:
         self.low, self.high = drawn_bounds(chain.joints, *chain.axis_map.q_bounds(*shown_limits(chain)))
         self.workpiece_side = self._path(chain.frame("workpiece").link) - self._path(chain.frame("tool").link)
         self.given = {link.name: link.radius for link in chain.links}
+        # What no slide carries: the shifts of a platform that hangs on the rods of closed loops.
+        axes = {axis.name for axis in chain.axes}
+        passive = [joint for joint in self.joints if chain.loops and joint.name not in axes]
+        self.floating = {joint.child for joint in passive if joint.kind == "prismatic"}
+        self.loop_ends = {name: loop.name for loop in chain.loops for name in (loop.frame_a, loop.frame_b)}
 
     def _path(self, link: str) -> set[str]:
         path = set()
@@ -157,7 +165,9 @@ class _Drawing:
         points = [joint.T_parent_joint[:3, 3] for joint in self.children[link]]
         if not points:
             ends = {f.name: f.T_link_frame[:3, 3] for f in self.chain.frames if f.link == link}
-            points = [ends[name] for name in (ROD_END, "flange", "tool", "workpiece") if name in ends][:1]
+            points = [ends[name] for name in (*self.loop_ends, ROD_END, "flange", "tool", "workpiece") if name in ends][
+                :1
+            ]
         return max(points, key=lambda p: round(float(np.linalg.norm(p)), 9), default=np.zeros(3))
 
     def link_body(self, link: str) -> Body:
@@ -166,6 +176,9 @@ class _Drawing:
         if joint is None:
             return self._base_body()
         radius, end, colour = self.radius(link), self.end(link), self.colour(link)
+        if link in self.floating:
+            carries = any(frame.link == link and frame.name in self.loop_ends for frame in self.chain.frames)
+            return _body(link, "link", np.eye(4), "sphere", ((_HUB if carries else _SPECK) * radius,), colour)
         length, linear = float(np.linalg.norm(end)), joint.kind == "prismatic"
         if length > 0.5 * radius:
             T = _along(end, end / 2)
@@ -222,6 +235,18 @@ class _Drawing:
         end, radius = pin.T_link_frame[:3, 3], self.radius(f"{CRANK}_link")
         length = float(np.linalg.norm(end))
         return [_body(pin.link, "lever", _along(end, end / 2), "cylinder", (radius, length), self.colour(pin.link))]
+
+    def platform_bodies(self) -> list[Body]:
+        """Return the arms of a platform, from its middle to the pins of the rods."""
+        bodies = []
+        for frame in self.chain.frames:
+            end = frame.T_link_frame[:3, 3]
+            length = float(np.linalg.norm(end))
+            if frame.name in self.loop_ends and frame.link in self.floating and length > 0.0:
+                size = _HUB * self.radius(frame.link), length
+                T = _along(end, end / 2)
+                bodies.append(_body(frame.link, "lever", T, "cylinder", size, self.colour(frame.link)))
+        return bodies
 
     def tip_bodies(self) -> list[Body]:
         chain, bodies = self.chain, []

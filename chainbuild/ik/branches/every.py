@@ -7,6 +7,7 @@ from dataclasses import replace
 from numpy.typing import ArrayLike
 
 from chainbuild.errors import ChainbuildError
+from chainbuild.ik.branches.closed import find_closed, unreached_words, usual_branch
 from chainbuild.ik.branches.core.branches import Branches, Solutions, collect, named
 from chainbuild.ik.branches.core.free_axis import solutions_of, with_free_axes_inside
 from chainbuild.ik.branches.core.query import BranchQuery
@@ -47,6 +48,8 @@ def every_branch(query: BranchQuery) -> Solutions:
     plan = plan_for(query)
     if plan.name == "direct":
         found = find_direct(query)
+    elif plan.name == "struts":
+        found = find_closed(query, every_branch)
     elif plan.solver is not None:
         found = collect(query, with_free_axes_inside(query, solutions_of(plan.solver)))
     else:
@@ -63,6 +66,8 @@ def nearest_branch(request: IkRequest) -> IkResult | None:
         return None
     found = every_branch(query)
     if len(found.branches):
+        if request.start is None and request.mechanism.chain.loops:
+            return usual_branch(request.mechanism, found.branches)
         return found.branches[0]
     if found.beyond is not None:
         reason = f"reached only outside the limits of {', '.join(found.outside)}"
@@ -70,6 +75,8 @@ def nearest_branch(request: IkRequest) -> IkResult | None:
     mechanism = request.mechanism
     distance, angle = mechanism.kinematics.errors(query.x0, query.target, mechanism.task)
     reason = "no branch of the closed form reaches the pose"
+    if mechanism.chain.loops:
+        reason = unreached_words(query, every_branch) or reason
     return IkResult(
         False, query.shown(query.x0), "unreachable", distance, angle, 0, 0, mechanism.task, mechanism.labels, reason
     )

@@ -16,6 +16,7 @@ from chainbuild.convention import conventions
 from chainbuild.errors import ChainbuildError
 from chainbuild.formats.twincat.maps.heads import VirtualTurnMap
 from tests.hand.kin_heads import FORMULAS as HEADS
+from tests.hand.loops_hand import LOOPS
 from tests.kit.draws import seed_of
 from tests.kit.random_types import FORMULAS, channel_list, random_axes, random_machine
 from tests.kit.straight import check_joint_values
@@ -55,7 +56,7 @@ def compare(kin: int, folder: Path, rng: np.random.Generator, vectors: int, conv
 
 
 def test_every_built_type_has_a_formula() -> None:
-    assert set(chainbuild.catalogue()) <= set(FORMULAS) | {91, 98, 210}
+    assert set(chainbuild.catalogue()) <= set(FORMULAS) | set(LOOPS) | {91, 98, 210}
 
 
 @pytest.mark.parametrize("kin", sorted(FORMULAS))

@@ -55,6 +55,8 @@ Rules:
   the tool.
 - Machines with a nonlinear map return ``Recipe(axis_map=...)``; the map's q is in the order of the joints, tool branch
   first. Lengths there are SI. ``p.axes`` are the type's axes; ``Recipe(axes=...)`` replaces them (`carries`, `held`).
+- Closed loops: ``Recipe(branches=..., loops=...)`` gives the arms, each from the base to a marked end, and where the
+  ends meet; the axis map is their closed form. Joints that no axis drives have names of their own.
 - Refusing: ``p.refuse(key, "text", "permitted")`` raises MachineDataError CB401 at the line of the HD where the
   collector is strict and returns where it is lenient: the recipe must still return something finite. Remarks:
   ``p.note("CB4nn", key, "text")`` with a number from `data/findings.toml`.

@@ -9,7 +9,7 @@ from typing import Literal
 from chainbuild.chain.assemble import Element, Move, rotary
 from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.drives import DriveMap
-from chainbuild.chain.elements import Axis, Task
+from chainbuild.chain.elements import Axis, Loop, Task
 from chainbuild.convention import Choices
 from chainbuild.errors import MachineDataError, Span
 from chainbuild.findings import Collector
@@ -31,6 +31,8 @@ class Recipe:
         angle_mode: Name in `frames.ANGLE_MODES`; None: by P-CHAN-00112 of the channel.
         task: What inverse kinematics solves for.
         drives: What the drives stand at; None: at the axis values.
+        branches: Base → ends of loops: the arms of a parallel kinematic.
+        loops: Where these ends meet other frames.
     """
 
     tool: Sequence[Element]
@@ -40,6 +42,8 @@ class Recipe:
     angle_mode: str | None = None
     task: Task = "auto"
     drives: DriveMap | None = None
+    branches: Sequence[Sequence[Element]] = ()
+    loops: tuple[Loop, ...] = ()
 
 
 @dataclass(slots=True)

@@ -19,15 +19,11 @@ from chainbuild.shown import two_lines
 
 # Types that are not a serial chain; titles for messages and `kinematics()`.
 _OTHER_TITLES: Final[Mapping[int, str]] = {
-    12: "Tripod",
     19: "Three columns carry the workpiece platform",
-    21: "Lambda kinematic",
-    37: "Delta robot",
-    209: "Tripod with a two-axis workpiece table",
 }
 # Given as lists of axes or of kinematics, not by a table of head offsets: built by `translate`, without a recipe.
 _LISTS: Final = frozenset({91, 210})
-_PARALLEL: Final = frozenset({12, 19, 21, 37, 209})
+_PARALLEL: Final = frozenset({19})
 # Named in the KIN_TYP manual, described in a document of their own.
 _TUBE_PROCESSING: Final = frozenset({15, 78, 79, 90, 93})
 

@@ -70,7 +70,7 @@ def serial_draft(source: Source, choose: Choices, collector: Collector) -> Chain
     vectors = None
     if kind.number == SIX_AXIS_ARM:
         vectors = _vectors(source.channel.orientation, mode, choose, collector)
-    body = assemble(axes, recipe.tool, recipe.workpiece, recipe.axis_map)
+    body = assemble(axes, recipe.tool, recipe.workpiece, recipe.axis_map, recipe.branches)
     return Chain(
         name=draft_name(source),
         title=source.trafo.name or kind.title,
@@ -86,6 +86,7 @@ def serial_draft(source: Source, choose: Choices, collector: Collector) -> Chain
         display=display_of(params, axes, mode, choose),
         vectors=vectors,
         drives=recipe.drives,
+        loops=recipe.loops,
     )
 
 
