@@ -13,7 +13,7 @@ from chainbuild.analysis.path.nearby import KindLows
 from chainbuild.analysis.path.places import PathPlace
 from chainbuild.analysis.singularity.structure import SingularityKind
 from chainbuild.analysis.vanishing.lows import Low
-from chainbuild.arrays import Vector
+from chainbuild.arrays import Matrix, Vector
 
 MOST_MINIMA: Final = 100  # of one stretch: a path that oscillates through a singularity has thousands
 _JOINED: Final = 1e-9  # of a block: ends of parts this close to a row continue beyond it
@@ -84,10 +84,16 @@ class BlockRun:
     begins_mm: Vector
     mm_per_second: float | None
 
-    def places(self, blocks: list[int], shares: list[float]) -> list[PathPlace]:
-        """Return places of blocks, counted from the first of the chunk."""
+    def places(self, blocks: list[int], shares: list[float], known: Matrix | None = None) -> list[PathPlace]:
+        """Return places of blocks, counted from the first of the chunk.
+
+        Args:
+            blocks: Their blocks.
+            shares: Their shares.
+            known: (n, n_axes) axis values there; None: they are found.
+        """
         index, t = np.array(blocks, dtype=np.intp), np.array(shares)
-        axes = self.motion.axes(index, t)
+        axes = self.motion.axes(index, t) if known is None else known
         ways = self.begins_mm[index] + self.motion.lengths(index, t)
         return [
             PathPlace(self.first + block, share, row, float(way), self.seconds(float(way)))

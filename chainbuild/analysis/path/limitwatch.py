@@ -124,7 +124,7 @@ class LimitWatch:
         excess: Vector,
         outside: NDArray[np.bool_],
     ) -> Iterator[PathViolation]:
-        blocks, shares, _ = looked_at
+        blocks, shares, axes = looked_at
         changes = np.flatnonzero(np.diff(outside)) + 1
         for begin, end in itertools.pairwise([0, *changes.tolist(), len(blocks)]):
             if not outside[begin]:
@@ -135,11 +135,12 @@ class LimitWatch:
                     del self._open[limit]
                 continue
             most = begin + int(excess[begin:end].argmax())
-            worst, last = chunk.places(blocks[[most, end - 1]].tolist(), shares[[most, end - 1]].tolist())
+            both = [most, end - 1]
+            worst, last = chunk.places(blocks[both].tolist(), shares[both].tolist(), axes[both])
             known = self._open.get(limit)
             if known is None:
                 first = self._crossing(chunk, looked_at, excess, begin, limit) if begin else None
-                first = first or chunk.places(blocks[:1].tolist(), shares[:1].tolist())[0]
+                first = first or chunk.places(blocks[:1].tolist(), shares[:1].tolist(), axes[:1])[0]
                 self._open[limit] = _Open(first, last, worst, float(excess[most]))
                 continue
             known.end = last
@@ -193,7 +194,8 @@ class LimitWatch:
                 low, below, above = at, value, above / 2.0
             at = low + (high - low) * below / (below - above)
         block = min(int(at), len(chunk.motion.rows) - 2)
-        return chunk.places([block], [at - block])[0]
+        reached = _near(chunk.motion, block, at - block, axes[n])
+        return chunk.places([block], [at - block], reached[None])[0]
 
     def _done(self, limit: int) -> PathViolation:
         found, name = self._open[limit], self.names[limit]
