@@ -19,6 +19,7 @@ from chainbuild.analysis.vanishing.tracing import Blocks
 from chainbuild.arrays import Matrices, Matrix, Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.rtcp import linear_axes_batch
+from chainbuild.kinematics.inputs import as_pose
 from chainbuild.kinematics.mechanism import Mechanism
 
 Between = Literal["ptp", "cp", "rows"]
@@ -30,6 +31,7 @@ _DAMPING: Final = 1e-12  # of squared scaled singular values: holds steps finite
 _WALK: Final = 32  # steps from a row to a place that the straight axes do not lead to
 _MET: Final = 1e-9  # m, rad: an axis value is off by less than a display shows
 _LARGEST: Final = 0.3  # scaled step: beyond it a pose is not linear enough
+_SINGLY: Final = 8  # places up to which Pinocchio is quicker one by one than NumPy at once
 _LOST: Final = 1e-9  # scaled singular values below this are 0
 
 
@@ -209,6 +211,8 @@ class LineMotion:
 
     def _solve(self, x: Matrix, blocks: Blocks, t: Vector, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Improve some rows of axis values x in SI, in place, and return which of them meet the line."""
+        if len(rows) <= _SINGLY:
+            return np.array([self._solve_one(x[n], int(blocks[n]), float(t[n])) for n in rows], dtype=bool)
         positions, rotations = self.lines.poses(blocks[rows], t[rows])
         error, left = np.full(len(rows), np.inf), np.arange(len(rows))
         for _ in range(_STEPS):
@@ -219,6 +223,27 @@ class LineMotion:
             left = left[going]
             x[rows[left]] += steps[going]
         return np.asarray(error <= _MET * 1e3)
+
+    def _solve_one(self, x: Vector, block: int, t: float) -> bool:
+        """Improve axis values x (n_axes,) in SI, in place, and return whether they meet the line: one by Pinocchio."""
+        scaling, kinematics = scaling_of(self.robot), self.robot.kinematics
+        residual = kinematics.residual(as_pose(self.lines.pose(block, t)), self.robot.task)
+        lengths = np.where(scaling.rows < 3, scaling.length, 1.0)
+        off = np.inf
+        for _ in range(_STEPS):
+            error, J = residual(x)
+            off = float(np.abs(error).max())
+            if not off > _MET:
+                break
+            whole = np.zeros((6, J.shape[1]))
+            whole[scaling.rows] = J
+            scaled = scaling.apply(whole)
+            normal = scaled.T @ scaled + _DAMPING * np.eye(scaled.shape[1])
+            step = np.asarray(np.linalg.solve(normal, scaled.T @ (error / lengths)), dtype=float)
+            largest = float(np.abs(step).max())
+            step *= min(1.0, _LARGEST / max(largest, _LARGEST))
+            x += _unscaled(self.robot, scaling, step[None])[0]
+        return off <= _MET * 1e3
 
     def _walked(self, blocks: Blocks, t: Vector, end: int) -> tuple[Matrix, NDArray[np.bool_]]:
         """Return axis values in SI found step by step from the begin (0) or the end (1) of blocks, and which are."""
