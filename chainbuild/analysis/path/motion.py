@@ -265,6 +265,9 @@ class LineMotion:
         twist = np.concatenate([np.einsum("nji,nj->ni", rotations, ways), turns], axis=1)
         evenly = (self.rows[blocks + 1] - self.rows[blocks]) * factors
         found = _rates(self.robot, axes, twist, evenly) / factors
+        if self._fewer:
+            even = self._from_straight(blocks, t)[2]  # there the axes stay even, whatever the line asks
+            found[even] = evenly[even] / factors
         return found, *_sizes(ways, turns)
 
     def lengths(self, blocks: Blocks, t: Vector) -> Vector:
