@@ -138,7 +138,10 @@ def test_rows_of_json_are_those_of_the_tables(run: Run) -> None:
     told = {int(line.split()[0]) for line in shown.splitlines() if line[:3].strip().isdigit() and "wrist" in line}
     assert 3 in told
     assert told == {row["row"] for row in data["rows"] if row["names"] or row["notices"]}
-    for block in data["verdicts"]["blocks"]:
+    straight = words[:-2]
+    shown, blocks = run(*straight).out, json.loads(run(*straight, "--json").out)["verdicts"]["blocks"]
+    assert blocks
+    for block in blocks:
         assert f"rows {block['row']} … {block['row'] + 1}, {block['length_mm']:.4g} mm: {block['level']} at " in shown
 
     Path("folded.csv").write_text(f"A1,A2,A3,A4,A5,A6\n0,-90,90,0,0,0\n{FOLDED}\n{FOLDED}\n", "utf-8")
