@@ -252,15 +252,16 @@ class _Walk:
     def _minimum(self, found: Growing, point: Point) -> PathMinimum:
         axes, speed = point.place.axes, self.options.feed or self.options.tool_speed_mm
         singular = point in found.zeros
+        value = 0.0 if singular else point.value
         vector = self.between == "cp" and self.robot.chain.solves_linear_axes
         if vector or not np.isfinite(axes).all():
             # A vector turns on the great circle, not as the rotary axes do that `axes` shows.
             words = vector_words(self.robot, point.value) if vector else "no axis values are found there"
-            return PathMinimum(point.place, point.value, np.nan, singular, words, (), (), speed)
+            return PathMinimum(point.place, value, np.nan, singular, words, (), (), speed)
         worst = speeds(self.robot, axes, speed)
         return PathMinimum(
             point.place,
-            point.value,
+            value,
             smallest_value(self.robot, axes),
             singular,
             sentence_at(self.robot, axes, found.kind, speed),

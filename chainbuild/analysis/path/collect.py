@@ -13,9 +13,11 @@ from chainbuild.analysis.path.nearby import KindLows
 from chainbuild.analysis.path.places import PathPlace
 from chainbuild.analysis.singularity.structure import SingularityKind
 from chainbuild.analysis.vanishing.lows import Low
+from chainbuild.analysis.vanishing.waves import TOUCHES
 from chainbuild.arrays import Matrix, Vector
 
 MOST_MINIMA: Final = 100  # of one stretch: a path that oscillates through a singularity has thousands
+_SEARCHED: Final = 1e-3  # of a block: zeros that a search leaves at values of 1e-7 are one up to this distance
 _JOINED: Final = 1e-9  # of a block: ends of parts this close to a row continue beyond it
 
 
@@ -49,7 +51,7 @@ class Growing:
     least: Point
     zeros: list[Point] = field(default_factory=list)
     held: bool = True
-    ended: bool = False
+    apart: float = _JOINED
 
     def add(self, end: PathPlace, least: Point, zeros: list[Point], held: bool) -> None:
         """Add a part that follows."""
@@ -58,8 +60,10 @@ class Growing:
             self.least = least
         for one in zeros:
             last = self.zeros[-1].place if self.zeros else None
-            again = last is not None and one.place.row + one.place.share - last.row - last.share < _JOINED
-            if not again and len(self.zeros) < MOST_MINIMA:
+            again = last is not None and one.place.row + one.place.share - last.row - last.share < self.apart
+            if again and one.value < self.zeros[-1].value:
+                self.zeros[-1] = one
+            elif not again and len(self.zeros) < MOST_MINIMA:
                 self.zeros.append(one)
 
     @property
@@ -132,15 +136,17 @@ class StretchCollector:
         singular = [
             part.zeros or ((part.least,) if part.value <= found.singular else ()) for _, part in parts
         ]  # fmt: skip
+        values = [part.value for (_, part), places in zip(parts, singular, strict=True) for _ in places]
         flat = [(block, t) for (block, _), places in zip(parts, singular, strict=True) for t in places]
-        zeros = iter(chunk.points([b for b, _ in flat], [t for _, t in flat], [0.0] * len(flat)) if flat else ())
+        zeros = iter(chunk.points([b for b, _ in flat], [t for _, t in flat], values) if flat else ())
         for n, (block, part) in enumerate(parts):
             own = [next(zeros) for _ in singular[n]]
             if self._open is not None and not _continues(self._open, chunk.first + block, part):
                 yield self._open
                 self._open = None
             if self._open is None:
-                self._open = Growing(self.kind, found.proven, ends[2 * n], ends[2 * n + 1], least[n])
+                apart = _JOINED if found.singular <= TOUCHES else _SEARCHED
+                self._open = Growing(self.kind, found.proven, ends[2 * n], ends[2 * n + 1], least[n], apart=apart)
             self._open.add(ends[2 * n + 1], least[n], own, part.held)
 
     def finish(self) -> Iterator[Growing]:

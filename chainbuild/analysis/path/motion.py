@@ -12,11 +12,19 @@ from typing import Final, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild.analysis.singularity.jacobians import pose_jacobians
-from chainbuild.analysis.singularity.measures import Scaling, scaling_of
-from chainbuild.analysis.vanishing.line import LineBlocks, rotation_vectors
+from chainbuild.analysis.path.linesolve import (
+    LARGEST_LINE_STEP,
+    LINE_DAMPING,
+    jacobians_at,
+    newton_steps,
+    rates_for,
+    unscaled,
+)
+from chainbuild.analysis.singularity.measures import scaling_of
+from chainbuild.analysis.vanishing.functions import singular_functions
+from chainbuild.analysis.vanishing.line import LineBlocks
 from chainbuild.analysis.vanishing.tracing import Blocks
-from chainbuild.arrays import Matrices, Matrix, Vector
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.rtcp import linear_axes_batch
 from chainbuild.kinematics.inputs import as_pose
@@ -27,12 +35,10 @@ BETWEEN: Final = ("ptp", "cp", "rows")  # in the order of the help
 
 _GAUSS: Final = np.polynomial.legendre.leggauss(8)  # exact for lengths that vary as a polynomial of degree 15
 _STEPS: Final = 12  # Newton steps along a line: from the straight axes 3 or 4 do, next to a singularity more
-_DAMPING: Final = 1e-12  # of squared scaled singular values: holds steps finite where one is 0
 _WALK: Final = 32  # steps from a row to a place that the straight axes do not lead to
 _MET: Final = 1e-9  # m, rad: an axis value is off by less than a display shows
-_LARGEST: Final = 0.3  # scaled step: beyond it a pose is not linear enough
+_BRANCH: Final = 1e-6  # of functions of about 1: next to 0 what Newton leaves open decides the sign
 _SINGLY: Final = 8  # places up to which Pinocchio is quicker one by one than NumPy at once
-_LOST: Final = 1e-9  # scaled singular values below this are 0
 
 
 class PathMotion(Protocol):
@@ -81,11 +87,6 @@ def motion_of(robot: Mechanism, rows: Matrix, between: Between) -> PathMotion:
     raise ChainbuildError(f"unknown motion '{between}'", parameter="between", permitted="ptp, cp, rows")
 
 
-def _jacobians(robot: Mechanism, axes: Matrix) -> Matrices:
-    parts = [J for _, _, J in pose_jacobians(robot, axes)]
-    return np.concatenate(parts) if parts else np.empty((0, 6, axes.shape[1]))
-
-
 def _sizes(shifts: Matrix, turns: Matrix) -> tuple[Vector, Vector]:
     """Return the sizes of shifts (n, 3) [m] in mm and of turns (n, 3) [rad] in degrees."""
     return np.linalg.norm(shifts, axis=1) * 1000.0, np.degrees(np.linalg.norm(turns, axis=1))
@@ -110,7 +111,7 @@ class StraightMotion:
     def speeds(self, blocks: Blocks, t: Vector) -> tuple[Matrix, Vector, Vector]:
         """Return axes, tip and turn over a block at their speed there."""
         ways = self.rows[blocks + 1] - self.rows[blocks]
-        J = _jacobians(self.robot, self.axes(blocks, t))
+        J = jacobians_at(self.robot, self.axes(blocks, t))
         twist = np.einsum("nij,nj->ni", J, ways * self.robot.kinematics.si_factors)
         return ways, *_sizes(twist[:, :3], twist[:, 3:])
 
@@ -143,7 +144,7 @@ class SlidingMotion:
         ways = (self.rows[blocks + 1] - self.rows[blocks]) * factors
         ways[:, solved] = 0.0
         axes = self.axes(blocks, t)
-        J = _jacobians(self.robot, axes)
+        J = jacobians_at(self.robot, axes)
         R = self.robot.fk_batch(axes)[:, :3, :3]
         shift = self.positions[blocks + 1] - self.positions[blocks]
         missing = np.einsum("nji,nj->ni", R, shift) - np.einsum("nij,nj->ni", J[:, :3], ways)
@@ -168,11 +169,15 @@ class LineMotion:
         """Return the axis values at shares of blocks, by Newton's method from the straight axes; limits are ignored."""
         x, straight, missed = self._from_straight(blocks, t)
         # Next to a singularity the straight axes may be too far, or lead to another branch: walk from the rows.
-        doubtful = missed | (np.abs(x - straight).max(axis=1, initial=0.0) > _LARGEST)
+        doubtful = (
+            missed | (np.abs(x - straight).max(axis=1, initial=0.0) > LARGEST_LINE_STEP) | self._crossed(x, blocks)
+        )
+        missed |= self._crossed(x, blocks)
         for end in (0, 1):
             if doubtful.any() and not self._fewer:
                 rows = np.flatnonzero(doubtful)
                 walked, met = self._walked(blocks[rows], t[rows], end)
+                met &= ~self._crossed(walked, blocks[rows])
                 x[rows[met]] = walked[met]
                 missed[rows[met]] = doubtful[rows[met]] = False
         return self._found(x, straight, missed)
@@ -190,6 +195,22 @@ class LineMotion:
             return found
         elsewhere: Vector = self.axes(index, shares)[0]
         return elsewhere
+
+    def _crossed(self, x: Matrix, blocks: Blocks) -> NDArray[np.bool_]:
+        """Return which axis values in SI are of another branch than both rows of their block."""
+        crossed = np.zeros(len(x), dtype=bool)
+        known, affine = singular_functions(self.robot), self.robot.kinematics.affine
+        if not known.complete or affine is None:
+            return crossed
+        factors = self.robot.kinematics.si_factors
+        for function in known.functions:
+            ends, here = (
+                np.cos((values @ affine.A.T + affine.b) @ function.multiples.T + function.phases) @ function.amplitudes
+                for values in (self.rows * factors, x)
+            )
+            before, behind = np.sign(ends[blocks]), np.sign(ends[blocks + 1])
+            crossed |= (before == behind) & (here * before < -_BRANCH)
+        return crossed
 
     @property
     def _fewer(self) -> bool:
@@ -218,7 +239,7 @@ class LineMotion:
         for _ in range(_STEPS):
             if not len(left):
                 break
-            steps, error[left] = _steps(self.robot, x[rows[left]], positions[left], rotations[left])
+            steps, error[left] = newton_steps(self.robot, x[rows[left]], positions[left], rotations[left])
             going = error[left] > _MET
             left = left[going]
             x[rows[left]] += steps[going]
@@ -238,11 +259,11 @@ class LineMotion:
             whole = np.zeros((6, J.shape[1]))
             whole[scaling.rows] = J
             scaled = scaling.apply(whole)
-            normal = scaled.T @ scaled + _DAMPING * np.eye(scaled.shape[1])
+            normal = scaled.T @ scaled + LINE_DAMPING * np.eye(scaled.shape[1])
             step = np.asarray(np.linalg.solve(normal, scaled.T @ (error / lengths)), dtype=float)
             largest = float(np.abs(step).max())
-            step *= min(1.0, _LARGEST / max(largest, _LARGEST))
-            x += _unscaled(self.robot, scaling, step[None])[0]
+            step *= min(1.0, LARGEST_LINE_STEP / max(largest, LARGEST_LINE_STEP))
+            x += unscaled(self.robot, scaling, step[None])[0]
         return off <= _MET * 1e3
 
     def _walked(self, blocks: Blocks, t: Vector, end: int) -> tuple[Matrix, NDArray[np.bool_]]:
@@ -264,7 +285,7 @@ class LineMotion:
         ways, turns = self.lines.ways[blocks], self.lines.turns[blocks]
         twist = np.concatenate([np.einsum("nji,nj->ni", rotations, ways), turns], axis=1)
         evenly = (self.rows[blocks + 1] - self.rows[blocks]) * factors
-        found = _rates(self.robot, axes, twist, evenly) / factors
+        found = rates_for(self.robot, axes, twist, evenly) / factors
         if self._fewer:
             even = self._from_straight(blocks, t)[2]  # there the axes stay even, whatever the line asks
             found[even] = evenly[even] / factors
@@ -274,64 +295,3 @@ class LineMotion:
         """Return the way of the tip."""
         ways = self.lines.ways[blocks]
         return _sizes(ways, ways)[0] * t
-
-
-def _steps(robot: Mechanism, x: Matrix, positions: Matrix, rotations: Matrices) -> tuple[Matrix, Vector]:
-    """Return Newton's steps (n, n_axes) in SI towards poses, and how far off (n,) [m, rad] the tool is now."""
-    scaling, factors = scaling_of(robot), robot.kinematics.si_factors
-    axes = x / factors
-    poses = robot.fk_batch(axes)
-    back = np.swapaxes(poses[:, :3, :3], 1, 2)
-    shift = np.einsum("nij,nj->ni", back, positions - poses[:, :3, 3])
-    if robot.task == "pose":
-        turn = rotation_vectors(back @ rotations)
-    else:
-        column = robot.chain.tool_column
-        turn = np.cross(np.eye(3)[column], np.einsum("nij,nj->ni", back, rotations[:, :, column]))
-    error = np.concatenate([shift, turn], axis=1)[:, scaling.rows]
-    off = np.abs(error).max(axis=1)
-    error[:, scaling.rows < 3] /= scaling.length
-    J = scaling.apply(_jacobians(robot, axes))
-    normal = np.swapaxes(J, 1, 2) @ J + _DAMPING * np.eye(J.shape[2])
-    steps = np.linalg.solve(normal, np.swapaxes(J, 1, 2) @ error[:, :, None])[:, :, 0]
-    largest = np.abs(steps).max(axis=1, keepdims=True)
-    steps *= np.minimum(1.0, _LARGEST / np.maximum(largest, _LARGEST))
-    return _unscaled(robot, scaling, steps), off
-
-
-def _unscaled(robot: Mechanism, scaling: Scaling, steps: Matrix) -> Matrix:
-    """Return steps of all axes in SI from scaled ones of those that move."""
-    linear = np.array([robot.axes[n].kind == "linear" for n in scaling.columns])
-    full = np.zeros((len(steps), len(robot.axes)))
-    full[:, scaling.columns] = steps * np.where(linear, scaling.length, 1.0)
-    return full
-
-
-def _rates(robot: Mechanism, axes: Matrix, twist: Matrix, evenly: Matrix) -> Matrix:
-    """Return the rates (n, n_axes) in SI that a twist needs; inf where it asks for a motion that is lost.
-
-    Args:
-        robot: The robot.
-        axes: (n, n_axes) axis values; rows that are not numbers have no rates.
-        twist: (n, 6) of the tool in its own frame, over a block.
-        evenly: (n, n_axes) what the axes change over the block, SI: where `axes` starts from.
-    """
-    scaling = scaling_of(robot)
-    known = np.asarray(np.isfinite(axes).all(axis=1))
-    found = np.full(axes.shape, np.nan)
-    if not known.any():
-        return found
-    J = _jacobians(robot, axes[known])
-    given = evenly[known]  # what is left of the twist is made with least motion: it decides on redundant machines
-    rest = (twist[known] - np.einsum("nij,nj->ni", J, given))[:, scaling.rows]
-    rest[:, scaling.rows < 3] /= scaling.length
-    U, values, Vt = np.linalg.svd(scaling.apply(J), full_matrices=False)
-    along = np.einsum("nij,ni->nj", U, rest)
-    lost = values < _LOST
-    with np.errstate(divide="ignore", invalid="ignore"):
-        solved = np.einsum("nij,ni->nj", Vt, np.where(lost, 0.0, along / values))
-    endless = np.einsum("nij,ni->nj", np.abs(Vt), np.where(lost & (np.abs(along) > _LOST), 1.0, 0.0)) > _LOST
-    rates = _unscaled(robot, scaling, solved) + given
-    rates[:, scaling.columns] = np.where(endless, np.inf, rates[:, scaling.columns])
-    found[known] = rates
-    return found
