@@ -22,7 +22,11 @@ def check_aimed(name: str, kind: str, count: int, rows: int, seed: int) -> None:
         zeros = [m for s in report.stretches for m in s.minima if m.singular and s.kind == kind]
         assert len(zeros) == 1, (n, len(zeros))
         (zero,) = zeros
-        assert abs((zero.place.row + zero.place.share) / (rows - 1) - share) < 1e-6, n
+        off = abs((zero.place.row + zero.place.share) / (rows - 1) - share)
+        # Where W touches the cylinder of a sideways offset the factor is a root: on a line on which it hardly changes,
+        # rounding of its square leaves no sharper place.
+        left = abs(lines.functions(np.array([zero.place.axes]))[0, KINDS.index(kind)])
+        assert off < 1e-6 or (kind == "shoulder" and left < 1e-6), (n, off, left)
         assert not any(m.singular for s in report.stretches for m in s.minima if s.kind != kind), n
         for stretch in report.stretches:
             for place in (stretch.begin, stretch.end, *(m.place for m in stretch.minima)):
