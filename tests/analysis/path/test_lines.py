@@ -23,10 +23,10 @@ def check_aimed(name: str, kind: str, count: int, rows: int, seed: int) -> None:
         assert len(zeros) == 1, (n, len(zeros))
         (zero,) = zeros
         off = abs((zero.place.row + zero.place.share) / (rows - 1) - share)
-        # Where W touches the cylinder of a sideways offset the factor is a root: on a line on which it hardly changes,
-        # rounding of its square leaves no sharper place.
+        # Where W touches the cylinder of a sideways offset h the factor is a root: the 1e-9 m that Newton's method leaves
+        # of a place are √(2·h·1e-9 m)/L, 6e-6 for h = 20 mm, and a line on which it hardly changes has no sharper place.
         left = abs(lines.functions(np.array([zero.place.axes]))[0, KINDS.index(kind)])
-        assert off < 1e-6 or (kind == "shoulder" and left < 1e-6), (n, off, left)
+        assert off < 1e-6 or (kind == "shoulder" and left < 6e-6), (n, off, left)
         assert not any(m.singular for s in report.stretches for m in s.minima if s.kind != kind), n
         for stretch in report.stretches:
             for place in (stretch.begin, stretch.end, *(m.place for m in stretch.minima)):
@@ -121,7 +121,9 @@ def check_poles(name: str, count: int, aimed: bool, seed: int) -> None:
         (minimum,) = stretch.minima
         assert minimum.singular == aimed
         normal = np.cross(*vectors)
-        assert abs(minimum.value - abs(normal @ pole) / np.linalg.norm(normal)) < 1e-9
+        inside = 0 < sine.argmin() < len(t) - 1  # else the great circle comes closest beyond the rows
+        least = abs(normal @ pole) / np.linalg.norm(normal) if inside else sine.min()
+        assert abs(minimum.value - least) < 1e-9
         assert abs(minimum.place.share - t[sine.argmin()]) < 1e-4
         if aimed:
             assert abs(minimum.place.share - rows[0, bending] / rows[:, bending].sum()) < 1e-6
