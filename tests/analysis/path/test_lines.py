@@ -23,8 +23,8 @@ def check_aimed(name: str, kind: str, count: int, rows: int, seed: int) -> None:
         assert len(zeros) == 1, (n, len(zeros))
         (zero,) = zeros
         off = abs((zero.place.row + zero.place.share) / (rows - 1) - share)
-        # Where W touches the cylinder of a sideways offset h the factor is a root: the 1e-9 m that Newton's method leaves
-        # of a place are √(2·h·1e-9 m)/L, 6e-6 for h = 20 mm, and a line on which it hardly changes has no sharper place.
+        # Where W touches the cylinder of a sideways offset h the factor is a root: the 1e-9 m that Newton's method
+        # leaves are √(2·h·1e-9 m)/L, 6e-6 for h = 20 mm, and a line on which it hardly changes has no sharper place.
         left = abs(lines.functions(np.array([zero.place.axes]))[0, KINDS.index(kind)])
         assert off < 1e-6 or (kind == "shoulder" and left < 6e-6), (n, off, left)
         assert not any(m.singular for s in report.stretches for m in s.minima if s.kind != kind), n
