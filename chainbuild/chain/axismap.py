@@ -173,6 +173,11 @@ class AffineMap:
         result: Vector = self.A @ (axes * self.si_factors) + self.b
         return result
 
+    def q_rows(self, rows: Matrix) -> Matrix:
+        """Return the joint values (N, n_q) of rows of axis values (N, n_axes)."""
+        result: Matrix = rows @ (self.A * self.si_factors).T + self.b
+        return result
+
     def axes(self, q: Vector) -> Vector:
         """Return the axis values of joint values."""
         result: Vector = (self.back @ (q - self.b)) / self.si_factors

@@ -123,7 +123,7 @@ def leaving(motion: PathMotion) -> list[tuple[int, float]]:
 def _by_waves(robot: Mechanism, known: SingularFunctions, rows: Matrix, near: float) -> Iterator[KindLows]:
     axis_map = robot.chain.axis_map
     assert isinstance(axis_map, AffineMap)
-    q = rows @ (axis_map.A * axis_map.si_factors).T + axis_map.b
+    q = axis_map.q_rows(rows)
     for function in known.functions:
         waves = Waves.along(function, q)
         found = {int(n): lows(waves.block(n), near) for n in waves.not_clear(near, _HALVINGS)}
@@ -176,7 +176,7 @@ def _arm_on(motion: PathMotion, lines: LineBlocks, blocks: Blocks, near: float) 
         return None
     axis_map = robot.chain.axis_map
     assert isinstance(axis_map, AffineMap)
-    q = motion.rows @ (axis_map.A * axis_map.si_factors).T + axis_map.b
+    q = axis_map.q_rows(motion.rows)
     branch = np.ones((len(q) - 1, 2))
     for column, function in enumerate((shoulder, elbow)):
         values = np.cos(q @ function.multiples.T + function.phases) @ function.amplitudes

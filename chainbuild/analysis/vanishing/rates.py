@@ -101,7 +101,7 @@ def jacobian_rates(robot: Mechanism, rows: Matrix, scaling: Scaling) -> Vector:
     chain = robot.chain
     axis_map = chain.axis_map
     assert isinstance(axis_map, AffineMap)
-    q = rows @ (axis_map.A * axis_map.si_factors).T + axis_map.b
+    q = axis_map.q_rows(rows)
     moved = np.abs(np.diff(q, axis=0))
     order = joints_between_tips(chain)
     reach = _reach(robot, np.abs(drawn_values(chain.joints, q)).max(axis=0), order)

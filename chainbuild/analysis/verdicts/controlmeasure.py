@@ -43,7 +43,7 @@ def joint_rows(robot: Mechanism, axes: Matrix) -> Matrix:
     """Return joint values (n, n_q) of a robot whose axis map is affine at axis values (n, n_axes)."""
     axis_map = robot.chain.axis_map
     assert isinstance(axis_map, AffineMap)
-    return axes @ (axis_map.A * axis_map.si_factors).T + axis_map.b
+    return axis_map.q_rows(axes)
 
 
 def control_values(robot: Mechanism, measure: str, axes: Matrix) -> Vector:

@@ -165,9 +165,8 @@ class _Drawing:
         points = [joint.T_parent_joint[:3, 3] for joint in self.children[link]]
         if not points:
             ends = {f.name: f.T_link_frame[:3, 3] for f in self.chain.frames if f.link == link}
-            points = [ends[name] for name in (*self.loop_ends, ROD_END, "flange", "tool", "workpiece") if name in ends][
-                :1
-            ]
+            known = (*self.loop_ends, ROD_END, "flange", "tool", "workpiece")
+            points = [ends[name] for name in known if name in ends][:1]
         return max(points, key=lambda p: round(float(np.linalg.norm(p)), 9), default=np.zeros(3))
 
     def link_body(self, link: str) -> Body:

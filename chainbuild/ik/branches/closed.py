@@ -73,23 +73,26 @@ def unreached_words(query: BranchQuery, solve: Callable[[BranchQuery], Solutions
     opened, axis_map = opened_query(query), query.mechanism.chain.axis_map
     if opened is None or not isinstance(axis_map, ClosingMap):
         return ""
-    places = list(joints_between_tips_in_order(query.mechanism))
-    for branch in solve(opened).branches:
-        q = np.zeros(len(query.mechanism.chain.joints))
-        q[places] = branch.axes * opened.mechanism.kinematics.si_factors
+    for _, q in _joint_values(query, opened, solve(opened)):
         if words := axis_map.unreached(q):
             return words
     return ""
+
+
+def _joint_values(query: BranchQuery, opened: BranchQuery, found: Solutions) -> Iterator[tuple[Branch, Vector]]:
+    """Yield the branches of the open chain with joint values (n_q,) of the closed one: those between the tips."""
+    places = list(joints_between_tips_in_order(query.mechanism))
+    for branch in found.branches:
+        q = np.zeros(len(query.mechanism.chain.joints))
+        q[places] = branch.axes * opened.mechanism.kinematics.si_factors
+        yield branch, q
 
 
 def _candidates(query: BranchQuery, opened: BranchQuery, found: Solutions) -> Iterator[tuple[Vector, tuple[str, ...]]]:
     mechanism = query.mechanism
     axis_map, own = mechanism.chain.axis_map, {axis.name for axis in mechanism.axes}
     assert isinstance(axis_map, ClosingMap)
-    places = list(joints_between_tips_in_order(mechanism))
-    for branch in found.branches:
-        q = np.zeros(len(mechanism.chain.joints))
-        q[places] = branch.axes * opened.mechanism.kinematics.si_factors
+    for branch, q in _joint_values(query, opened, found):
         free = tuple(name for name in branch.free_axes if name in own)
         for axes in product(*axis_map.closing(q)):
             yield np.array(axes) * mechanism.kinematics.si_factors, free
