@@ -14,6 +14,8 @@ from chainbuild.kinematics.mechanism import Mechanism
 
 LINE_DAMPING: Final = 1e-12  # of squared scaled singular values: holds steps finite where one is 0
 LARGEST_LINE_STEP: Final = 0.3  # scaled step: beyond it a pose is not linear enough
+LINE_STEPS: Final = 12  # Newton steps along a line: from the straight axes 3 or 4 do, next to a singularity more
+LINE_MET: Final = 1e-9  # m, rad: an axis value is off by less than a display shows
 _LOST: Final = 1e-9  # scaled singular values below this are 0
 
 
@@ -44,6 +46,31 @@ def newton_steps(robot: Mechanism, x: Matrix, positions: Matrix, rotations: Matr
     largest = np.abs(steps).max(axis=1, keepdims=True)
     steps *= np.minimum(1.0, LARGEST_LINE_STEP / np.maximum(largest, LARGEST_LINE_STEP))
     return unscaled(robot, scaling, steps), off
+
+
+def struts_at(robot: Mechanism, positions: Matrix, even: Matrix) -> Matrix:
+    """Return axis values (n, n_axes) with the tip at positions (n, 3) [m], only the struts other than given ones.
+
+    By Newton's method from the values given; not a number where it does not lead to the position.
+
+    Args:
+        robot: A closed chain programmed by position and rotary axes.
+        positions: Tips in the workpiece frame.
+        even: (n, n_axes) axis values, mm and degrees.
+    """
+    kinematics, solved = robot.kinematics, list(robot.chain.display.solved)
+    found = np.full(even.shape, np.nan)
+    for n, x in enumerate(even * kinematics.si_factors):
+        for _ in range(LINE_STEPS):
+            T, J = kinematics.pose_and_jacobian(x)
+            missing = T.rotation.T @ (positions[n] - T.translation)
+            off = float(np.linalg.norm(missing))
+            if not off > LINE_MET:  # met, or not a number: struts that do not close
+                break
+            x[solved] += np.linalg.lstsq(J[:3, solved], missing, rcond=None)[0]
+        if off <= LINE_MET:
+            found[n] = x / kinematics.si_factors
+    return found
 
 
 def unscaled(robot: Mechanism, scaling: Scaling, steps: Matrix) -> Matrix:

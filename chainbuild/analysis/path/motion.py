@@ -15,9 +15,12 @@ from numpy.typing import NDArray
 from chainbuild.analysis.path.linesolve import (
     LARGEST_LINE_STEP,
     LINE_DAMPING,
+    LINE_MET,
+    LINE_STEPS,
     jacobians_at,
     newton_steps,
     rates_for,
+    struts_at,
     unscaled,
 )
 from chainbuild.analysis.singularity.measures import scaling_of
@@ -26,6 +29,7 @@ from chainbuild.analysis.vanishing.line import LineBlocks
 from chainbuild.analysis.vanishing.tracing import Blocks
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError
+from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.rtcp import linear_axes_batch
 from chainbuild.kinematics.inputs import as_pose
 from chainbuild.kinematics.mechanism import Mechanism
@@ -34,9 +38,7 @@ Between = Literal["ptp", "cp", "rows"]
 BETWEEN: Final = ("ptp", "cp", "rows")  # in the order of the help
 
 _GAUSS: Final = np.polynomial.legendre.leggauss(8)  # exact for lengths that vary as a polynomial of degree 15
-_STEPS: Final = 12  # Newton steps along a line: from the straight axes 3 or 4 do, next to a singularity more
 _WALK: Final = 32  # steps from a row to a place that the straight axes do not lead to
-_MET: Final = 1e-9  # m, rad: an axis value is off by less than a display shows
 _BRANCH: Final = 1e-6  # of functions of about 1: next to 0 what Newton leaves open decides the sign
 _SINGLY: Final = 8  # places up to which Pinocchio is quicker one by one than NumPy at once
 
@@ -81,10 +83,16 @@ def motion_of(robot: Mechanism, rows: Matrix, between: Between) -> PathMotion:
         return StraightMotion(robot, rows)
     if between == "cp":
         poses = robot.fk_batch(rows)
-        if robot.chain.solves_linear_axes:
+        if keeps_rotary_axes(robot):
             return SlidingMotion(robot, rows, poses[:, :3, 3])
         return LineMotion(robot, rows, LineBlocks.between(poses))
     raise ChainbuildError(f"unknown motion '{between}'", parameter="between", permitted="ptp, cp, rows")
+
+
+def keeps_rotary_axes(robot: Mechanism) -> bool:
+    """Return whether rotary axes are programmed on lines (RTCP): they change evenly, linear axes or struts follow."""
+    chain = robot.chain
+    return chain.solves_linear_axes or bool(chain.loops and chain.display.rtcp and chain.display.axes)
 
 
 def _sizes(shifts: Matrix, turns: Matrix) -> tuple[Vector, Vector]:
@@ -134,9 +142,11 @@ class SlidingMotion:
 
     def axes(self, blocks: Blocks, t: Vector) -> Matrix:
         """Return the axis values at shares of blocks."""
-        even = _between_rows(self.rows, blocks, t)
-        found = linear_axes_batch(self.robot, _between_rows(self.positions, blocks, t), even)
-        return np.where((found.position_error <= _MET)[:, None], found.axes, np.nan)
+        even, positions = _between_rows(self.rows, blocks, t), _between_rows(self.positions, blocks, t)
+        if self.robot.chain.loops:
+            return struts_at(self.robot, positions, even)
+        found = linear_axes_batch(self.robot, positions, even)
+        return np.where((found.position_error <= LINE_MET)[:, None], found.axes, np.nan)
 
     def speeds(self, blocks: Blocks, t: Vector) -> tuple[Matrix, Vector, Vector]:
         """Return axes, tip and turn over a block at their speed there."""
@@ -180,6 +190,10 @@ class LineMotion:
                 met &= ~self._crossed(walked, blocks[rows])
                 x[rows[met]] = walked[met]
                 missed[rows[met]] = doubtful[rows[met]] = False
+        for n in np.flatnonzero(missed & ~np.array(self._fewer)):
+            branch = self._branch(straight[n], int(blocks[n]), float(t[n]))
+            if branch is not None:
+                x[n], missed[n] = branch, False
         return self._found(x, straight, missed)
 
     def direct(self, blocks: Blocks, t: Vector) -> Matrix:
@@ -195,6 +209,18 @@ class LineMotion:
             return found
         elsewhere: Vector = self.axes(index, shares)[0]
         return elsewhere
+
+    def _branch(self, straight: Vector, block: int, t: float) -> Vector | None:
+        """Return axis values in SI of the branch that both rows are of, the one nearest to straight ones, or None.
+
+        Between a singularity and the next one, Newton's method from either row may end at the first.
+        """
+        if not singular_functions(self.robot).complete or self.robot.kinematics.affine is None:
+            return None  # what is the branch of both rows is not known
+        factors = self.robot.kinematics.si_factors
+        found = ik_all(self.robot, self.lines.pose(block, t), straight / factors).axes * factors
+        kept = found[~self._crossed(found, np.full(len(found), block))]
+        return kept[np.abs(kept - straight).max(axis=1).argmin()] if len(kept) else None
 
     def _crossed(self, x: Matrix, blocks: Blocks) -> NDArray[np.bool_]:
         """Return which axis values in SI are of another branch than both rows of their block."""
@@ -236,14 +262,14 @@ class LineMotion:
             return np.array([self._solve_one(x[n], int(blocks[n]), float(t[n])) for n in rows], dtype=bool)
         positions, rotations = self.lines.poses(blocks[rows], t[rows])
         error, left = np.full(len(rows), np.inf), np.arange(len(rows))
-        for _ in range(_STEPS):
+        for _ in range(LINE_STEPS):
             if not len(left):
                 break
             steps, error[left] = newton_steps(self.robot, x[rows[left]], positions[left], rotations[left])
-            going = error[left] > _MET
+            going = error[left] > LINE_MET
             left = left[going]
             x[rows[left]] += steps[going]
-        return np.asarray(error <= _MET * 1e3)
+        return np.asarray(error <= LINE_MET * 1e3)
 
     def _solve_one(self, x: Vector, block: int, t: float) -> bool:
         """Improve axis values x (n_axes,) in SI, in place, and return whether they meet the line: one by Pinocchio."""
@@ -251,10 +277,10 @@ class LineMotion:
         residual = kinematics.residual(as_pose(self.lines.pose(block, t)), self.robot.task)
         lengths = np.where(scaling.rows < 3, scaling.length, 1.0)
         off = np.inf
-        for _ in range(_STEPS):
+        for _ in range(LINE_STEPS):
             error, J = residual(x)
             off = float(np.abs(error).max())
-            if not off > _MET:
+            if not off > LINE_MET:
                 break
             whole = np.zeros((6, J.shape[1]))
             whole[scaling.rows] = J
@@ -264,7 +290,7 @@ class LineMotion:
             largest = float(np.abs(step).max())
             step *= min(1.0, LARGEST_LINE_STEP / max(largest, LARGEST_LINE_STEP))
             x += unscaled(self.robot, scaling, step[None])[0]
-        return off <= _MET * 1e3
+        return off <= LINE_MET * 1e3
 
     def _walked(self, blocks: Blocks, t: Vector, end: int) -> tuple[Matrix, NDArray[np.bool_]]:
         """Return axis values in SI found step by step from the begin (0) or the end (1) of blocks, and which are."""

@@ -6,6 +6,7 @@
 | ptp    | any other, affine axis map                  | smallest singular value, bounded rate       |
 | ptp    | nonlinear axis map                          | smallest singular value, sampled            |
 | cp     | arm with a wrist point, linear machine      | functions of the pose, bounded rate         |
+| cp     | struts below programmed rotary axes         | smallest singular value of struts, sampled  |
 | cp     | any other                                   | smallest singular value, sampled            |
 """
 
@@ -148,6 +149,9 @@ def _on_lines(motion: PathMotion, blocks: Blocks, near: Near) -> Iterator[KindLo
         for kind, traced in kinds:
             yield KindLows(kind, True, traced_lows(traced, blocks), _SINGULAR)
         return
+    if isinstance(motion, SlidingMotion) and robot.chain.loops:
+        yield _followed(motion, blocks, near)
+        return
     geometry = line_geometry(robot, motion.rows[blocks[0]][[axis.held for axis in robot.axes]])
     if geometry is not None and geometry.bend is not None:
         bent: SingularityKind = "pole" if robot.task == "direction" else "wrist"
@@ -186,8 +190,15 @@ def _arm_on(motion: PathMotion, lines: LineBlocks, blocks: Blocks, near: float) 
 
 
 def _followed(motion: PathMotion, blocks: Blocks, near: Near) -> KindLows:
-    traced = Followed(motion, scaling_of(motion.robot), near.smallest)
+    scaling = _of_struts(motion.robot) if isinstance(motion, SlidingMotion) else scaling_of(motion.robot)
+    traced = Followed(motion, scaling, near.smallest)
     return KindLows("other", False, traced_lows(traced, blocks), _SINGULAR)
+
+
+def _of_struts(robot: Mechanism) -> Scaling:
+    """Return the scaling for the position by the struts alone: with the rotary axes programmed no turn is asked."""
+    solved = np.array(robot.chain.display.solved, dtype=np.intp)
+    return Scaling(np.arange(3), solved, scaling_of(robot).length, np.ones((3, len(solved))), False)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import chainbuild
+from chainbuild.analysis.path.motion import motion_of
 from chainbuild.analysis.singularity.names import NEAR_FACTOR
 from chainbuild.robot import Robot
 from tests.kit.aimed_lines import KINDS, lines_of, pose_between
@@ -50,6 +51,21 @@ def check_place(robot: Robot, place: chainbuild.PathPlace, first: np.ndarray, la
 @pytest.mark.parametrize("name", ARMS)
 def test_lines_through_singularities_are_found(name: str, kind: str, rows: int) -> None:
     check_aimed(name, kind, 2 if rows == 2 else 1, rows, 1)
+
+
+def test_between_two_singularities_the_branch_of_the_rows_is_found() -> None:
+    """The wrist point touches the cylinder about axis 1 that its sideways offset keeps it out of; the wrist follows."""
+    lines = lines_of("tx2_60")
+    path = np.array([
+        [-76.26709798, -115.07362568, -111.49142135, -79.68469721, 33.82622792, -162.83395986],
+        [126.3703801, -109.78561767, -104.127511, 50.15051213, 67.89364774, -59.83733103],
+    ])  # fmt: skip
+    first, last = lines.robot.fk_batch(path)
+    t = np.array([0.275, 0.28, 0.3, 0.31, 0.32, 0.324, 0.325, 0.33])
+    axes = motion_of(lines.robot, path, "cp").axes(np.zeros(len(t), dtype=np.intp), t)
+    expected = np.array([pose_between(first, last, float(x)) for x in t])
+    assert np.abs(lines.robot.fk_batch(axes) - expected).max() < 2e-6
+    assert (np.sign(lines.functions(axes)) == np.sign(lines.functions(path[:1]))).all()
 
 
 @pytest.mark.slow
