@@ -66,6 +66,10 @@ EQUIVALENT = (
         "half a turn this way or that is the same",
     ),
     Equivalent(
+        "formats/twincat/universal/directions.py", "seconds = [angle, 180.0 - angle]", "180.0 → -180.0",
+        "a whole turn more or less: the angle returned is within (-180, 180] either way",
+    ),
+    Equivalent(
         "formats/sinumerik/geometry/tool.py", "frames.rot_y(180.0)", "180.0 → -180.0",
         "half a turn this way or that is the same",
     ),
