@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +12,7 @@ import pytest
 
 import chainbuild
 from chainbuild.chain.axismap import SamplingMap, random_axis_values
+from chainbuild.formats.twincat.maps.struts import Column, Lever, ThreeRodsMap
 from tests.hand.loops_cases import CHOICES, channel_list, random_closing, random_hd
 from tests.hand.loops_hand import LOOPS
 from tests.kit.draws import seed_of
@@ -35,6 +38,7 @@ def test_every_row_of_the_map_is_the_derivative(kin: int, conventions: dict[str,
         revolute = np.array([joint.kind == "revolute" for joint in chain.joints])
         for _ in range(3):
             axes = np.array(random_closing(kin, hd, conventions, rng))
+            assert chain.axis_map.axes(chain.axis_map.q(axes)) == pytest.approx(axes, abs=1e-9)
             J = chain.axis_map.dq_daxes(axes)
             for n, axis in enumerate(chain.axes):
                 si = 1e-3 if axis.kind == "linear" else math.pi / 180.0
@@ -85,3 +89,72 @@ def test_joint_bounds_hold_where_the_loops_close(kin: int, tmp_path: Path) -> No
                 assert (found >= low - 1e-9).all()
                 assert (found <= high + 1e-9).all()
                 assert (low <= high).all()
+
+
+@pytest.mark.parametrize("angle", range(-360, 361, 30))
+def test_right_angles_are_exact(angle: float) -> None:
+    x, y = Column(float(angle), 1.0).centre(0.0)[0][:2]
+    assert (x, y) == pytest.approx((math.cos(math.radians(angle)), math.sin(math.radians(angle))), abs=1e-15)
+    if angle % 90 == 0:
+        assert (x, y) == (round(x), round(y))
+
+
+ARMS = [Column(120.0, 0.4, -1.0), Lever(-50.0, 0.15, 0.3), Lever(200.0, 0.05, 0.7, 20.0)]
+
+
+@pytest.mark.parametrize("arm", ARMS)
+def test_with_what_is_missing_a_rod_just_reaches(arm: Column | Lever) -> None:
+    rng = np.random.default_rng(4)
+    told = []
+    for _ in range(300):
+        p = tuple(rng.uniform(-1.0, 1.0, 3).tolist())
+        rod = float(rng.uniform(0.1, 1.8))
+        missing = arm.missing(p, rod)
+        if arm.values(p, rod, 1.0):
+            assert missing <= 0.0
+            continue
+        told.append(missing > 0.0)
+        beyond = math.copysign(1e-9, missing)
+        assert arm.values(p, rod + missing + beyond, 1.0)
+        assert not arm.values(p, rod + missing - beyond, 1.0)
+    assert set(told) == ({True} if arm.kind == "linear" else {True, False})
+
+
+def circle_of_two(a: np.ndarray, b: np.ndarray, rod: float) -> np.ndarray:
+    """Return 4000 places at the distance of a rod from both centres."""
+    aside = np.linalg.svd((b - a)[None])[2][1:]
+    turns = np.linspace(0.0, math.tau, 4000)[:, None]
+    radius = math.sqrt(rod**2 - float(np.linalg.norm(b - a)) ** 2 / 4.0)
+    return (a + b) / 2.0 + radius * (np.cos(turns) * aside[0] + np.sin(turns) * aside[1])
+
+
+@pytest.mark.parametrize(("radii", "word"), [((0.2, 0.1, 0.45), "long"), ((0.48, 0.49, 0.46), "short")])
+def test_the_rod_that_misses_the_others_by_most(radii: tuple[float, ...], word: str) -> None:
+    """The third rod misses the circle on which two rods meet by so much at best."""
+    rng, rod = np.random.default_rng(6), 0.5
+    arms = tuple(Column(120.0 * n + 90.0, radius) for n, radius in enumerate(radii))
+    map_, told = ThreeRodsMap(arms, rod, 1.0), []
+    for _ in range(400):
+        axes = rng.uniform(-550.0, 550.0, 3)
+        refused = map_.refusal(axes)
+        if refused is None:
+            continue
+        words = re.search(r"rods? .*? ([0-9.]+) mm too (short|long)", refused.message)
+        assert words
+        centres = np.array([arm.centre(value / 1000.0)[0] for arm, value in zip(arms, axes, strict=True)])
+        gap = max(float(np.linalg.norm(a - b)) - 2.0 * rod for a, b in itertools.combinations(centres, 2))
+        if gap > 0.0:
+            assert (float(words[1]), words[2]) == (pytest.approx(1000.0 * gap, rel=1e-5), "short")
+            assert "together" in refused.message
+            continue
+        misses = []
+        for n in range(3):
+            others = np.delete(centres, n, axis=0)
+            off = np.linalg.norm(circle_of_two(*others, rod) - centres[n], axis=1) - rod
+            misses.append(off.min() if off.min() > 0.0 else min(off.max(), 0.0))
+        worst = int(np.argmax(np.abs(misses)))
+        assert f"rod of Z{worst + 1} " in refused.message
+        assert float(words[1]) == pytest.approx(1000.0 * abs(misses[worst]), abs=1e-2)
+        assert words[2] == ("short" if misses[worst] > 0.0 else "long")
+        told.append(words[2])
+    assert told.count(word) > 2
