@@ -12,7 +12,9 @@ import pytest
 
 import chainbuild
 from chainbuild.chain.axismap import SamplingMap, random_axis_values
+from chainbuild.formats.twincat.maps.scissors import LambdaMap
 from chainbuild.formats.twincat.maps.struts import Column, Lever, ThreeRodsMap
+from chainbuild.kinematics.closure import Closure
 from tests.hand.loops_cases import CHOICES, channel_list, random_closing, random_hd
 from tests.hand.loops_hand import LOOPS
 from tests.kit.draws import seed_of
@@ -47,6 +49,21 @@ def test_every_row_of_the_map_is_the_derivative(kin: int, conventions: dict[str,
                 way = chain.axis_map.q(axes + step) - chain.axis_map.q(axes - step)
                 way[revolute] = np.remainder(way[revolute] + math.pi, math.tau) - math.pi
                 assert way / 2e-7 == pytest.approx(J[:, n], abs=1e-5, rel=1e-5)
+
+
+@pytest.mark.parametrize(("kin", "conventions"), CASES)
+def test_the_rods_meet_their_pins_where_the_platform_is(kin: int, conventions: dict[str, str], tmp_path: Path) -> None:
+    """The platform is where the formula by hand puts it; Pinocchio places the ends of each loop at one point."""
+    rng = np.random.default_rng(seed_of("meet", kin, str(conventions)))
+    hd = random_hd(kin, rng, conventions) | {21: {5: 120.0, 10: -70.0}, 209: {30: 25.0}}.get(kin, {})
+    robot = build(tmp_path, kin, hd, conventions)
+    for _ in range(3):
+        axes = random_closing(kin, hd, conventions, rng)
+        wanted = LOOPS[kin](hd, axes, 0.0, conventions)
+        assert wanted is not None
+        wanted[:3, 3] /= 1000.0
+        assert robot.fk(axes).homogeneous == pytest.approx(wanted, abs=1e-9)
+        assert Closure(robot).gap(robot.q(axes)) < 1e-12
 
 
 @pytest.mark.parametrize("kin", TYPES)
@@ -160,3 +177,29 @@ def test_the_rod_that_misses_the_others_by_most(radii: tuple[float, ...], word: 
         assert words[2] == ("short" if misses[worst] > 0.0 else "long")
         told.append(words[2])
     assert told.count(word) > 2
+
+
+@pytest.mark.parametrize("word", ["short", "long"])
+@pytest.mark.parametrize("rods", [(0.3, 0.5), (0.6, 0.2)])
+def test_by_how_much_the_rods_of_a_lambda_miss_one_another(rods: tuple[float, float], word: str) -> None:
+    """Joints 120 mm apart across the slides: |BC|² = 120² + (X2 - X1)²."""
+    way = 900.0 if word == "short" else 50.0
+    apart = math.hypot(way, 120.0)
+    wrong = apart - 800.0 if word == "short" else 1000.0 * abs(rods[0] - rods[1]) - apart
+    for x1, x2 in ((10.0, 10.0 + way), (10.0 + way, 10.0)):
+        refused = LambdaMap((0.0, 0.0), (0.1, 0.22), rods, 1.0).refusal(np.array([x1, x2, 5.0, 20.0]))
+        assert refused is not None
+        assert f"too {word}" in refused.message
+        (told,) = re.findall(r"([0-9.]+) mm too (?:short|close)", refused.message)
+        assert float(told) == pytest.approx(wrong, rel=1e-5)
+
+
+def test_a_rod_that_does_not_reach_from_its_slide() -> None:
+    """C at (0.2, 0.1), rod of 0.5 at θ; the slide of B 0.25 across: its rod of 0.3 has to bridge what is left."""
+    lambda_map = LambdaMap((0.2, 0.0), (0.1, 0.25), (0.5, 0.3), 1.0)
+    for theta in np.radians([-170.0, -80.0, -30.0, 20.0, 60.0, 90.0, 130.0]):
+        q = np.array([0.05, theta, 0.1, 0.2, 0.0, 0.0])
+        missing = abs(0.1 + 0.5 * math.sin(theta) - 0.25) - 0.3
+        words = lambda_map.unreached(q)
+        assert words == (f"the rod of X2 is {1000.0 * missing:.6g} mm too short" if missing > 0.0 else "")
+        assert (len(lambda_map.closing(q)[1]) == 2) == (missing <= 0.0)
