@@ -70,9 +70,9 @@ def test_values_are_drawn_from_the_box_where_nothing_closes(drawn: np.ndarray | 
     lower, upper = np.array([1.0, 30.0, -70.0]), np.array([5.0, 90.0, 200.0])
     affine = AffineMap.of(np.eye(3), np.zeros(3), ("linear",) * 3)
     for axis_map in (NeverClosing(drawn), affine):
-        rows = random_axis_values(axis_map, np.random.default_rng(3), lower, upper, 200)
+        rows = random_axis_values(axis_map, np.random.default_rng(3), lower, upper, 60)
         assert ((rows >= lower) & (rows <= upper)).all()
-        assert (np.ptp(rows, axis=0) > 0.9 * (upper - lower)).all()
+        assert (np.ptp(rows, axis=0) > 0.8 * (upper - lower)).all()
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
