@@ -10,7 +10,7 @@ import pytest
 
 from chainbuild import AffineDrives, AxisConstraint, AxisSum, DriveLimit, Robot
 from chainbuild.chain.assemble import linear, rotary, shift
-from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.axismap import AffineMap, random_axis_values
 from chainbuild.chain.programmed.display import Display
 from chainbuild.frames import rot_about, rot_y, rot_z
 from chainbuild.kinematics.displayed import raised_and_turned, vector_of_angles
@@ -53,6 +53,26 @@ def test_an_affine_map_there_and_back() -> None:
     joints = np.array([0.7, math.pi / 4.0 + 0.2])
     assert affine.q(np.array([300.0, 90.0])) == pytest.approx(joints, abs=1e-15)
     assert affine.axes(joints) == pytest.approx([300.0, 90.0], abs=1e-12)
+
+
+class NeverClosing:
+    """A map that knows of no place where it closes, or of one beyond the box."""
+
+    def __init__(self, drawn: np.ndarray | None) -> None:
+        self.drawn = drawn
+
+    def drawn_axes(self, rng: np.random.Generator, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
+        return self.drawn
+
+
+@pytest.mark.parametrize("drawn", [None, np.array([2.0, 500.0, 0.0]), np.array([2.0, 40.0, -900.0])])
+def test_values_are_drawn_from_the_box_where_nothing_closes(drawn: np.ndarray | None) -> None:
+    lower, upper = np.array([1.0, 30.0, -70.0]), np.array([5.0, 90.0, 200.0])
+    affine = AffineMap.of(np.eye(3), np.zeros(3), ("linear",) * 3)
+    for axis_map in (NeverClosing(drawn), affine):
+        rows = random_axis_values(axis_map, np.random.default_rng(3), lower, upper, 60)
+        assert ((rows >= lower) & (rows <= upper)).all()
+        assert (np.ptp(rows, axis=0) > 0.8 * (upper - lower)).all()
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

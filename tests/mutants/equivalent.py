@@ -58,12 +58,20 @@ EQUIVALENT = (
         "half a turn this way or that: the angle shown is within (-180, 180] either way",
     ),
     Equivalent(
+        "formats/twincat/families/parallel.py", '"deg_180": 180.0', "180.0 → -180.0",
+        "half a turn this way or that is the same",
+    ),
+    Equivalent(
         "formats/twincat/universal/universal.py", "return rot_about((1.0, 0.0, 0.0), 180.0)", "1.0 → -1.0",
         "half a turn about x or about -x is the same",
     ),
     Equivalent(
         "formats/twincat/universal/universal.py", "return rot_about((1.0, 0.0, 0.0), 180.0)", "180.0 → -180.0",
         "half a turn this way or that is the same",
+    ),
+    Equivalent(
+        "formats/twincat/universal/directions.py", "seconds = [angle, 180.0 - angle]", "180.0 → -180.0",
+        "a whole turn more or less: the angle returned is within (-180, 180] either way",
     ),
     Equivalent(
         "formats/sinumerik/geometry/tool.py", "frames.rot_y(180.0)", "180.0 → -180.0",

@@ -80,7 +80,7 @@ def _walk(node: ast.AST, function: str) -> Iterator[tuple[ast.AST, str]]:
 def _changes(node: ast.AST) -> Iterator[tuple[str, Callable[[ast.AST], None]]]:
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         yield f"sign dropped: {ast.unparse(node)}", lambda n: setattr(n, "op", ast.UAdd())
-    elif isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
+    elif isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS and not _unsigns_zero(node):
         other = _OPERATORS[type(node.op)]
         yield f"{other.__name__} for {ast.unparse(node)}", lambda n: setattr(n, "op", other())
     elif isinstance(node, ast.Constant) and node.value in _LETTERS and isinstance(node.value, str):
@@ -97,6 +97,11 @@ def _changes(node: ast.AST) -> Iterator[tuple[str, Callable[[ast.AST], None]]]:
         yield f"{node.attr} → {name}", lambda n: setattr(n, "attr", name)
     elif isinstance(node, ast.Call):
         yield from _zeroed(node)
+
+
+def _unsigns_zero(node: ast.BinOp) -> bool:
+    """Return whether a sum only makes 0.0 of -0.0: the difference is the same number, which no comparison tells."""
+    return isinstance(node.right, ast.Constant) and isinstance(node.right.value, float) and node.right.value == 0.0
 
 
 def _zeroed(node: ast.Call) -> Iterator[tuple[str, Callable[[ast.AST], None]]]:

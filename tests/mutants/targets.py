@@ -15,6 +15,8 @@ TWINCAT = "tests/formats/twincat"
 GEOMETRY = "(hand or reference or arm45 or families or bounds or kin98 or domain) and not displayed"
 TWINCAT_SHARED = (TWINCAT, "-k", GEOMETRY)
 TRANSLATED = (TWINCAT, "-k", f"{GEOMETRY} or channel_names")
+# The drives of 76 go by a map of heads.
+HEAD_MAPS = (TWINCAT, "-k", f"{GEOMETRY} or 76_machine_axes")
 SINUMERIK = ("tests/formats/sinumerik", "tests/ik/policies/test_controller.py")
 CHAIN = ("tests/chain",)
 
@@ -25,7 +27,8 @@ def _tests(folder: str, *names: str) -> tuple[str, ...]:
 
 # Without those that compile solvers anew in each process.
 COMPOSED = (*_tests("chain", "compose_numbers", "compose"), "tests/coupling", "-k", "not written_and_solved")
-UNIVERSAL = _tests("formats/twincat", "directions", "universal_display", "universal", "as_universal")
+# Only a coupling reads a universal kinematic backwards.
+UNIVERSAL = _tests("formats/twincat", "directions", "universal_display", "universal", "as_universal", "coupling")
 COUPLED = _tests("formats/twincat", "two_steps", "coupling", "coupling_axes", "coupling_refused")
 AXIS_MAPS = ("tests/chain", *_tests("kinematics", "by_hand", "robot"), "-k", "not written_and_solved")
 KINEMATICS = ("tests/kinematics", "tests/ik/test_ik.py", "tests/ik/search/test_arm_reach.py", "-k", "not arrays_of")
@@ -34,7 +37,7 @@ DRIVES = (
     *_tests("formats/twincat", "drives", "drive_ranges"),
     *_tests("ik", "drive_limits"),
 )
-LIMITS = (*_tests("kinematics", "by_hand"), *DRIVES, *_tests("ik", "limits_agree"))
+LIMITS = (*_tests("kinematics", "by_hand", "limits_of_drives"), *DRIVES, *_tests("ik", "limits_agree"))
 DISPLAYED = (
     *_tests("kinematics", "by_hand", "angles_shown"),
     *_tests("ik", "displayed"),
@@ -51,6 +54,7 @@ def targets() -> dict[Path, tuple[str, ...]]:
     shared = [*sorted((twincat / "families").glob("[a-z]*.py")), *sorted((twincat / "maps").glob("[a-z]*.py"))]
     shared += [twincat / "recipes" / f"{name}.py" for name in ("parts", "head_parts", "recipe")]
     files = {**dict.fromkeys(shared, TWINCAT_SHARED), twincat / "translate.py": TRANSLATED}
+    files[twincat / "maps" / "heads.py"] = HEAD_MAPS
     robx = [sinumerik / "geometry" / f"{name}.py" for name in ("translate", "robot_axes", "tool")]
     files |= dict.fromkeys([*robx, sinumerik / "rules" / "chain_data.py"], SINUMERIK)
     chain = package / "chain"

@@ -70,3 +70,7 @@ def test_what_is_said_to_compute_the_same_is_still_a_mutant(known: Equivalent) -
 def test_nothing_in_annotations_is_mutated() -> None:
     text = "class A:\n    letter: Literal['x', 'y'] = 'x'\n\n\ndef f(a: Literal['z'] = 'z') -> Literal['-x']:\n    ..."
     assert [(mutant.line, mutant.what) for mutant in mutants_of(text)] == [(2, "axis x → y"), (5, "axis z → x")]
+
+
+def test_a_sum_that_only_takes_the_sign_off_a_zero_is_not_mutated() -> None:
+    assert [mutant.what for mutant in mutants_of("a = b + 0.0\nc = b + 0.5")] == ["Sub for b + 0.5"]

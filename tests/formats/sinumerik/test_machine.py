@@ -67,6 +67,12 @@ def test_one_sided_and_unset_limits():
     assert chain_of(NR6, extra=unset).axes[0].assumed
 
 
+@pytest.mark.parametrize(("line", "lower", "upper"), [("PLUS[AX1]=-400", -401, -400), ("MINUS[AX1]=400", 400, 401)])
+def test_a_limit_beyond_the_other_side_that_is_assumed_leaves_a_range(line, lower, upper):
+    axis = chain_of(NR6, extra=f"$MA_POS_LIMIT_{line}").axes[0]
+    assert (axis.lower, axis.upper, axis.assumed) == (lower, upper, True)
+
+
 def test_overlay_limits_win():
     overlay = Overlay(limits={"A1": (-10.0, 20.0)}, endless=("A6",), speeds={"A2": 33.0})
     axes = chain_of(NR6, extra=LIMITS, overlay=overlay).axes

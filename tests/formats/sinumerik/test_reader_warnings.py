@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import pytest
 
 from chainbuild.findings import Collector, Finding
@@ -69,6 +71,23 @@ def test_limits_under_both_names_of_an_axis() -> None:
     assert (axes[0].lower, axes[0].upper) == (-50.0, 100.0)
     once = '$MN_AXCONF_MACHAX_NAME_TAB[0]="TURN"\n' + LIMITS.format("TURN", "AX1")
     assert with_code("CB113", once) == []
+
+
+@pytest.mark.parametrize("second", [-10, -20])
+@pytest.mark.parametrize("names", list(itertools.permutations(("AX1", "TURN", "CHAN"))))
+def test_of_three_names_of_an_axis_the_last_line_counts(names: tuple[str, str, str], second: int) -> None:
+    """AX1, the machine axis' name and the channel's, in every order: by lines, not by kinds of names."""
+    named = '$MN_AXCONF_MACHAX_NAME_TAB[0]="TURN"\n$MC_AXCONF_CHANAX_NAME_TAB[0]="CHAN"\n'
+    lines = [f"$MA_POS_LIMIT_MINUS[{name}]={value}" for name, value in zip(names, (-10, second, -30), strict=True)]
+    text = robx_text(NR6, extra=f"{named}$MA_POS_LIMIT_PLUS[AX1]=100\n" + "\n".join(lines))
+    (finding,) = [f for f in read(text).findings if f.code == "CB113"]
+    first = text.splitlines().index(lines[0]) + 1
+    assert finding.text.startswith(f"$MA_POS_LIMIT_MINUS[{names[0]}] in line {first} and ")
+    assert f"and $MA_POS_LIMIT_MINUS[{names[2]}] are the same axis" in finding.text
+    assert finding.parameter == f"$MA_POS_LIMIT_MINUS[{names[2]}]"
+    assert finding.span is not None
+    assert finding.span.text == lines[2]
+    assert (read(text).chain().axes[0].lower, read(text).chain().axes[0].upper) == (-30.0, 100.0)
 
 
 def test_a_channel_axis_without_machine_axis() -> None:

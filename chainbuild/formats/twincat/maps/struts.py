@@ -111,12 +111,13 @@ class Lever:
         return [math.remainder(angle, math.tau) + rad_from_deg(self.zero_deg) for angle in both]
 
     def missing(self, p: Centre, radius: float) -> float:
-        """Return how much longer (positive) or shorter [m] lever and rod would have to be for a platform point."""
+        """Return how much longer (positive) or shorter [m] the rod would have to be for a platform point."""
         x, y = _direction(self.angle_deg)
         out, across = p[0] * x + p[1] * y - self.radius, p[1] * x - p[0] * y
-        distance = math.sqrt(out * out + across * across + p[2] * p[2])
-        longest = distance - self.length - radius
-        return longest if longest > 0.0 else min(0.0, distance - abs(self.length - radius))
+        distance = math.hypot(out, p[2])
+        # From the nearest and the farthest place of the lever's tip.
+        short = math.hypot(distance - self.length, across) - radius
+        return short if short > 0.0 else min(0.0, math.hypot(distance + self.length, across) - radius)
 
 
 def _direction(angle_deg: float) -> tuple[float, float]:
