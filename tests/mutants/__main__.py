@@ -21,6 +21,7 @@ from pathlib import Path
 
 from tests.mutants.equivalent import is_equivalent
 from tests.mutants.forked import Job, Outcome, failing_unmutated, judged
+from tests.mutants.held import groups_of, judge_held
 from tests.mutants.mutations import mutants_of
 from tests.mutants.targets import ROOT, targets, tests_for
 
@@ -39,8 +40,12 @@ class Run:
 
     def judge(self, job: Job) -> None:
         """Judge one mutant and note the test that killed it."""
+        self.note(job, judged(job, self.killers[job.path, job.tests][-KILLERS_TRIED:]))
+
+    def note(self, job: Job, outcome: Outcome) -> None:
+        """Note what became of a mutant."""
         known = self.killers[job.path, job.tests]
-        outcome = self.outcomes[job] = judged(job, known[-KILLERS_TRIED:])
+        self.outcomes[job] = outcome
         if outcome.killer in known:
             known.remove(outcome.killer)
         if outcome.killer:
@@ -87,22 +92,32 @@ def main() -> int:
     parser.add_argument("only", nargs="*", help="parts of paths")
     options = parser.parse_args()
     os.chdir(ROOT)
+    os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
     import pinocchio  # noqa: F401 - shared by all forks
     import pytest  # noqa: F401 - the same
 
     run = Run(jobs_of(options.only))
     start = time.monotonic()
 
+    def told() -> None:
+        if sys.__stderr__.isatty():
+            print(f"\r{len(run.outcomes)}/{len(run.jobs)} mutants", end="", file=sys.__stderr__, flush=True)
+
     def judge(job: Job) -> None:
         if time.monotonic() - start < options.minutes * 60.0:
             run.judge(job)
             if run.kind(job) in UNNOTICED:
                 print(f"{run.kind(job)}: {job}", flush=True)
-            if sys.stderr.isatty():
-                print(f"\r{len(run.outcomes)}/{len(run.jobs)} mutants", end="", file=sys.stderr, flush=True)
+            told()
 
+    def killed(job: Job, outcome: Outcome) -> None:
+        run.note(job, outcome)
+        told()
+
+    for words, jobs in groups_of(run.jobs).items():
+        judge_held(words, jobs, killed, start + options.minutes * 60.0)
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        list(pool.map(judge, run.jobs))
+        list(pool.map(judge, [job for job in run.jobs if job not in run.outcomes]))
     broken = failing_unmutated(outcome.killer for outcome in run.outcomes.values() if outcome.killer)
     print(f"\n{summary(run)}\n{(time.monotonic() - start) / 60.0:.1f} min")
     for name in broken:

@@ -104,7 +104,7 @@ class Failed:
 
 def judged(job: Job, killers: list[str]) -> Outcome:
     """Run a mutant's tests in a fork: first those that killed others of its kind, then all."""
-    said = _forked(lambda: "\n".join(_run_tests(job, killers)))
+    said = in_fork(lambda: "\n".join(_run_tests(job, killers)))
     if said is None:
         return Outcome("hung")
     return Outcome(*said.split("\n", 1)) if said else Outcome("killed")  # by a crash
@@ -113,30 +113,40 @@ def judged(job: Job, killers: list[str]) -> Outcome:
 def failing_unmutated(killers: Iterable[str]) -> list[str]:
     """Return the tests that fail without any mutant, too: those killed nothing."""
     names = set(killers)
-    said = _forked(lambda: "\n".join(_pytest(_files_of(names), [Only(names)])[1]))
+    said = in_fork(lambda: "\n".join(quiet_pytest(_files_of(names), [Only(names)])[1]))
     return ["what runs them hangs"] if said is None else said.splitlines()
 
 
 def _run_tests(job: Job, killers: list[str]) -> tuple[str, str]:
-    module = ".".join(job.path.relative_to(ROOT).with_suffix("").parts)
-    sys.meta_path.insert(0, MutatedLoader(module, job.path, job.mutant.source))
+    sys.meta_path.insert(0, MutatedLoader(module_of(job.path), job.path, job.mutant.source))
     if killers:
-        _, failed = _pytest(_files_of(killers), [Only(set(killers))], "-x")
+        _, failed = quiet_pytest(_files_of(killers), [Only(set(killers))], "-x")
         if failed:
             return "killed", failed[0]
-    types = [word.partition("=")[2] for word in job.tests if word.startswith(TYPES_ONLY)]
-    filters = [TypeFilter({int(number) for number in word.split(",")}) for word in types]
-    code, failed = _pytest([word for word in job.tests if not word.startswith(TYPES_ONLY)], filters, "-x")
+    words, types = split_types(job.tests)
+    code, failed = quiet_pytest(list(words), [TypeFilter(numbers) for numbers in types], "-x")
     if failed or code == NOT_STARTED:
         return "killed", "".join(failed[:1])
     return "survived" if code == ALL_PASSED else "untested", ""
+
+
+def module_of(path: Path) -> str:
+    """Return the name of the module in a file."""
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts)
+
+
+def split_types(tests: tuple[str, ...]) -> tuple[tuple[str, ...], list[set[int]]]:
+    """Return pytest's own words, and the KIN_TYPs of each of the others."""
+    words = tuple(word for word in tests if not word.startswith(TYPES_ONLY))
+    types = [word.partition("=")[2].split(",") for word in tests if word.startswith(TYPES_ONLY)]
+    return words, [{int(number) for number in numbers} for numbers in types]
 
 
 def _files_of(names: Iterable[str]) -> list[str]:
     return sorted({name.partition("::")[0] for name in names})
 
 
-def _pytest(words: list[str], plugins: Sequence[object], *options: str) -> tuple[int, list[str]]:
+def quiet_pytest(words: list[str], plugins: Sequence[object], *options: str) -> tuple[int, list[str]]:
     """Run pytest without a word; return its exit code and the tests that fail."""
     import pytest
 
@@ -148,7 +158,7 @@ def _pytest(words: list[str], plugins: Sequence[object], *options: str) -> tuple
     return int(code), failed.names
 
 
-def _forked(work: Callable[[], str]) -> str | None:
+def in_fork(work: Callable[[], str]) -> str | None:
     """Return what `work` returns in a fork, an empty text where it breaks; None where it takes too long."""
     with tempfile.TemporaryFile() as said:
         child = os.fork()

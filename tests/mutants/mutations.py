@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-import copy
+import pickle
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -40,10 +40,10 @@ def mutants_of(source: str) -> Iterator[Mutant]:
     """Yield every mutant of a file's text."""
     tree = ast.parse(source)
     _drop_annotations(tree)
-    spots = list(_walk(tree, ""))
+    spots, kept = list(_walk(tree, "")), pickle.dumps(tree)
     for number, (node, function) in enumerate(spots):
         for what, change in _changes(node):
-            changed = copy.deepcopy(tree)
+            changed = pickle.loads(kept)  # a tenth of the time of copy.deepcopy
             change(list(_walk(changed, ""))[number][0])
             yield Mutant(getattr(node, "lineno", 0), function, what, ast.unparse(changed))
 

@@ -1,0 +1,105 @@
+"""Tests collected once and held: each mutant is put into the loaded functions in a fork and meets them there.
+
+That takes a tenth of the time of a fork that loads and collects anew. What a test failed is killed; what none failed,
+or cannot be put into loaded functions, is judged anew from the start (`tests.mutants.forked`): what was computed while
+the tests were collected is from before the mutant.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import NoReturn
+
+from tests.mutants.forked import Job, Outcome, TypeFilter, in_fork, module_of, quiet_pytest, split_types
+from tests.mutants.transplant import transplanted
+
+Told = Callable[[Job, Outcome], None]
+
+
+def groups_of(jobs: Iterable[Job]) -> dict[tuple[str, ...], list[Job]]:
+    """Return the jobs by the tests that are collected for them."""
+    groups: dict[tuple[str, ...], list[Job]] = {}
+    for job in jobs:
+        groups.setdefault(split_types(job.tests)[0], []).append(job)
+    return groups
+
+
+def judge_held(words: tuple[str, ...], jobs: Sequence[Job], told: Told, until: float) -> None:
+    """Judge the jobs that share the tests of pytest's words, and tell of each that a test killed.
+
+    Args:
+        words: Pytest's arguments.
+        jobs: The mutants.
+        told: Called with job and outcome.
+        until: Time by `time.monotonic` at which no further mutant begins.
+    """
+    quiet_pytest(list(words), [_Loop(jobs, told, until)], "--capture=sys")
+
+
+@dataclass(eq=False)
+class _Loop:
+    """Pytest plugin: in place of the tests, the mutants, each in a fork that runs tests until one fails."""
+
+    jobs: Sequence[Job]
+    told: Told
+    until: float
+
+    def pytest_runtestloop(self, session) -> bool:
+        reading, writing = os.pipe()
+        workers, children = os.cpu_count() or 1, []
+        for first in range(workers):
+            child = os.fork()  # a process and no thread: what forks beside threads may wait for ever
+            if child == 0:
+                self._work(session, range(first, len(self.jobs), workers), writing)
+            children.append(child)
+        os.close(writing)
+        with os.fdopen(reading) as lines:
+            for line in lines:
+                number, killer = json.loads(line)
+                self.told(self.jobs[number], Outcome("killed", killer))
+        for child in children:
+            os.waitpid(child, 0)
+        return True
+
+    def _work(self, session, numbers: Iterable[int], writing: int) -> NoReturn:
+        """Judge some of the jobs and end this process; what was killed goes through a pipe, a line each."""
+        try:
+            killers: defaultdict[Path, list[str]] = defaultdict(list)
+            for number in numbers:
+                job = self.jobs[number]
+                known = killers[job.path]
+                killer = in_fork(partial(_first_failing, session, job, known)) if time.monotonic() < self.until else ""
+                if killer:
+                    if killer in known:
+                        known.remove(killer)
+                    known.append(killer)
+                    os.write(writing, f"{json.dumps([number, killer])}\n".encode())
+        finally:
+            os._exit(0)
+
+
+def _first_failing(session, job: Job, killers: list[str]) -> str:
+    """Return the first test that fails with a mutant, in this process; empty: none, or the mutant has no place."""
+    from _pytest.runner import runtestprotocol
+
+    if not job.mutant.function or not transplanted(module_of(job.path), job.path, job.mutant.source):
+        return ""
+    items = list(session.items)
+    for types in split_types(job.tests)[1]:
+        TypeFilter(types).pytest_collection_modifyitems(items)
+    ranks = {name: len(killers) - n for n, name in enumerate(killers)}
+    items.sort(key=lambda item: ranks.get(item.nodeid, len(killers) + 1))
+    sys.stdout = sys.stderr = io.StringIO()
+    for item, following in zip(items, [*items[1:], None], strict=True):
+        if any(report.failed for report in runtestprotocol(item, log=False, nextitem=following)):
+            return item.nodeid
+    return ""
