@@ -58,6 +58,10 @@ EQUIVALENT = (
         "half a turn this way or that: the angle shown is within (-180, 180] either way",
     ),
     Equivalent(
+        "formats/twincat/families/ca_heads.py", "        ratio = 1.0", "1.0 → -1.0",
+        "the list is refused by then: any ratio but 0 lets the check go on",
+    ),
+    Equivalent(
         "formats/twincat/families/parallel.py", '"deg_180": 180.0', "180.0 → -180.0",
         "half a turn this way or that is the same",
     ),

@@ -111,11 +111,10 @@ class Lever:
         return [math.remainder(angle, math.tau) + rad_from_deg(self.zero_deg) for angle in both]
 
     def missing(self, p: Centre, radius: float) -> float:
-        """Return how much longer (positive) or shorter [m] the rod would have to be for a platform point."""
+        """Return how much longer (positive) or shorter [m] the rod from the lever's tip to a platform point must be."""
         x, y = _direction(self.angle_deg)
         out, across = p[0] * x + p[1] * y - self.radius, p[1] * x - p[0] * y
         distance = math.hypot(out, p[2])
-        # From the nearest and the farthest place of the lever's tip.
         short = math.hypot(distance - self.length, across) - radius
         return short if short > 0.0 else min(0.0, math.hypot(distance + self.length, across) - radius)
 
