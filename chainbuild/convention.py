@@ -146,7 +146,7 @@ def _unchosen(convention: Convention) -> ConventionError:
         f"convention {name} must be chosen, it has no default. {convention.question} {meanings}",
         parameter=name,
         permitted=", ".join(convention.choices),
-        hint=f"choose by --convention {name}={first}, or in the overlay: [conventions] {name} = \"{first}\"",
+        hint=f'choose by --convention {name}={first}, or in the overlay: [conventions] {name} = "{first}"',
         code="CB438",
     )
 

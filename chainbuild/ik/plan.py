@@ -72,7 +72,9 @@ def plan_for(query: BranchQuery) -> SolverPlan:
     """Return the plan of a query, chosen at the first one of its kind."""
     if query.mechanism.chain.loops:
         if is_posed(query):
-            return SolverPlan("struts", "closed loops, each axis by itself; before that the tilt that the guide permits", True)
+            return SolverPlan(
+                "struts", "closed loops, each axis by itself; before that the tilt that the guide permits", True
+            )
         opened = opened_query(query)
         if opened is None or not (known := plan_for(opened)).complete:
             return _searched("the chain has closed loops")

@@ -13,7 +13,7 @@ from chainbuild.chain.bodies.rods import CRANK, ROD, ROD_END, ROD_PIN, with_rods
 from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.kinematics.closure import Closure, check_closure, closing_axes, closure_of
 
-MACHINES = ("tripod_kin12", "tripod_table_kin209", "delta_kin37", "lambda_kin21")
+MACHINES = ("tripod_kin12", "tripod_table_kin209", "delta_kin37", "lambda_kin21", "rod_table_kin19")
 
 
 def states(name: str, count: int) -> tuple[Robot, np.ndarray]:

@@ -255,7 +255,10 @@ def kin_19(p: Params, choose: Choices) -> Recipe:
     ]
     loops = _loops("Z1", "Z2", "Z3")
     if not radial:
-        branches += [_link("guide_lower", "guide_post", first, -table), _link("guide_upper", "guide_table", first, table)]
+        branches += [
+            _link("guide_lower", "guide_post", first, -table),
+            _link("guide_upper", "guide_table", first, table),
+        ]
         loops += (Loop("guide", "ball", "guide_lower_end", "guide_upper_end"),)
     workpiece = [
         *([linear("table_x", "x", drive={}), linear("table_y", "y", drive={})] if radial else []),

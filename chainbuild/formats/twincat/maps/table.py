@@ -126,7 +126,9 @@ class TableMap:
         J[0, 0] = J[1, 1] = 1.0
         first = self._carriages[0]
         J[_SLIDES:first, _SLIDES:] = self._table_slopes(*state) @ rates
-        for n, ((way, by_x, by_y), (ex, ey)) in enumerate(zip(self.rods.rods(state, heights), self.rods.directions, strict=True)):
+        for n, ((way, by_x, by_y), (ex, ey)) in enumerate(
+            zip(self.rods.rods(state, heights), self.rods.directions, strict=True)
+        ):
             row = self._carriages[n]
             frame = np.array([[ex, ey, 0.0], [-ey, ex, 0.0], [0.0, 0.0, 1.0]])
             moved = np.array([(0.0, 0.0, 1.0), by_x, by_y]).T @ rates
@@ -268,6 +270,10 @@ def _tilt_between(below: Vector, above: Vector) -> Triple:
     dx, dy, dz = above.tolist()
     angle = math.atan2(-z, w * dz + dx * y - dy * x)
     c, s = math.cos(angle), math.sin(angle)
-    turned = (c * w - s * (dx * x + dy * y + dz * z), c * x + s * (w * dx + dy * z - dz * y), c * y + s * (w * dy + dz * x - dx * z))
+    turned = (
+        c * w - s * (dx * x + dy * y + dz * z),
+        c * x + s * (w * dx + dy * z - dz * y),
+        c * y + s * (w * dy + dz * x - dx * z),
+    )
     size = math.copysign(math.hypot(*turned), turned[0])
     return turned[0] / size, turned[1] / size, turned[2] / size
