@@ -1,8 +1,8 @@
 """Recipes: a chain written down like its drawing, element by element from the base to a tip.
 
-A branch is a sequence of `Fixed`, `Move` and `Mark`, after a `Start` where it does not begin at the base. Lengths are mm and angles degrees here, as in the manuals;
-`assemble` turns them into SI. Where one axis alone drives a joint, it folds sign and offset into the joint, whose value
-then is the axis value. A recipe for a table machine reads:
+A branch is a sequence of `Fixed`, `Move` and `Mark`, after a `Start` if it does not begin at the base. Lengths are mm
+and angles degrees here, as in the manuals; `assemble` turns them into SI. Where one axis alone drives a joint, it folds
+sign and offset into the joint, whose value then is the axis value. A recipe for a table machine reads:
 
     assemble(..., tool=[linear("X", "x"), linear("Y", "y"), linear("Z", "z"), shift(z=-120.0), mark("flange")],
              workpiece=[rotary("A", "x"), shift(z=50.0), rotary("C", "z")])
@@ -155,7 +155,8 @@ def assemble(
         axis_map: A nonlinear map over the joints in the order tool branch, workpiece branch; None: the affine one
             that the joints' drives describe. Joints that a nonlinear map couples or bends have no drive; joints that
             one axis alone drives are folded all the same, and the map passes that axis on.
-        branches: Further branches, from the base or from a frame of the others, without a tip: the arms of closed loops. Their joints come last.
+        branches: Further branches, from the base or from a frame of those before, without a tip: the arms of closed
+            loops. Their joints come last.
 
     Raises:
         ChainError: a drive names an unknown axis, a name is duplicate, or the map is singular.

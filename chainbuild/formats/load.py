@@ -40,8 +40,8 @@ def load(path: str | os.PathLike[str], *, overlay: str | os.PathLike[str] | None
 def check(path: str | os.PathLike[str], *, overlay: str | os.PathLike[str] | None = None) -> Findings:
     """Return every finding of a machine file, errors included; never raises on content.
 
-    The file is read to its end and every kinematic it configures is translated. A type that is not built, or that needs a
-    convention chosen, is an error where it is the default kinematic, else a warning: the file can be used without it.
+    The file is read to its end and every kinematic it configures is translated. A type that is not built, or whose
+    convention must be chosen, is an error if it is the default kinematic, else a warning: the file does without it.
 
     Raises:
         FileAccessError: the file is missing, a folder, or may not be read.

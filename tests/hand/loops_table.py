@@ -1,7 +1,7 @@
 """Hand formulas of the table on three rods, KIN_TYP 19 (2.17): residuals of a pose, and the axes of a tilt.
 
-HD values by printed number in mm, axes X, Y, Z1, Z2, Z3 in mm, lengths in mm. Nothing here is solved for h, x, y: a tilt
-is a turn by a rotation vector, the table's place follows from the guide's own words, the heights from the rods.
+HD values by printed number in mm, axes X, Y, Z1, Z2, Z3 in mm. Nothing here is solved for h, x, y: a tilt is a turn by
+a rotation vector, the table's place follows from the guide's own words, the heights from the rods.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def table_of(hd: Hd, axes: Sequence[float], T: Matrix, length: float) -> Matrix:
 
 
 def residuals(hd: Hd, axes: Sequence[float], M: Matrix, conv: Conv) -> Matrix:
-    """Return what a table misses: three lengths of rods [mm], its guide [mm], and the torsion R12 - R21, [mm] at HD3."""
+    """Return what a table misses: three rods [mm], its guide [mm], and the torsion R12 - R21, in mm at HD3."""
     out = spokes(conv)
     joints = hd[3] * out @ M[:3, :3].T + M[:3, 3]
     feet = hd[4] * out + np.outer(axes[2:], [0.0, 0.0, 1.0])
@@ -94,7 +94,7 @@ def residuals(hd: Hd, axes: Sequence[float], M: Matrix, conv: Conv) -> Matrix:
 
 
 def continued(hd: Hd, axes: Sequence[float], conv: Conv, steps: int = 60) -> Matrix:
-    """Return the table at axes, followed from the level one at equal heights: place and rotation vector, six equations."""
+    """Return the table at axes, followed from the level one at equal heights by six equations."""
     side = {"below": 1.0, "above": -1.0}[_choice(conv, "kin19_carriages")]
     middle = float(np.mean(axes[2:]))
     apart = np.asarray(axes[2:]) - middle

@@ -343,7 +343,7 @@ def test_a_guide_must_be_chosen(tmp_path: Path) -> None:
         ({2: 0.0}, "rod length is 0 mm"),
         ({3: 0.0}, "table radius is 0 mm"),
         ({4: 0.0}, "column radius is 0 mm"),
-        ({2: 150.0}, "rods of 150 mm do not reach from the radius 300 mm of the columns to 150 mm of the table"),
+        ({2: 150.0}, "rods of 150 mm do not reach from 300 mm, the radius of the columns, to 150 mm"),
         ({2: 149.0}, "do not reach"),
     ],
 )
@@ -356,7 +356,7 @@ def test_tables_that_no_machine_can_have(hd: Hd, words: str, tmp_path: Path) -> 
 
 
 def test_upright_rods_are_no_singularity(tmp_path: Path) -> None:
-    """Unlike those of the tripods (12) rods of equal radii hold the table: they only lift it, and the guide holds the rest."""
+    """Unlike those of the tripods (12) rods of equal radii hold the table: the guide does the rest."""
     robot = build(tmp_path, SHIPPED | {4: 150.0}, {"kin19_guide": "radial_planes"})
     J = robot.jacobian([0.0] * 5)
     assert np.linalg.svd(J, compute_uv=False)[4] > 0.1

@@ -242,7 +242,7 @@ def kin_19(p: Params, choose: Choices) -> Recipe:
     rod, table, columns = (p.mm(name) for name in ("rod_length", "table_radius", "column_radius"))
     _check_rods(p, rod_length=rod, table_radius=table, column_radius=columns)
     if rod <= abs(columns - table):
-        text = f"rods of {rod:g} mm do not reach from the radius {columns:g} mm of the columns to {table:g} mm of the table"
+        text = f"rods of {rod:g} mm do not reach from {columns:g} mm, the radius of the columns, to {table:g} mm"
         p.refuse("rod_length", text, f"more than {abs(columns - table):g} mm")
     order = -1.0 if choose["kin19_numbering"] == "cw" else 1.0
     hanging = 1.0 if choose["kin19_carriages"] == "above" else -1.0
@@ -270,12 +270,12 @@ def kin_19(p: Params, choose: Choices) -> Recipe:
         shift(z=p.mm("table_height")),
     ]
     tool = [linear("X", "x"), linear("Y", "y"), *tool_end(p, z=-p.mm("tool_z"))]
-    rods = TableRods.of(angles, *map(m_from_mm, (table, columns, rod)), hanging, radial)
+    rods = TableRods.of(angles, m_from_mm(table), m_from_mm(columns), m_from_mm(rod), hanging, radial)
     return Recipe(tool, workpiece, axis_map=TableMap(rods), branches=branches, loops=loops)
 
 
 def _link(name: str, start: str, azimuth_deg: float, radius: float) -> list[Element]:
-    """Return a link of the guide that keeps a table from turning, opposite to an azimuth: below its joints, or above."""
+    """Return a link that keeps a table from turning, opposite to an azimuth: below its joints, or above."""
     height = _POST_SHARE * radius
     return [
         Start(start),

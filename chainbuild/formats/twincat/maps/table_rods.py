@@ -1,8 +1,8 @@
 """Three rods that carry a table (19), and where the table stands: the way from home.
 
-The table's joints J_i lie on a circle of radius r, at e_i = (cos φ_i, sin φ_i, 0); the carriages' joints at R·e_i + Z_i·z.
-A guide leaves the table three freedoms: the height h, and a tilt without torsion, the turn about a horizontal axis. As
-a quaternion (w, x, y, 0) it has two numbers, and w = √(1 - x² - y²). Whatever the guide, with c the table's centre:
+The table's joints J_i lie on a circle of radius r, at e_i = (cos φ_i, sin φ_i, 0), the carriages' at R·e_i + Z_i·z. A
+guide leaves the table three freedoms: the height h, and a tilt without torsion, the turn about a horizontal axis. As a
+quaternion (w, x, y, 0) it has two numbers, and w = √(1 - x² - y²). Whatever the guide, with c the table's centre:
 
     J_i = c + h·z + r·R(x, y)·e_i,        |J_i - R·e_i - Z_i·z| = l,        i = 1, 2, 3
     c_x + i·c_y = g·(x - i·y)²            radial planes: g = r·exp(3i·φ_1); on the axis: g = 0
@@ -120,7 +120,7 @@ class TableRods:
         ]
 
     def reached(self, heights: Sequence[float]) -> tuple[Triple, float]:
-        """Return (h, x, y) where the way from home to heights [m] ends, and the share of it that is gone: 1, or less."""
+        """Return (h, x, y) where the way from home to heights [m] ends, and the share of it that is gone, up to 1."""
         # A shift of all three carriages is one of the table: the way is that of their differences.
         middle = sum(heights) / RODS
         apart = [z - middle for z in heights]
