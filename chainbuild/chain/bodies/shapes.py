@@ -138,6 +138,15 @@ class _Drawing:
         passive = [joint for joint in self.joints if chain.loops and joint.name not in axes]
         self.floating = {joint.child for joint in passive if joint.kind == "prismatic"}
         self.loop_ends = {name: loop.name for loop in chain.loops for name in (loop.frame_a, loop.frame_b)}
+        ends = [frame.link for frame in chain.frames if frame.name in self.loop_ends]
+        self.platforms = {link for link in ends if ends.count(link) > 1}
+        self.below = self.workpiece_side | (self._below_workpiece() if chain.loops else set())
+
+    def _below_workpiece(self) -> set[str]:
+        """Return the links of arms whose axes carry the workpiece, or that start from what does."""
+        carrying = {axis.name for axis in self.chain.axes if axis.carries == "workpiece"}
+        first = {joint.child for joint in self.joints if joint.name in carrying} | self.workpiece_side
+        return {link.name for link in self.chain.links if self._path(link.name) & first}
 
     def _path(self, link: str) -> set[str]:
         path = set()
@@ -157,7 +166,7 @@ class _Drawing:
     def colour(self, link: str) -> Colour:
         if link == BASE_LINK:
             return BASE_COLOUR
-        pair = WORKPIECE_SIDE if link in self.workpiece_side else TOOL_SIDE
+        pair = WORKPIECE_SIDE if link in self.below else TOOL_SIDE
         return pair[(self.depth[link] - 1) % 2]
 
     def end(self, link: str) -> Vector:
@@ -193,7 +202,7 @@ class _Drawing:
         """Return a bed under the table, a column up to the first rotary joint, or a foot at the origin."""
         radius, colour = self.radius(BASE_LINK), BASE_COLOUR
         for joint in self.children[BASE_LINK]:
-            if joint.child in self.workpiece_side:
+            if joint.child in self.workpiece_side and joint.child not in self.floating:
                 side = 6 * radius
                 T = frames.translation(*joint.T_parent_joint[:3, 3]) @ frames.translation(z=-3 * radius)
                 return _body(BASE_LINK, "link", T, "box", (side, side, radius), colour)
@@ -241,7 +250,7 @@ class _Drawing:
         for frame in self.chain.frames:
             end = frame.T_link_frame[:3, 3]
             length = float(np.linalg.norm(end))
-            if frame.name in self.loop_ends and frame.link in self.floating and length > 0.0:
+            if frame.name in self.loop_ends and frame.link in self.platforms and length > 0.0:
                 size = _HUB * self.radius(frame.link), length
                 T = _along(end, end / 2)
                 bodies.append(_body(frame.link, "lever", T, "cylinder", size, self.colour(frame.link)))
