@@ -93,7 +93,7 @@ def residuals(hd: Hd, axes: Sequence[float], M: Matrix, conv: Conv) -> Matrix:
     return np.array([*rods, M[0, 3], M[1, 3], torsion])
 
 
-def continued(hd: Hd, axes: Sequence[float], conv: Conv, steps: int = 60) -> Matrix:
+def continued(hd: Hd, axes: Sequence[float], conv: Conv, steps: int = 25) -> Matrix:
     """Return the table at axes, followed from the level one at equal heights by six equations."""
     side = {"below": 1.0, "above": -1.0}[_choice(conv, "kin19_carriages")]
     middle = float(np.mean(axes[2:]))
@@ -133,7 +133,7 @@ def is_regular(hd: Hd, vector: Sequence[float], conv: Conv, least: float = 0.15)
         return float(np.linalg.det([a - b for a, b in ends if a is not None and b is not None]))
 
     level = area(np.zeros(2))
-    shares = (area(np.asarray(vector)[:2] * share) for share in np.linspace(0.1, 1.0, 10))
+    shares = (area(np.asarray(vector)[:2] * share) for share in np.linspace(0.2, 1.0, 5))
     return level is not None and all(one is not None and one / level > least for one in shares)
 
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
 import chainbuild
+from chainbuild.chain.bodies.shapes import TOOL_SIDE, WORKPIECE_SIDE, detail_bodies, link_bodies
 from chainbuild.convention import applying_to, conventions
 from chainbuild.errors import AxisValueError, ChainbuildError, ConventionError
 from chainbuild.formats.load import check
@@ -37,7 +40,7 @@ POSITION_MM = 1e-6
 ROTATION = 1e-9
 FOUND_AGAIN = 1e-6  # mm
 STATES = 2000  # of both guides and all choices
-DRAWN = 3  # beside them, a machine
+DRAWN = 2  # beside them, a machine
 SHIPPED = {1: 80.0, 2: 500.0, 3: 150.0, 4: 300.0, 5: 40.0}
 FLAT = {1: 80.0, 2: 110.0, 3: 100.0, 4: 200.0, 5: 40.0}  # rods that may come to lie flat before the table is upright
 
@@ -393,3 +396,48 @@ def test_poses_that_no_table_can_have(tmp_path: Path) -> None:
         "unreachable",
         "a singular position lies on the way there from equal heights",
     )
+
+
+# drawn
+
+
+def test_arms_are_drawn_on_the_side_of_the_workpiece() -> None:
+    """The rods carry the table, which has an arm to each; nothing stands where the table hangs on no slide."""
+    bodies = {guide: {body.link: body for body in link_bodies(guided(guide).chain)} for guide in GUIDES}
+    for drawn in bodies.values():
+        assert {drawn[f"Z{n}_swing_link"].colour for n in (1, 2, 3)} <= set(WORKPIECE_SIDE)
+        assert {drawn[f"{name}_link"].colour for name in "XY"} <= set(TOOL_SIDE)
+        assert drawn["base"].kind == "cylinder"
+    assert bodies["centre_on_axis"]["guide_upper_link"].colour in WORKPIECE_SIDE
+    levers = [body for body in detail_bodies(guided("radial_planes").chain) if body.part == "lever"]
+    assert [body.link for body in levers] == ["table_c_link"] * 3
+    tripod = link_bodies(chainbuild.Robot.load("tripod_kin12").chain)
+    assert not any(body.colour in WORKPIECE_SIDE for body in tripod)
+
+
+def test_an_option_chooses_for_check_and_a_second_kinematic_may_stay_open(tmp_path: Path, run: Any) -> None:
+    path = str(bare(tmp_path))
+    assert run("check", path).code == 1
+    assert run("check", path, "--convention", "kin19_guide=radial_planes").code == 0
+    shown = run("info", path)
+    assert shown.code == 1 and "table_height" not in shown.out and "HD5" in shown.out
+    assert "kin19_guide [?] (no default: choose)" in run("types", "19").out
+    Path(path).write_text("trafo[0].id 9\ntrafo[1].id 19\ntrafo[1].param[1] 5000000\n")
+    (finding,) = [one for one in check(path) if one.severity != "info"]
+    assert (finding.code, finding.parameter) == ("CB223", "kin19_guide")
+    assert chainbuild.load(path).chain().kinematic == "KIN_TYP 9"
+
+
+def test_a_step_out_of_the_poses_is_halved() -> None:
+    """The damped search alone, also to tilts beside which nothing closes any more."""
+    chain = guided("radial_planes").chain
+    limits = {"Z1": 70.0, "Z2": 70.0, "Z3": 70.0}
+    wide = (
+        replace(axis, lower=axis.lower - limits.get(axis.name, 0.0), upper=axis.upper + limits.get(axis.name, 0.0))
+        for axis in chain.axes
+    )
+    robot = chainbuild.Robot(chain.with_axes(tuple(wide)))
+    rows = closing_axes(robot, np.random.default_rng(13), 60)
+    poses = [robot.fk(row) for row in rows if np.abs(robot.chain.axis_map.dq_daxes(row)).max() < 40.0]
+    assert len(poses) > 50
+    assert set(robot.ik_batch([T.homogeneous for T in poses]).status) == {"ok"}
