@@ -104,14 +104,13 @@ class ClosingMap(Protocol):
 class PosedMap(Protocol):
     """A closing map whose joints between the tips do not move freely: it tells their values by itself."""
 
-    def posed(self, target: Matrix, tool: Matrix, workpiece: Matrix, column: int) -> Vector:
-        """Return joint values (n_q,) at which those between the tips bring the tool to a place and a direction.
+    def posed(self, target: Matrix, tool: Matrix, workpiece: Matrix) -> Vector:
+        """Return joint values (n_q,) at which those between the tips bring the tool to a pose, as far as they can.
 
         Args:
             target: (4, 4) tool in the workpiece frame [m].
             tool: (4, 4) the tool's frame on the link that carries it [m].
             workpiece: (4, 4) the workpiece frame on its link [m].
-            column: Which column of the tool frame's rotation is the tool direction.
         """
         ...
 

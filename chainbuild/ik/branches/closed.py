@@ -91,7 +91,7 @@ def _joint_values(
     chain, axis_map = mechanism.chain, mechanism.chain.axis_map
     if isinstance(axis_map, PosedMap) and is_posed(query):
         tool, workpiece = chain.frame("tool").T_link_frame, chain.frame("workpiece").T_link_frame
-        yield (), axis_map.posed(query.target.homogeneous, tool, workpiece, chain.tool_column)
+        yield (), axis_map.posed(query.target.homogeneous, tool, workpiece)
     opened = opened_query(query)
     if opened is None:
         return

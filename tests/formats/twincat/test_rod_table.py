@@ -18,6 +18,7 @@ from chainbuild.chain.bodies.shapes import TOOL_SIDE, WORKPIECE_SIDE, detail_bod
 from chainbuild.convention import applying_to, conventions
 from chainbuild.errors import AxisValueError, ChainbuildError, ConventionError
 from chainbuild.formats.load import check
+from chainbuild.formats.twincat.maps.table_rods import TableRods
 from chainbuild.kinematics.closure import check_closure, closing_axes, closure_of
 from tests.hand.loops_table import (
     TABLE_CHOICES,
@@ -199,6 +200,7 @@ def test_every_branch_is_one_that_the_way_from_level_leads_to(guide: str, tmp_pa
     conv = {"kin19_guide": guide}
     robot = build(tmp_path, FLAT, conv)
     rank = robot.chain.axis_map.rank
+    assert rank(np.zeros(5)) == 0  # at home all carriages stand on their side
     passed = others = 0
     for _ in range(400):
         axes = [5.0, 6.0, *rng.uniform(-100.0, 100.0, 3)]
@@ -226,6 +228,21 @@ def test_every_branch_is_one_that_the_way_from_level_leads_to(guide: str, tmp_pa
         assert rank(robot.ik(T).axes) == min(map(rank, found))
         others += rank(np.array(axes)) > 0
     assert others > 1, "no carriage went past its rod lying flat"
+
+
+@pytest.mark.parametrize(("table", "columns"), [(150.0, 300.0), (200.0, 60.0)])
+def test_rods_may_lie_flat_where_they_are_short(table: float, columns: float) -> None:
+    """In radial planes the joints are HD3/2 beyond the axis, or 3/2 HD3 out, when the table comes to stand upright."""
+    reach = max(columns + table / 2.0, 1.5 * table - columns)
+    angle = math.radians(89.99)
+    for longer in (-0.1, 0.1):
+        hd = {2: reach + longer, 3: table, 4: columns}
+        rods = TableRods.of([0.0, 120.0, 240.0], table, columns, hd[2], -1.0, radial=True)
+        assert rods.may_lie_flat == (longer < 0.0)
+        conv = {"kin19_guide": "radial_planes"}
+        tilts = [[0.0, angle, 0.0], [angle, 0.0, 0.0]]
+        reached = [all(heights(hd, placed(hd, turn(tilt), 0.0, conv), conv)) for tilt in tilts]
+        assert all(reached) == (longer > 0.0)
 
 
 @pytest.mark.parametrize("guide", GUIDES)
@@ -373,6 +390,19 @@ def test_what_is_not_reached_names_the_rod_and_by_how_much() -> None:
             AxisValueError, match=r"stops at a tilt of [0-9.]+ deg, where the rod of Z1 is [0-9.]+ mm too (short|long)"
         ):
             call(axes)
+    # A carriage that goes down runs away from the table, one that rises comes closer, and far up runs away again.
+    for height, words in (
+        (-900.0, "3.70586 mm too short"),
+        (-300.0, "33.0621 mm too long"),
+        (5000.0, "2776.64 mm too short"),
+    ):
+        with pytest.raises(AxisValueError, match=rf"the rod of Z3 is {words}") as told:
+            robot.fk([0.0, 0.0, -750.0, -750.0, height])
+        assert told.value.parameter == "Z3"
+    with pytest.raises(
+        AxisValueError, match=r"after 97\.\d+ % of the way from equal heights it stops at a tilt of 58\.84 deg"
+    ):
+        robot.fk([0.0, 0.0, -750.0, -750.0, -900.0])
     with pytest.raises(ChainbuildError):
         robot.fk_batch([[0.0, 0.0, -700.0, -700.0, -700.0], axes])
     assert np.isnan(robot.chain.axis_map.q(np.array(axes))).all()

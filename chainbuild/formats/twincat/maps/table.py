@@ -122,7 +122,7 @@ class TableMap:
         rows = self.rods.equations(state, heights)
         # (3, 3): h, x and y by the heights.
         pushed = [[row[1] if n == m else 0.0 for m, row in enumerate(rows)] for n in range(RODS)]
-        rates = np.array([solved(rows, one)[1] for one in pushed]).T
+        rates = np.array([solved(rows, one) for one in pushed]).T
         J[0, 0] = J[1, 1] = 1.0
         first = self._carriages[0]
         J[_SLIDES:first, _SLIDES:] = self._table_slopes(*state) @ rates
@@ -168,14 +168,13 @@ class TableMap:
         n = max(range(RODS), key=lambda k: abs(missing[k]))
         length = f"{mm_from_m(abs(missing[n])):.6g} mm too {'short' if missing[n] > 0.0 else 'long'}"
         name, tilt = self.names[_SLIDES + n], 2.0 * deg_from_rad(math.asin(math.hypot(state[1], state[2])))
-        text = f"the table does not get there: on the way from equal heights it stops at a tilt of {tilt:.4g} deg"
-        text += f", where the rod of {name} is {length}"
+        stops = f"after {100.0 * gone:.4g} % of the way from equal heights it stops at a tilt of {tilt:.4g} deg"
+        text = f"the table does not get there: {stops}, where the rod of {name} is {length}"
         return AxisValueError(text, parameter=name, permitted="axis values at which the table closes")
 
-    def posed(self, target: Matrix, tool: Matrix, workpiece: Matrix, column: int) -> Vector:
-        """Return the joint values between the tips that bring the tool to a place and a direction; others are 0."""
-        above, below = tool[:3, column], workpiece[:3, :3] @ target[:3, column]
-        w, x, y = _tilt_between(below, above)
+    def posed(self, target: Matrix, tool: Matrix, workpiece: Matrix) -> Vector:
+        """Return the joint values between the tips that bring the upright tool to a pose; others are 0."""
+        w, x, y = _tilt_upright(workpiece[:3, :3] @ target[:3, 2])
         R = np.array([
             [1.0 - 2.0 * y * y, 2.0 * x * y, 2.0 * w * y],
             [2.0 * x * y, 1.0 - 2.0 * x * x, -2.0 * w * x],
@@ -261,19 +260,8 @@ class TableMap:
         return np.array([one[0] for one in bounds]), np.array([one[1] for one in bounds])
 
 
-def _tilt_between(below: Vector, above: Vector) -> Triple:
-    """Return the quaternion (w, x, y, 0) that turns a direction (3,) of the table into one of the machine."""
-    # The shortest turn, then one about the direction reached, which takes the turn about Z away.
-    w, (x, y, z) = 1.0 + float(below @ above), np.cross(below, above).tolist()
-    if w < _LEVEL:
-        return 0.0, 1.0, 0.0
-    dx, dy, dz = above.tolist()
-    angle = math.atan2(-z, w * dz + dx * y - dy * x)
-    c, s = math.cos(angle), math.sin(angle)
-    turned = (
-        c * w - s * (dx * x + dy * y + dz * z),
-        c * x + s * (w * dx + dy * z - dz * y),
-        c * y + s * (w * dy + dz * x - dx * z),
-    )
-    size = math.copysign(math.hypot(*turned), turned[0])
-    return turned[0] / size, turned[1] / size, turned[2] / size
+def _tilt_upright(direction: Vector) -> Triple:
+    """Return the quaternion (w, x, y, 0) of the tilt that brings a direction (3,) of the table to Z."""
+    x, y, z = direction.tolist()
+    size = math.hypot(1.0 + z, x, y)
+    return ((1.0 + z) / size, y / size, -x / size) if size > _LEVEL else (0.0, 1.0, 0.0)

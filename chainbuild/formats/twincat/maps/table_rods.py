@@ -125,40 +125,36 @@ class TableRods:
         middle = sum(heights) / RODS
         apart = [z - middle for z in heights]
         state: Triple = (self.home, 0.0, 0.0)
-        gone, step, sense = 0.0, 1.0, 0.0
+        gone, step = 0.0, 1.0
         while gone < 1.0:
             # The table's rates on the way: each carriage pushes by its slope upwards.
             rows = self.equations(state, [gone * z for z in apart])
-            det, rates = solved(rows, [row[1] * z for row, z in zip(rows, apart, strict=True)])
-            sense = sense or math.copysign(1.0, det)
+            rates = solved(rows, [row[1] * z for row, z in zip(rows, apart, strict=True)])
             pace = max(math.hypot(rates[1], rates[2]), _SLIGHT)
             step = min(step, _STEP / pace)
             found: Triple | None = None
             halved = False
             while found is None:
-                if step < _SHORTEST or not det * sense > 0.0:
+                if step < _SHORTEST:
                     return (state[0] + middle, state[1], state[2]), gone
                 step = min(step, 1.0 - gone)
                 share = 1.0 if step == 1.0 - gone else gone + step
                 most = _CORRECTED * pace * step + _SLIGHT
                 ahead = _moved(state, rates, step)
                 enough = _FINE if share == 1.0 else _ROUGH
-                found = self._corrected(ahead, [share * z for z in apart], sense, most, enough)
+                found = self._corrected(ahead, [share * z for z in apart], most, enough)
                 halved = halved or found is None
                 step = step / 2.0 if found is None else step
             state, gone = found, share
             step *= 0.5 if halved else 2.0  # close to a singular position the next one must be shorter, too
         return (state[0] + middle, state[1], state[2]), gone
 
-    def _corrected(
-        self, state: Triple, heights: Sequence[float], sense: float, most: float, enough: float
-    ) -> Triple | None:
-        """Return the solution near a state by Newton's method, or None: too far, singular, or beyond upright.
+    def _corrected(self, state: Triple, heights: Sequence[float], most: float, enough: float) -> Triple | None:
+        """Return the solution near a state by Newton's method, or None: too far, or beyond upright.
 
         Args:
             state: (h, x, y) at the end of a step.
             heights: Of the carriages there [m].
-            sense: Sign of the determinant along the way.
             most: How far (x, y) may be from the solution.
             enough: Change below which it is found.
         """
@@ -166,9 +162,9 @@ class TableRods:
             if state[1] ** 2 + state[2] ** 2 >= _UPRIGHT:
                 return None
             rows = self.equations(state, heights)
-            det, change = solved(rows, [-row[0] for row in rows])
+            change = solved(rows, [-row[0] for row in rows])
             size = math.hypot(change[1], change[2])
-            if not det * sense > 0.0 or (n == 0 and size > most):
+            if n == 0 and size > most:
                 return None
             state = _moved(state, change, 1.0)
             if max(size, abs(change[0])) < enough:
@@ -176,18 +172,18 @@ class TableRods:
         return None
 
 
-def solved(rows: Sequence[Equation], wanted: Sequence[float]) -> tuple[float, Triple]:
-    """Return the determinant of the slopes of three equations, and the change of (h, x, y) that brings wanted ones."""
+def solved(rows: Sequence[Equation], wanted: Sequence[float]) -> Triple:
+    """Return the change of (h, x, y) that changes three equations by wanted values; infinite where it is singular."""
     (_, a0, b0, c0), (_, a1, b1, c1), (_, a2, b2, c2) = rows
     k0, k1, k2 = b1 * c2 - b2 * c1, b2 * c0 - b0 * c2, b0 * c1 - b1 * c0
     det = a0 * k0 + a1 * k1 + a2 * k2
     if det == 0.0:
-        return 0.0, (math.inf, math.inf, math.inf)
+        return math.inf, math.inf, math.inf
     f0, f1, f2 = wanted
     h = f0 * k0 + f1 * k1 + f2 * k2
     x = f0 * (a2 * c1 - a1 * c2) + f1 * (a0 * c2 - a2 * c0) + f2 * (a1 * c0 - a0 * c1)
     y = f0 * (a1 * b2 - a2 * b1) + f1 * (a2 * b0 - a0 * b2) + f2 * (a0 * b1 - a1 * b0)
-    return det, (h / det, x / det, y / det)
+    return h / det, x / det, y / det
 
 
 def _moved(state: Triple, change: Triple, share: float) -> Triple:
