@@ -140,7 +140,7 @@ def test_the_loops_close_and_leave_one_freedom_an_axis(guide: str) -> None:
     passive = [name for name in robot.model.names if name not in {"universe", *(axis.name for axis in robot.axes)}]
     turns = ["table_a", "table_b", "table_c"]
     if guide == "radial_planes":
-        assert passive == ["table_x", "table_y", "table_z", *turns, *(f"Z{n}_swing" for n in (1, 2, 3))]
+        assert passive == ["table_z", "table_x", "table_y", *turns, *(f"Z{n}_swing" for n in (1, 2, 3))]
     else:
         rods = [f"Z{n}_{turned}" for n in (1, 2, 3) for turned in ("swing", "lean")]
         assert passive == ["table_z", *turns, *rods, "guide_lower", "guide_upper"]
@@ -400,7 +400,7 @@ def test_what_is_not_reached_names_the_rod_and_by_how_much() -> None:
             robot.fk([0.0, 0.0, -750.0, -750.0, height])
         assert told.value.parameter == "Z3"
     with pytest.raises(
-        AxisValueError, match=r"after 97\.\d+ % of the way from equal heights it stops at a tilt of 58\.84 deg"
+        AxisValueError, match=r"after 95\.68 % of the way from equal heights it stops at a tilt of 58\.84 deg"
     ):
         robot.fk([0.0, 0.0, -750.0, -750.0, -900.0])
     with pytest.raises(ChainbuildError):

@@ -261,8 +261,8 @@ def kin_19(p: Params, choose: Choices) -> Recipe:
         ]
         loops += (Loop("guide", "ball", "guide_lower_end", "guide_upper_end"),)
     workpiece = [
-        *([linear("table_x", "x", drive={}), linear("table_y", "y", drive={})] if radial else []),
         linear("table_z", "z", drive={}),
+        *([linear("table_x", "x", drive={}), linear("table_y", "y", drive={})] if radial else []),
         mark("guide_post"),
         *(mapped(f"table_{letter}", direction) for letter, direction in zip("abc", "xyz", strict=True)),
         mark("guide_table"),

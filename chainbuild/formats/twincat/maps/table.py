@@ -24,8 +24,6 @@ from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m
 LINK_RISE: Final = 0.5  # sine by which the links of the guide lean at home: any other keeps the table from turning, too
 
 _SLIDES: Final = 2  # X and Y come before the carriages
-_SHIFTS: Final = slice(2, 5)  # joint values of the table in radial planes
-_SAME: Final = 1e-6  # m: nearer carriages are the same
 _LEVEL: Final = 1e-9  # upward part of the tool vector below which the table stands upright
 _STEEPEST: Final = 0.7  # sine of half a drawn tilt: short of upright
 
@@ -90,7 +88,7 @@ class TableMap:
         about_x = math.atan2(2.0 * w * x, 1.0 - 2.0 * (x * x + y * y))
         about_z = math.atan2(-2.0 * x * y, 1.0 - 2.0 * y * y)
         turns = [about_x, math.asin(2.0 * w * y), about_z]
-        return [centre.real, centre.imag, h, *turns] if self.radial else [h, *turns]
+        return [h, centre.real, centre.imag, *turns] if self.radial else [h, *turns]
 
     def _link(self, state: Triple) -> tuple[float, Triple]:
         """Return the angle of the link on the post, and its derivatives by h, x and y.
@@ -150,13 +148,13 @@ class TableMap:
         up, level, s, t = 1.0 - 2.0 * (x * x + y * y), 1.0 - 2.0 * y * y, 2.0 * w * x, 2.0 * w * y
         both = -2.0 * x * y / w  # of s by y, and of t by x
         a, b, c = s * s + up * up, math.sqrt(1.0 - t * t), level * level + (2.0 * x * y) ** 2
-        shifts = [[0.0, along.real, along.imag], [0.0, along.imag, -along.real], [1.0, 0.0, 0.0]]
+        shifts = [[1.0, 0.0, 0.0], [0.0, along.real, along.imag], [0.0, along.imag, -along.real]]
         turns = [
             [0.0, (up * 2.0 * (w - x * x / w) + 4.0 * x * s) / a, (up * both + 4.0 * y * s) / a],
             [0.0, both / b, 2.0 * (w - y * y / w) / b],
             [0.0, -2.0 * y * level / c, -2.0 * x * (level + 4.0 * y * y) / c],
         ]
-        return np.array([*(shifts if self.radial else shifts[2:]), *turns])
+        return np.array([*(shifts if self.radial else shifts[:1]), *turns])
 
     def refusal(self, axes: Vector) -> ChainbuildError | None:
         """Return which rod is too short or too long where the table comes to rest, and by how much, or None."""
@@ -189,12 +187,12 @@ class TableMap:
 
     def _joints(self, q: Vector) -> list[Triple] | None:
         """Return the table's joints [m] at joint values between the tips, or None for a table beyond upright."""
-        shifts = q[_SHIFTS] if self.radial else np.array([0.0, 0.0, q[_SLIDES]])
+        centre = [*(q[_SLIDES + 1 : _SLIDES + 3] if self.radial else (0.0, 0.0)), q[_SLIDES]]
         a, b, c = (deg_from_rad(float(value)) for value in q[self._carriages[0] - 3 : self._carriages[0]])
         R = rot_x(a) @ rot_y(b) @ rot_z(c)
         if R[2, 2] < _LEVEL:
             return None
-        found = (shifts + self.rods.table * (R[:, :2] @ direction) for direction in self.rods.directions)
+        found = (centre + self.rods.table * (R[:, :2] @ direction) for direction in self.rods.directions)
         return [(float(x), float(y), float(z)) for x, y, z in found]
 
     def closing(self, q: Vector) -> list[list[float]]:
@@ -252,8 +250,8 @@ class TableMap:
         length, aside, right = self.rods.length, self.rods.table / 2.0, math.pi / 2.0
         # The height is the mean of those of the joints, each within a rod of its carriage.
         rise = (sum(low[_SLIDES:]) / RODS - length, sum(high[_SLIDES:]) / RODS + length)
-        bounds = [*zip(low[:_SLIDES], high[:_SLIDES], strict=True), *([(-aside, aside)] * 2 if self.radial else [])]
-        bounds += [rise, *[(-right, right)] * 3]
+        bounds = [*zip(low[:_SLIDES], high[:_SLIDES], strict=True), rise]
+        bounds += [*([(-aside, aside)] * 2 if self.radial else []), *[(-right, right)] * 3]
         for ends in zip(low[_SLIDES:], high[_SLIDES:], strict=True):
             bounds += [ends, (-math.pi, math.pi), *([] if self.radial else [(-right, right)])]
         bounds += [] if self.radial else [(-right, right)] * 2
