@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.axismap import joint_values
+from chainbuild.chain.axismap import endless_reason, joint_values
 from chainbuild.chain.check import check_chain
 from chainbuild.chain.drives import drive_values
 from chainbuild.chain.elements import Axis, Chain, Task
@@ -35,6 +35,7 @@ _T = TypeVar("_T")
 _POSE_FREEDOMS: Final = 6  # position and orientation
 _ROTARY_OF_MACHINE_TOOLS: Final = 3  # head or table: two orient the tool, a third is redundant
 _NOTHING: Final[Any] = object()
+_ENDLESS: Final = 1e10  # rates [m, rad] of closed loops beyond which their maps' 1e12 stands for what has no end
 
 
 class Mechanism:
@@ -240,9 +241,9 @@ class Mechanism:
         if frame not in {"tool", "workpiece"}:
             raise ChainbuildError(f"unknown frame {frame!r}", parameter="frame", permitted="tool, workpiece")
         pose, J = self.kinematics.pose_and_jacobian(self.axis_values(axes) * self.kinematics.si_factors)
-        if not np.isfinite(J).all():
+        if not float(np.abs(J).max(initial=0.0)) < (_ENDLESS if self.chain.loops else np.inf):  # or not a number
             self.q(axes)  # gives the reason where it is known
-            raise ChainbuildError("the kinematic has no finite derivative at these axis values")
+            raise ChainbuildError(endless_reason(self.chain.axis_map, self.axis_values(axes)))
         return J if frame == "tool" else np.vstack((pose.rotation @ J[:3], pose.rotation @ J[3:]))
 
     def violated_limits(self, axes: ArrayLike) -> tuple[str, ...]:
