@@ -14,6 +14,7 @@ import pinocchio as pin
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import random_axis_values
+from chainbuild.chain.bodies.linkage import rod_loops
 from chainbuild.chain.elements import Loop
 from chainbuild.errors import ChainError
 from chainbuild.kinematics.mechanism import Mechanism
@@ -107,9 +108,15 @@ def closure_of(mechanism: Mechanism) -> Closure:
 def check_closure(mechanism: Mechanism, seed: int = 3) -> None:
     """Refuse a chain whose loops do not close, or leave other freedoms than its axes, at a random closed state.
 
+    Rods that are drawn with an arm's parallelogram and level linkage have to close, too.
+
     Raises:
         ChainError: they do not; a state that closes was found but contradicts the axes.
     """
+    if rods := rod_loops(mechanism.chain):
+        lower, upper = np.array([axis.range for axis in mechanism.axes]).T
+        axes = lower + (upper - lower) * np.random.default_rng(seed).random(len(lower))
+        _refuse_gap(Closure(mechanism, rods), mechanism.q(axes))
     if not mechanism.chain.loops:
         return
     rows = closing_axes(mechanism, np.random.default_rng(seed), 1)
@@ -117,12 +124,18 @@ def check_closure(mechanism: Mechanism, seed: int = 3) -> None:
         return  # nothing closes within the limits: whoever asks for a pose is told
     q = mechanism.q(rows[0])
     closure = closure_of(mechanism)
-    if closure.gap(q) > _CLOSED * 1e3:
-        raise ChainError(f"the loops of {mechanism.chain.name} do not close: a gap of {closure.gap(q):.3g} m is left")
+    _refuse_gap(closure, q)
     freedoms = closure.mobility(q)
     if freedoms != len(mechanism.axes):
         text = f"the loops of {mechanism.chain.name} leave {freedoms} freedoms for {len(mechanism.axes)} axes"
         raise ChainError(text)
+
+
+def _refuse_gap(closure: Closure, q: Vector) -> None:
+    gap = closure.gap(q)
+    if gap > _CLOSED * 1e3:
+        name = closure.mechanism.chain.name
+        raise ChainError(f"the loops of {name} do not close: a gap of {gap:.3g} m is left")
 
 
 def closing_axes(mechanism: Mechanism, rng: np.random.Generator, count: int) -> Matrix:

@@ -3,15 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from chainbuild import Loop, Robot
+from chainbuild import Loop, Robot, load
 from chainbuild.chain.bodies.geometry import RodData
-from chainbuild.chain.bodies.rods import CRANK, ROD, ROD_END, ROD_PIN, with_rods
+from chainbuild.chain.bodies.linkage import rod_loops, with_linkage
+from chainbuild.chain.bodies.rods import (
+    CRANK,
+    HEAD_ROD,
+    LEVEL_PLATE,
+    LEVEL_ROD,
+    ROD,
+    ROD_END,
+    ROD_PIN,
+    rod_masters,
+    with_rods,
+)
 from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.kinematics.closure import Closure, check_closure, closing_axes, closure_of
+from chainbuild.writers.notes import urdf_limitations
 
 MACHINES = ("tripod_kin12", "tripod_table_kin209", "delta_kin37", "lambda_kin21")
 
@@ -111,6 +124,106 @@ def test_only_balls_close() -> None:
     hinge = replace(robot.chain.loops[0], kind="hinge")
     with pytest.raises(ChainError, match="only balls close here"):
         Closure(robot, [hinge])
+
+
+LINKAGES = [
+    ("palletiser_kin96", {}, {}),
+    ("palletiser_kin96", {"kin96_arm2_angle": "relative"}, {"crank": 0.3}),
+    ("palletiser_kin96", {"kin96_zero_pose": "arm1_forward"}, {}),
+]
+
+
+@pytest.mark.parametrize(("name", "conventions", "data"), LINKAGES)
+def test_the_level_linkage_as_loops_agrees_with_the_affine_rows(
+    name: str, conventions: dict[str, str], data: dict[str, float]
+) -> None:
+    """Plate, head and both level rods closed by balls: the axes' rows close them, and Newton comes back to them."""
+    plain = Robot.load(name, conventions=conventions)
+    robot = Robot(with_linkage(plain.chain, RodData(**data)))
+    loops = rod_loops(robot.chain)
+    assert [loop.name for loop in loops] == [ROD, LEVEL_ROD, HEAD_ROD]
+    names = [joint.name for joint in robot.chain.joints]
+    plate, head = names.index(LEVEL_PLATE), names.index(level_joint(robot))
+    pairs = [(plate, names.index(LEVEL_ROD)), (head, names.index(HEAD_ROD))]
+    closures = [Closure(robot, [loop]) for loop in loops[1:]]
+    lower, upper = np.array([axis.range for axis in robot.axes]).T
+    rng, polished = np.random.default_rng(9), [0, 0]
+    for _ in range(150):
+        axes = lower + (upper - lower) * rng.random(len(lower))
+        q = robot.q(axes)
+        assert np.abs(robot.fk(axes).homogeneous - plain.fk(axes).homogeneous).max() < 1e-14
+        for n, (moving, closure) in enumerate(zip(pairs, closures, strict=True)):
+            assert closure.gap(q) < 1e-12
+            _, J = closure.error(q)
+            values = np.linalg.svd(J[:, moving], compute_uv=False)
+            assert values[1] > 0.0
+            if values[1] < np.sin(np.radians(0.5)) * values[0]:
+                continue  # rod and arm in line
+            polished[n] += 1
+            pushed = q.copy()
+            pushed[list(moving)] += rng.normal(size=2) * 1e-4
+            assert np.abs(closure.polished(pushed, np.array(moving)) - q).max() < 1e-12 / values[1]
+    assert min(polished) > 140
+    # The rods are as long as the arms, between pins that stand apart alike; the fixed pin carries no angle.
+    placed = robot.frame_placements(axes)
+    for rod, arm in ((LEVEL_ROD, placed[LEVEL_PLATE]), (HEAD_ROD, placed[names[head]])):
+        assert np.linalg.norm(placed[f"{rod}_pin"].translation - placed[rod].translation) == pytest.approx(
+            np.linalg.norm(arm.translation - placed[before(robot, rod)].translation), abs=1e-12
+        )
+
+
+def level_joint(robot: Robot) -> str:
+    """Return the joint that keeps the head level."""
+    return next(joint.name for joint in robot.chain.joints if joint.child == robot.chain.frame(f"{HEAD_ROD}_pin").link)
+
+
+def before(robot: Robot, rod: str) -> str:
+    """Return the joint at which the arm begins that a level rod is parallel to."""
+    child = robot.chain.frame(ROD_PIN).link
+    if rod == LEVEL_ROD:
+        child = next(joint.parent for joint in robot.chain.joints if joint.name == LEVEL_PLATE)
+    return next(joint.name for joint in robot.chain.joints if joint.child == child)
+
+
+def test_an_overlay_draws_the_level_linkage_and_says_what_is_assumed(tmp_path: Path) -> None:
+    file = tmp_path / "palletiser.lis"
+    file.write_text(load("palletiser_kin96").path.read_text("utf-8"), "utf-8")
+    overlay = tmp_path / "palletiser.chainbuild.toml"
+    overlay.write_text("[geometry]\nrods = true\n", "utf-8")
+    robot = Robot.load(file)
+    check_closure(robot)
+    masters = rod_masters(robot.chain)
+    assert {LEVEL_ROD, HEAD_ROD, LEVEL_PLATE} <= set(masters)
+    assert masters[LEVEL_ROD][0] == "G2"
+    told = [note for note in urdf_limitations(robot.chain) if "assumed" in note]
+    assert told[0] == (
+        "the lengths are assumed of the crank and between the pins of the level linkage: no machine data give them, and"
+        " they move no tool"
+    )
+    overlay.write_text("[geometry]\nrods = true\ncrank_mm = 250\n", "utf-8")
+    told = [note for note in urdf_limitations(Robot.load(file).chain) if "assumed" in note]
+    assert told[0].startswith("the length is assumed between the pins of the level linkage: ")
+    # Dimensions of the linkage move no tool and no other link.
+    axes = [10.0, 20.0, -5.0, 30.0]
+    wider = Robot.load(file)
+    for name, T in robot.frame_placements(axes).items():
+        if not name.startswith(("level_rod", "level_head_rod", "rod", "crank", "level_crank")):
+            assert wider.frame_placements(axes)[name].isApprox(T, 1e-12), name
+    moved = [
+        replace(frame, T_link_frame=frame.T_link_frame + np.eye(4, k=3) * 1e-3)
+        if frame.name == f"{HEAD_ROD}_pin"
+        else frame
+        for frame in robot.chain.frames
+    ]
+    with pytest.raises(ChainError, match=r"do not close: a gap of 0\.001 m"):
+        check_closure(Robot(replace(robot.chain, frames=tuple(moved))))
+
+
+def test_only_a_level_flange_has_a_level_linkage() -> None:
+    for name in ("parallelogram_nr", "palletiser_kin213"):
+        robot = Robot(with_linkage(Robot.load(name).chain, RodData()))
+        assert [loop.name for loop in rod_loops(robot.chain)] == [ROD]
+    assert rod_loops(Robot.load("palletiser_kin96").chain) == ()
 
 
 @pytest.mark.parametrize("name", ["parallelogram_nr", "palletiser_kin96"])
