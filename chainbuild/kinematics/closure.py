@@ -16,6 +16,7 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import random_axis_values
 from chainbuild.chain.bodies.linkage import rod_loops
 from chainbuild.chain.elements import Loop
+from chainbuild.chain.strut_ranges import drawn_range
 from chainbuild.errors import ChainError
 from chainbuild.kinematics.mechanism import Mechanism
 
@@ -141,15 +142,16 @@ def _refuse_gap(closure: Closure, q: Vector) -> None:
 def closing_axes(mechanism: Mechanism, rng: np.random.Generator, count: int) -> Matrix:
     """Return up to `count` random axis values (n, n_axes) inside the limits at which a mechanism has a pose.
 
-    Chains whose map knows where it closes are drawn there; others are drawn from the box of their limits, and what has
-    no pose is thrown away. The rows are fewer where hardly anything closes.
+    Axes of closed loops that nobody limits are drawn where their struts let them stand. Chains whose map knows where it
+    closes are drawn there; others are drawn from the box of their limits, and what has no pose is thrown away. The rows
+    are fewer where hardly anything closes.
 
     Args:
         mechanism: Any mechanism, with loops or without.
         rng: Random numbers.
         count: Rows wanted.
     """
-    lower, upper = np.array([axis.range for axis in mechanism.axes]).T
+    lower, upper = drawn_range(mechanism.chain)
     axis_map = mechanism.chain.axis_map
     found: list[Vector] = []
     for _ in range(_TRIES * count):

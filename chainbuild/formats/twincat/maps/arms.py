@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from chainbuild.units import rad_from_deg
+from chainbuild.units import deg_from_rad, rad_from_deg
 
 Centre = tuple[float, float, float]
 
@@ -111,6 +111,24 @@ class Lever:
         distance = math.sqrt(out * out + across * across + p[2] * p[2])
         longest = distance - self.length - radius
         return longest if longest > 0.0 else min(0.0, distance - abs(self.length - radius))
+
+    def range_deg(self, radius: float) -> tuple[float, float] | None:
+        """Return where all levers, moved alike, keep their elbows outside [deg]; None: nowhere.
+
+        The platform rises and falls on the axis then. At either end lever and rod are in line, folded or stretched;
+        where the rods are too short for level levers, the range begins where they meet.
+        """
+        spare = radius - self.length
+        if spare > 0.0 and abs(self.radius) <= spare:
+            lower = -math.acos(self.radius / spare)
+        elif self.radius + self.length >= radius and abs(radius - self.radius) <= self.length:
+            lower = math.acos((radius - self.radius) / self.length)
+        else:
+            return None
+        if abs(self.radius) > radius + self.length:
+            return None
+        upper = math.acos(-self.radius / (radius + self.length))
+        return deg_from_rad(lower) + self.zero_deg, deg_from_rad(upper) + self.zero_deg
 
     def standing(self, rod: Centre, value: float) -> tuple[float, str]:
         """Return what the axis moves of the platform point, 0 to ±1, and in words where that is nothing.

@@ -185,6 +185,17 @@ class LambdaMap:
         axes[b] = axes[c] + mm_from_m(way + self.along[0] - self.along[1])
         return axes
 
+    def strut_ranges(self) -> tuple[tuple[float, float] | None, ...]:
+        """Return the range of each axis that the rods leave: the slides stand as far apart as both rods reach.
+
+        Where they stand together is free: the range lies around 0 and holds every shape of the rods.
+        """
+        half = math.sqrt(max(sum(self.rods) ** 2 - (self.across[1] - self.across[0]) ** 2, 0.0)) / 2.0
+        ranges: list[tuple[float, float] | None] = [None] * 4
+        for n, middle in zip(self.slides, (0.0, self.along[0] - self.along[1]), strict=True):
+            ranges[n] = mm_from_m(middle - half), mm_from_m(middle + half)
+        return tuple(ranges)
+
     def q_bounds(self, lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
         """Return bounds of the joint values."""
         low, high = np.full(6, -2.0 * math.pi), np.full(6, 2.0 * math.pi)

@@ -258,6 +258,17 @@ class ThreeRodsMap:
             own[n] = reached[int(rng.integers(len(reached)))]
         return self._shown(own)
 
+    def strut_ranges(self) -> tuple[tuple[float, float] | None, ...]:
+        """Return the range of each axis that the rods leave: carriages stand as far apart as two rods reach.
+
+        Where they stand together is free: the range lies around 0 and holds every shape of the tripod.
+        """
+        feet = [(arm.radius * x, arm.radius * y) for arm in self.arms for x, y in (direction(arm.angle_deg),)]
+        reach = [4.0 * self.rod**2 - math.dist(feet[n], feet[n - 1]) ** 2 for n in range(_ARMS)]
+        half = mm_from_m(math.sqrt(max(*reach, 0.0)) / 2.0)
+        own = [arm.range_deg(self.rod) if isinstance(arm, Lever) else (-half, half) for arm in self.arms]
+        return (*own, *(None for _ in range(self.beside)))
+
     def _near(self, value: float, rng: np.random.Generator) -> Centre:
         """Return a random point on the ball of the first arm, on the platform's side of its centre."""
         (x, y, z), _, _ = self.arms[0].centre(value)
