@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal, Protocol, runtime_checkable
+from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,51 +98,6 @@ class ClosingMap(Protocol):
     def unreached(self, q: Vector) -> str:
         """Return which rod does not reach the joint values between the tips, and by how much; empty: all do."""
         ...
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Loss:
-    """A function of closed loops that vanishes where they are singular.
-
-    Attributes:
-        kind: "strut": an axis moves the tool no more, as the stretched arm of a serial robot; "platform": the axes hold
-            the platform no more, it moves by itself; "twist": the pairs of rods no longer keep it from turning.
-        value: 0 at the singularity, no more than 1 far from it; without unit, signed where it has two sides.
-        axes: Indices of the axes concerned.
-        words: What stands how there, with a place {nearly}.
-        rates: (n_q,) "platform": motion of the joints that no axis drives there; else None.
-        about: (3,) "twist": the line [base] about which the platform could turn; else None.
-    """
-
-    __repr__ = fields_shown
-
-    kind: Literal["strut", "platform", "twist"]
-    value: float
-    axes: tuple[int, ...]
-    words: str
-    rates: Vector | None = None
-    about: Vector | None = None
-
-    def condition(self, nearly: bool) -> str:
-        """Return what stands how, nearly or exactly."""
-        return self.words.format(nearly="nearly " if nearly else "")
-
-
-@runtime_checkable
-class LosingMap(Protocol):
-    """An axis map of closed loops that knows where they are singular."""
-
-    def losses(self, axes: Vector) -> tuple[Loss, ...]:
-        """Return every function that vanishes at a singularity, at axis values (n_axes,); none where nothing closes."""
-        ...
-
-
-def endless_reason(axis_map: AxisMap, axes: Vector) -> str:
-    """Return why the joints have no finite rates at axis values (n_axes,)."""
-    text = "the kinematic has no finite derivative at these axis values"
-    losses = axis_map.losses(axes) if isinstance(axis_map, LosingMap) else ()
-    loose = [loss for loss in losses if loss.kind == "platform"]
-    return f"{text}: {loose[0].condition(nearly=False)}, and the axes hold the tool no more" if loose else text
 
 
 @runtime_checkable

@@ -11,7 +11,7 @@ import numpy as np
 
 from chainbuild.arrays import Vector
 from chainbuild.chain.axismap import random_axis_values
-from chainbuild.chain.strut_ranges import strut_range
+from chainbuild.chain.closing import strut_range
 from chainbuild.errors import ChainbuildError
 from chainbuild.shown import fields_shown
 

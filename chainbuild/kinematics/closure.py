@@ -15,8 +15,8 @@ import pinocchio as pin
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import random_axis_values
 from chainbuild.chain.bodies.linkage import rod_loops
+from chainbuild.chain.closing import drawn_range
 from chainbuild.chain.elements import Loop
-from chainbuild.chain.strut_ranges import drawn_range
 from chainbuild.errors import ChainError
 from chainbuild.kinematics.mechanism import Mechanism
 

@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.axismap import endless_reason, joint_values
+from chainbuild.chain.axismap import joint_values
 from chainbuild.chain.check import check_chain
+from chainbuild.chain.closing import endless_reason
 from chainbuild.chain.drives import drive_values
 from chainbuild.chain.elements import Axis, Chain, Task
 from chainbuild.errors import AxisValueError, ChainbuildError, ChainError
@@ -26,7 +27,7 @@ from chainbuild.html import html_table
 from chainbuild.kinematics.evaluation import Kinematics, generic_rank, sampled_jacobians
 from chainbuild.kinematics.inputs import axis_rows, axis_vector, real_numbers
 from chainbuild.kinematics.limits import Limits
-from chainbuild.kinematics.product import poses_at
+from chainbuild.kinematics.product import poses_at, tip_poses
 from chainbuild.shown import number
 from chainbuild.units import AxisLabels, Units
 
@@ -160,6 +161,10 @@ class Mechanism:
         """
         if units != "controller":
             axes = self.controller_values(axes, units)
+        if self.chain.loops:
+            alone = self.kinematics.tip_pose(self.axis_values(axes))
+            if alone is not None:
+                return alone
         pose = self.kinematics.pose(self.q(axes))
         if not np.isfinite(pose.homogeneous).all():
             raise ChainbuildError("the kinematic has no finite pose at these axis values")
@@ -211,6 +216,8 @@ class Mechanism:
         if units != "controller":
             axes = self.controller_values(axes, units)
         values = axis_rows(self.axes, axes)
+        if self.kinematics.tip_product is not None:
+            return tip_poses(self.chain, self.kinematics.tip_product, values)
         if self.kinematics.product is None:
             return np.array([self.fk(row).homogeneous for row in values]).reshape(-1, 4, 4)
         return poses_at(self.kinematics.product, values, self.kinematics.si_factors)

@@ -12,7 +12,7 @@ from chainbuild import CheckOptions, MapSpec, Robot, crosscheck
 from chainbuild.analysis.collision.pairs import classify_pairs
 from chainbuild.analysis.workspace.maps import make_map
 from chainbuild.chain.bodies.shapes import shown_limits
-from chainbuild.chain.strut_ranges import drawn_range
+from chainbuild.chain.closing import drawn_range
 from chainbuild.comparison.samples import random_samples
 from chainbuild.inspect.sweep import axis_sweep
 from chainbuild.kinematics.closure import closing_axes

@@ -10,7 +10,7 @@ from chainbuild.analysis.singularity import words
 from chainbuild.analysis.singularity.measures import jacobian_at
 from chainbuild.analysis.singularity.singularity import Singularity
 from chainbuild.arrays import Vector
-from chainbuild.chain.axismap import LosingMap, Loss
+from chainbuild.chain.closing import LosingMap, Loss
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.screws import screws_at
 from chainbuild.units import mm_from_m, si_factor

@@ -18,7 +18,7 @@ from chainbuild.analysis.singularity.singularity import Singularity
 from chainbuild.analysis.singularity.speeds import SpeedReport, speeds
 from chainbuild.analysis.singularity.structure import CartesianForm, SingularityKind, lines_at, singular_structure
 from chainbuild.arrays import Vector
-from chainbuild.chain.axismap import Loss
+from chainbuild.chain.closing import Loss
 from chainbuild.closest import and_joined
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.shown import number, two_lines

@@ -14,7 +14,7 @@ class Singularity:
 
     Attributes:
         kind: "wrist", "elbow", "shoulder", "pole", "tilt_end"; of closed loops "strut", "platform", "twist" (see
-            `chainbuild.chain.axismap.Loss`); "other"; "gimbal_lock" of the pose angles and "dead_point" of a
+            `chainbuild.chain.closing.Loss`); "other"; "gimbal_lock" of the pose angles and "dead_point" of a
             parallelogram lose no motion of the tool.
         alias: The manual's name where it has one: "alpha5", …; else an empty string.
         value: The function that vanishes there, without unit (`chainbuild.analysis.singularity.factors`).

@@ -14,9 +14,9 @@ import numpy as np
 from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies.rods import CRANK, ROD_END, ROD_PIN, has_rods
+from chainbuild.chain.closing import strut_range
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint
 from chainbuild.chain.fold import drawn, drawn_bounds
-from chainbuild.chain.strut_ranges import strut_range
 
 Colour = tuple[float, float, float]
 BodyKind = Literal["cylinder", "box", "sphere"]

@@ -34,6 +34,12 @@ def opened_query(query: BranchQuery) -> BranchQuery | None:
     Args:
         query: That of a chain with loops.
     """
+    request = opened_request(query)
+    return None if request is None else BranchQuery.of(request)
+
+
+def opened_request(query: BranchQuery) -> IkRequest | None:
+    """Return the request of the open chain between the tips; see `opened_query`."""
     mechanism = query.mechanism
     if not isinstance(mechanism.chain.axis_map, ClosingMap):
         return None
@@ -45,7 +51,7 @@ def opened_query(query: BranchQuery) -> BranchQuery | None:
         return None  # a strut stands still: the way between the tips is not free
     q = mechanism.kinematics.q(query.x0)[list(joints_between_tips_in_order(mechanism))]
     start = None if not np.isfinite(q).all() else q / opened.kinematics.si_factors
-    return BranchQuery.of(IkRequest.of(opened, query.target, start, held))
+    return IkRequest.of(opened, query.target, start, held)
 
 
 def find_closed(query: BranchQuery, solve: Callable[[BranchQuery], Solutions]) -> Solutions:
@@ -80,9 +86,12 @@ def unreached_words(query: BranchQuery, solve: Callable[[BranchQuery], Solutions
 
 
 def _joint_values(query: BranchQuery, opened: BranchQuery, found: Solutions) -> Iterator[tuple[Branch, Vector]]:
-    """Yield the branches of the open chain with joint values (n_q,) of the closed one: those between the tips."""
+    """Yield the branches of the open chain with joint values (n_q,) of the closed one: those between the tips.
+
+    Where limits of axes are in the way of all of them, the nearest one beyond is yielded: the closed chain names them.
+    """
     places = list(joints_between_tips_in_order(query.mechanism))
-    for branch in found.branches:
+    for branch in found.branches or filter(None, [found.beyond]):
         q = np.zeros(len(query.mechanism.chain.joints))
         q[places] = branch.axes * opened.mechanism.kinematics.si_factors
         yield branch, q

@@ -8,9 +8,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import Final
 
-from chainbuild.units import deg_from_rad, rad_from_deg
+import numpy as np
+
+from chainbuild.arrays import Vector
+from chainbuild.units import deg_from_rad, m_from_mm, rad_from_deg
 
 Centre = tuple[float, float, float]
 
@@ -37,6 +41,16 @@ class Column:
         """Return the centre of the ball [m], its derivative by the axis, and the turn of the rod's frame [rad]."""
         x, y = direction(self.angle_deg)
         return (self.radius * x, self.radius * y, self.sign * value), (0.0, 0.0, self.sign), 0.0
+
+    def place(self, shown: float) -> Centre:
+        """Return the centre of the ball [m] at an axis value [mm]: what forward kinematics alone needs."""
+        x, y = direction(self.angle_deg)
+        return self.radius * x, self.radius * y, self.sign * m_from_mm(shown)
+
+    def centre_rows(self, shown: Vector) -> tuple[Vector, Vector, Vector]:
+        """Return the centres of the ball [m] at many axis values [mm]."""
+        x, y = direction(self.angle_deg)
+        return np.full(len(shown), self.radius * x), np.full(len(shown), self.radius * y), m_from_mm(self.sign) * shown
 
     def values(self, p: Centre, radius: float, side: float) -> list[float]:
         """Return the axis values [m] for a platform point: one, the carriage above (side 1) or below it."""
@@ -86,6 +100,20 @@ class Lever:
         c, s = math.cos(angle), math.sin(angle)
         out, slope = self.radius + self.length * c, -self.length * s
         return (out * x, out * y, -self.length * s), (slope * x, slope * y, -self.length * c), angle
+
+    def place(self, shown: float) -> Centre:
+        """Return the centre of the ball [m] at an axis value [deg]: what forward kinematics alone needs."""
+        x, y = direction(self.angle_deg)
+        angle = rad_from_deg(shown) - rad_from_deg(self.zero_deg)
+        out = self.radius + self.length * math.cos(angle)
+        return out * x, out * y, -self.length * math.sin(angle)
+
+    def centre_rows(self, shown: Vector) -> tuple[Vector, Vector, Vector]:
+        """Return the centres of the ball [m] at many axis values [deg]."""
+        x, y = direction(self.angle_deg)
+        angles = np.radians(shown - self.zero_deg)
+        out = self.radius + self.length * np.cos(angles)
+        return out * x, out * y, -self.length * np.sin(angles)
 
     def values(self, p: Centre, radius: float, side: float) -> list[float]:
         """Return the axis values [rad] for a platform point: two, the elbow outside first."""
@@ -148,8 +176,9 @@ class Lever:
         return moved, f"the lever and the rod of {{name}} are {{nearly}}{'stretched' if along > 0.0 else 'folded'}"
 
 
+@cache
 def direction(angle_deg: float) -> tuple[float, float]:
-    """Return cosine and sine of an angle, right angles exact."""
+    """Return cosine and sine of an angle, right angles exact; those of a machine's arms are asked for at every pose."""
     turned = math.remainder(angle_deg, 360.0)
     exact = {0.0: (1.0, 0.0), 90.0: (0.0, 1.0), 180.0: (-1.0, 0.0), -180.0: (-1.0, 0.0), -90.0: (0.0, -1.0)}
     if turned in exact:

@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Matrix
-from chainbuild.chain.axismap import Loss
+from chainbuild.chain.closing import Loss
 from chainbuild.closest import and_joined
 
 Vector3 = tuple[float, float, float]

@@ -17,14 +17,14 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.axismap import Loss
+from chainbuild.chain.closing import Loss
 from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.formats.twincat.maps.rows import TOUCHES, in_columns, rod_turns
 from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m, rad_from_deg
 
 _Z: Final = 2  # index in X1, X2, Z, C
 _C: Final = 3  # likewise
 _LOOSE: Final = 1e-12  # sine below which the rods count as in line: 1/_LOOSE stands for an endless rate
-_TOUCHES: Final = 1e-14  # of a cosine: rounding where the rods are in line
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,7 +72,7 @@ class LambdaMap:
         if apart == 0.0:
             return None
         cosine = (rod**2 + apart**2 - other**2) / (2.0 * rod * apart)
-        if abs(cosine) > 1.0 + _TOUCHES:
+        if abs(cosine) > 1.0 + TOUCHES:
             return None
         theta = math.atan2(y, x) + self.side * math.acos(max(-1.0, min(1.0, cosine)))
         return theta, math.atan2(rod * math.sin(theta) - y, rod * math.cos(theta) - x)
@@ -86,6 +86,22 @@ class LambdaMap:
         slides = [m_from_mm(float(axes[n])) for n in self.slides]
         turn = rad_from_deg(float(axes[_C])) - (0.0 if self.by_arm else theta + self.bend)
         return np.array([slides[0], theta, m_from_mm(float(axes[_Z])), turn, slides[1], phi])
+
+    def tip_values(self, axes: Vector) -> list[float] | None:
+        """Return the joint values of the way to the gripper, or None where the rods do not meet."""
+        angles = self._angles(axes)
+        if angles is None:
+            return None
+        turn = rad_from_deg(float(axes[_C])) - (0.0 if self.by_arm else angles[0] + self.bend)
+        return [m_from_mm(float(axes[self.slides[0]])), angles[0], m_from_mm(float(axes[_Z])), turn]
+
+    def tip_rows(self, rows: Matrix) -> Matrix:
+        """Return them (N, 4) at rows of axis values; not a number where the rods do not meet."""
+        c, b = (rows[:, n] / 1000.0 for n in self.slides)
+        y = self.across[1] - self.across[0]
+        theta = rod_turns(b + self.along[1] - c - self.along[0], y, self.rods, self.side)
+        turn = np.radians(rows[:, _C]) - (0.0 if self.by_arm else theta + self.bend)
+        return in_columns(c, theta, rows[:, _Z] / 1000.0, turn)
 
     def axes(self, q: Vector) -> Vector:
         """Return the axis values of joint values."""
@@ -156,7 +172,7 @@ class LambdaMap:
         c = float(q[0]) + self.along[0]
         across = self.across[0] + rod * math.sin(theta) - self.across[1]
         square = other**2 - across**2
-        square = 0.0 if abs(square) < _TOUCHES * other**2 else square
+        square = 0.0 if abs(square) < TOUCHES * other**2 else square
         values = [[value] for value in own.tolist()]
         middle, half = c + rod * math.cos(theta) - self.along[1], math.sqrt(max(square, 0.0))
         values[self.slides[1]] = [] if square < 0.0 else [mm_from_m(middle - half), mm_from_m(middle + half)]

@@ -20,11 +20,12 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.axismap import Loss
+from chainbuild.chain.closing import Loss
 from chainbuild.closest import and_joined
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.formats.twincat.maps.arms import Centre, Column, Lever, direction
 from chainbuild.formats.twincat.maps.losing import rod_losses, strut_losses
+from chainbuild.formats.twincat.maps.rows import common_points, in_columns
 from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m, rad_from_deg
 
 _ARMS: Final = 3  # three balls have a common point
@@ -85,6 +86,19 @@ class ThreeRodsMap:
             q += [value, *self._rod_angles(arm, p, centre, turned)]
         return np.array(q)
 
+    def tip_values(self, axes: Vector) -> list[float] | None:
+        """Return the joint values of the platform and of rotary axes beside the arms, or None where nothing closes."""
+        shown = axes.tolist()
+        a, b, c = self.arms
+        p = self.common((a.place(shown[0]), b.place(shown[1]), c.place(shown[2])))
+        return None if p is None else [*p, *map(rad_from_deg, shown[_ARMS:])]
+
+    def tip_rows(self, rows: Matrix) -> Matrix:
+        """Return them (N, 3 + beside) at rows of axis values; not a number where nothing closes."""
+        a, b, c = (arm.centre_rows(rows[:, n]) for n, arm in enumerate(self.arms))
+        p = common_points((a, b, c), self.rod, self.hanging, (_FLAT, _SAME, _TOUCHES))
+        return in_columns(*p, *np.radians(rows[:, _ARMS:]).T)
+
     def _rod_angles(self, arm: Column | Lever, p: Centre, centre: Centre, turned: float) -> tuple[float, float]:
         x, y = direction(arm.angle_deg)
         dx, dy = p[0] - centre[0], p[1] - centre[1]
@@ -142,12 +156,13 @@ class ThreeRodsMap:
             J[row, n] = 1.0
             moved = dp.copy()
             moved[:, n] -= slope
-            frame = np.array([[x, y, 0.0], [-y, x, 0.0], [0.0, 0.0, 1.0]])
-            out, _, up = (frame @ rods[n]).tolist()
-            d_out, d_across, d_up = frame @ moved / self.rod
-            s, plane = -self.hanging, max(out * out + up * up, _FLAT)
-            J[row + 1, :_ARMS] = (up * d_out - out * d_up) / plane
-            J[row + 2, :_ARMS] = -s * d_across / math.sqrt(plane)
+            ux, uy, up = rods[n]
+            out = ux * x + uy * y
+            plane = max(out * out + up * up, _FLAT)
+            # Rows of d(swing), d(lean) by the motion of the rod's lower end against the upper one.
+            lean = self.hanging / math.sqrt(plane)
+            by_end = [[up * x / plane, up * y / plane, -out / plane], [-lean * y, lean * x, 0.0]]
+            J[row + 1 : row + 3, :_ARMS] = np.array(by_end) @ moved / self.rod
             if arm.kind == "rotary":
                 J[row + 1, n] -= 1.0
         return J
