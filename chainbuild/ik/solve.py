@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
+    from chainbuild.arrays import Vector
     from chainbuild.ik.policies.redundancy import Preference
     from chainbuild.ik.request import IkOptions
     from chainbuild.ik.search.table import IkTable
@@ -81,12 +82,40 @@ def solve_many(
     """Return axis values for many poses; see `Robot.ik_batch`."""
     from chainbuild.ik.search.batch import solve_batch
 
-    def by_struts(request: IkRequest) -> IkResult:
-        closed = _complete_answer(request)
-        return search(request) if closed is None else checked(request, closed)
-
-    solver = by_struts if mechanism.chain.loops else None
+    solver = _by_struts if mechanism.chain.loops else None
     return solve_batch(mechanism, poses, start, held, progress, options, solver)
+
+
+def solve_along(
+    mechanism: Mechanism,
+    poses: Sequence[Pose] | ArrayLike,
+    start: ArrayLike | None = None,
+    held: Held | None = None,
+    progress: Progress = False,
+    options: IkOptions | None = None,
+) -> IkTable:
+    """Return axis values along a path; see `Robot.ik_path`."""
+    if not mechanism.chain.loops:
+        from chainbuild.ik.policies.status_path import follow_path
+
+        return follow_path(mechanism, poses, start, held, progress, options)
+    from chainbuild.ik.search.batch import solve_batch
+
+    last: Vector | None = None
+
+    def following(request: IkRequest) -> IkResult:
+        nonlocal last
+        found = _by_struts(request if last is None else request._replace(start=last))
+        last = found.axes if found.success else last
+        return found
+
+    return solve_batch(mechanism, poses, start, held, progress, options, following)
+
+
+def _by_struts(request: IkRequest) -> IkResult:
+    """Return the answer for a chain with loops: each strut alone where the way between the tips has a closed form."""
+    closed = _complete_answer(request)
+    return search(request) if closed is None else checked(request, closed)
 
 
 def of_status(
