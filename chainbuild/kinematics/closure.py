@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
+import eigenpy
 import numpy as np
 import pinocchio as pin
 
@@ -33,6 +34,9 @@ class Closure:
         mechanism: The mechanism.
         loops: Loops of kind "ball" between its frames; None: those of its chain.
 
+    Attributes:
+        balls: Pinocchio's constraint of each loop.
+
     Raises:
         ChainError: a loop is of another kind.
     """
@@ -40,7 +44,8 @@ class Closure:
     def __init__(self, mechanism: Mechanism, loops: Sequence[Loop] | None = None) -> None:
         self.mechanism = mechanism
         model = mechanism.model
-        self._models = [self._ball(model, loop) for loop in (mechanism.chain.loops if loops is None else loops)]
+        self.balls = [self._ball(model, loop) for loop in (mechanism.chain.loops if loops is None else loops)]
+        self._free = np.array(self.passive, dtype=np.intp)
 
     @staticmethod
     def _ball(model: pin.Model, loop: Loop) -> pin.PointAnchorConstraintModel:
@@ -54,13 +59,13 @@ class Closure:
         """Return the gaps (3·loops,) [m] at joint values (n_q,), and their derivative (3·loops, n_q)."""
         model, data = self.mechanism.model, self.mechanism.kinematics.data
         pin.computeJointJacobians(model, data, q)
-        errors, rows = [], []
-        for one in self._models:
+        errors, rows = np.empty(3 * len(self.balls)), np.empty((3 * len(self.balls), model.nv))
+        for n, one in enumerate(self.balls):
             made = one.createData()
             one.calc(model, data, made)
-            errors.append(np.asarray(made.constraint_position_error).ravel().copy())
-            rows.append(np.asarray(one.jacobian(model, data, made)).reshape(3, model.nv).copy())
-        return np.concatenate(errors), np.concatenate(rows)
+            errors[3 * n : 3 * n + 3] = made.constraint_position_error
+            rows[3 * n : 3 * n + 3] = one.jacobian(model, data, made).reshape(3, model.nv)
+        return errors, rows
 
     def gap(self, q: Vector) -> float:
         """Return the largest gap [m] between ends that should meet."""
@@ -77,13 +82,14 @@ class Closure:
         Raises:
             ChainError: they do not close near there.
         """
-        free = np.array(self.passive if moving is None else moving, dtype=np.intp)
+        free = self._free if moving is None else np.asarray(moving, dtype=np.intp)
         found = q.copy()
         for _ in range(_STEPS):
             errors, J = self.error(found)
-            if float(np.abs(errors).max()) < _CLOSED:
+            if max(map(abs, errors.tolist())) < _CLOSED:
                 return found
-            found[free] -= np.linalg.lstsq(J[:, free], errors, rcond=None)[0]
+            # Loops in a plane have three rows of rank two: the factorisation has to find out.
+            found[free] -= eigenpy.CompleteOrthogonalDecomposition(J[:, free]).solve(errors)
         if self.gap(found) > _CLOSED * 1e3:
             raise ChainError(f"the loops do not close: a gap of {self.gap(found):.3g} m is left")
         return found

@@ -25,6 +25,7 @@ from chainbuild.chain.bodies.rods import (
 from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.kinematics.closure import Closure, check_closure, closing_axes, closure_of
 from chainbuild.writers.notes import urdf_limitations
+from tests.kit.six_rods import SixRods
 
 MACHINES = ("tripod_kin12", "tripod_table_kin209", "delta_kin37", "lambda_kin21")
 
@@ -248,3 +249,23 @@ def test_the_parallelogram_as_a_loop_agrees_with_the_affine_rows(name: str) -> N
         pushed[[crank, rod]] += rng.normal(size=2) * 1e-4
         assert np.abs(closure.polished(pushed, np.array([crank, rod])) - q).max() < 1e-11
     assert polished > 200
+
+
+def test_six_rods_keep_the_platform_from_turning() -> None:
+    """With all rods and a platform that may turn the closed form closes as well, and nothing that is left turns it."""
+    hd = {4: 40.0, 5: 150.0, 6: 500.0, 7: 200.0}
+    six, (robot, rows) = SixRods(hd), states("delta_kin37", 200)
+    for row in rows:
+        q = six.q(robot, row)
+        errors, J = six.closure.error(q)
+        assert J.shape == (18, 21)
+        assert np.abs(errors).max() < 1e-12
+        _, values, Vt = np.linalg.svd(J)
+        assert values[-1] > 1e-4  # m: the three axes are all that is left …
+        assert np.abs(Vt[18:, 3:6]).max() < 1e-12  # … and turn nothing
+    rng = np.random.default_rng(5)
+    for row in rows[:20]:
+        q = six.q(robot, row)
+        pushed = q.copy()
+        pushed[six.passive] += rng.normal(size=18) * 1e-3
+        assert np.abs(six.closure.polished(pushed, six.passive) - q).max() < 1e-9
