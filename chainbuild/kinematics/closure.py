@@ -7,6 +7,7 @@ this file alone: without `computeJointJacobians` and `calc` before it a constrai
 from __future__ import annotations
 
 from collections.abc import Sequence
+from threading import local
 from typing import Final
 
 import eigenpy
@@ -27,6 +28,18 @@ _RANK: Final = 1e-9  # share of the largest singular value below which one count
 _TRIES: Final = 50  # axis values drawn for a closed state where the map does not know where it closes
 
 
+class _Scratch(local):
+    """Constraints with their working memory, each thread's own: one by one, and in the lists that Pinocchio takes."""
+
+    def __init__(self, balls: Sequence[pin.PointAnchorConstraintModel]) -> None:
+        self.models, self.datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
+        for ball in balls:
+            self.models.append(pin.ConstraintModel(ball))
+            self.datas.append(self.models[-1].createData())
+        self.pairs = list(zip(self.models, self.datas, strict=True))
+        self.read = [made.extract() for made in self.datas]
+
+
 class Closure:
     """The loops of one mechanism.
 
@@ -34,17 +47,14 @@ class Closure:
         mechanism: The mechanism.
         loops: Loops of kind "ball" between its frames; None: those of its chain.
 
-    Attributes:
-        balls: Pinocchio's constraint of each loop.
-
     Raises:
         ChainError: a loop is of another kind.
     """
 
     def __init__(self, mechanism: Mechanism, loops: Sequence[Loop] | None = None) -> None:
-        self.mechanism = mechanism
-        model = mechanism.model
-        self.balls = [self._ball(model, loop) for loop in (mechanism.chain.loops if loops is None else loops)]
+        self.mechanism, self._model = mechanism, mechanism.model
+        closed = mechanism.chain.loops if loops is None else loops
+        self._scratch = _Scratch([self._ball(self._model, loop) for loop in closed])
         self._free = np.array(self.passive, dtype=np.intp)
 
     @staticmethod
@@ -57,14 +67,12 @@ class Closure:
 
     def error(self, q: Vector) -> tuple[Vector, Matrix]:
         """Return the gaps (3·loops,) [m] at joint values (n_q,), and their derivative (3·loops, n_q)."""
-        model, data = self.mechanism.model, self.mechanism.kinematics.data
+        model, data, scratch = self._model, self.mechanism.kinematics.data, self._scratch
         pin.computeJointJacobians(model, data, q)
-        errors, rows = np.empty(3 * len(self.balls)), np.empty((3 * len(self.balls), model.nv))
-        for n, one in enumerate(self.balls):
-            made = one.createData()
+        for one, made in scratch.pairs:
             one.calc(model, data, made)
-            errors[3 * n : 3 * n + 3] = made.constraint_position_error
-            rows[3 * n : 3 * n + 3] = one.jacobian(model, data, made).reshape(3, model.nv)
+        errors = np.concatenate([made.constraint_position_error for made in scratch.read])
+        rows: Matrix = pin.getConstraintsJacobian(model, data, scratch.models, scratch.datas)
         return errors, rows
 
     def gap(self, q: Vector) -> float:
@@ -89,7 +97,7 @@ class Closure:
             if max(map(abs, errors.tolist())) < _CLOSED:
                 return found
             # Loops in a plane have three rows of rank two: the factorisation has to find out.
-            found[free] -= eigenpy.CompleteOrthogonalDecomposition(J[:, free]).solve(errors)
+            found[free] -= eigenpy.CompleteOrthogonalDecomposition(J.take(free, axis=1)).solve(errors)
         if self.gap(found) > _CLOSED * 1e3:
             raise ChainError(f"the loops do not close: a gap of {self.gap(found):.3g} m is left")
         return found

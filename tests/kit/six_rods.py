@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from chainbuild import Robot
+from chainbuild import Loop, Robot
 from chainbuild.kinematics.closure import Closure
 
 APART = 0.05  # m between the rods of a pair: in no machine data
@@ -43,16 +43,18 @@ class SixRods:
                 lean = model.addJoint(swing, pin.JointModelRX(), pin.SE3.Identity(), f"lean_{n}_{side}")
                 end = pin.SE3(np.eye(3), np.array([0.0, 0.0, -rod]))
                 pinned = pin.SE3(R, R @ np.array([platform, side, 0.0]))
-                balls.append(pin.PointAnchorConstraintModel(model, lean, end, joint, pinned))
+                names = f"end_{n}_{side}", f"pin_{n}_{side}"
+                for name, carrier, place in zip(names, (lean, joint), (end, pinned), strict=True):
+                    model.addFrame(pin.Frame(name, carrier, place, pin.FrameType.OP_FRAME))
+                balls.append(names)
         self.model, self.passive = model, np.array([n for n in range(21) if n not in (6, 11, 16)])
         mechanism: Any = SimpleNamespace(
             model=model,
             kinematics=SimpleNamespace(data=model.createData()),
-            chain=SimpleNamespace(name="six rods", loops=(), joints=()),
+            chain=SimpleNamespace(name="six rods", joints=()),
             axes=(),
         )
-        self.closure = Closure(mechanism)
-        self.closure.balls = balls
+        self.closure = Closure(mechanism, [Loop(f"rod {n}", "ball", *ends) for n, ends in enumerate(balls)])
 
     def q(self, robot: Robot, axes: np.ndarray) -> np.ndarray:
         """Return the joint values (21,) at axis values of the machine with one rod a pair: both rods stand alike."""
