@@ -16,7 +16,7 @@ from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.elements import Chain
 from chainbuild.shown import fields_shown
 
-Range = tuple[float, float]
+StrutRange = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,12 +81,12 @@ class TipMap(Protocol):
 class RangingMap(Protocol):
     """An axis map of closed loops that knows how far its struts let the axes go."""
 
-    def strut_ranges(self) -> tuple[Range | None, ...]:
+    def strut_ranges(self) -> tuple[StrutRange | None, ...]:
         """Return the range of each axis, mm and degrees; None: the struts do not limit it."""
         ...
 
 
-def strut_range(chain: Chain, n: int) -> Range | None:
+def strut_range(chain: Chain, n: int) -> StrutRange | None:
     """Return the range that the struts leave axis n where neither data nor overlay limit it, else None."""
     if not chain.axes[n].assumed or not isinstance(chain.axis_map, RangingMap):
         return None

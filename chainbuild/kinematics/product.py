@@ -151,12 +151,12 @@ def tip_poses(chain: Chain, product: Product, values: Matrix) -> Matrix:
         q = axis_map.tip_rows(values[part])
         open_rows = np.flatnonzero(~np.isfinite(q).all(axis=1))
         if len(open_rows):
-            raise at_row(axis_map, values[part][open_rows[0]], first + int(open_rows[0]))
+            raise refused_row(axis_map, values[part][open_rows[0]], first + int(open_rows[0]))
         result[part] = poses_at(product, q, np.ones(q.shape[1]))
     return result
 
 
-def at_row(axis_map: AxisMap, axes: Vector, row: int) -> ChainbuildError:
+def refused_row(axis_map: AxisMap, axes: Vector, row: int) -> ChainbuildError:
     """Return the refusal of axis values (n_axes,) with the index of their row."""
     told = refusal_of(axis_map, axes) or ChainbuildError("the kinematic has no joint values at these axis values")
     told.message = f"row {row}: {told.message}"

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from chainbuild import Loop, Robot, load
+from chainbuild import Loop, Robot, load, write_urdf
+from chainbuild.analysis.collision.pairs import classify_pairs
 from chainbuild.chain.bodies.geometry import RodData
 from chainbuild.chain.bodies.linkage import rod_loops, with_linkage
 from chainbuild.chain.bodies.rods import (
@@ -25,6 +27,7 @@ from chainbuild.chain.bodies.rods import (
 from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.kinematics.closure import Closure, check_closure, closing_axes, closure_of
 from chainbuild.writers.notes import urdf_limitations
+from chainbuild.writers.srdf import write_srdf
 from tests.kit.six_rods import SixRods
 
 MACHINES = ("tripod_kin12", "tripod_table_kin209", "delta_kin37", "lambda_kin21")
@@ -269,3 +272,18 @@ def test_six_rods_keep_the_platform_from_turning() -> None:
         pushed = q.copy()
         pushed[six.passive] += rng.normal(size=18) * 1e-3
         assert np.abs(six.closure.polished(pushed, six.passive) - q).max() < 1e-9
+
+
+def test_outputs_name_the_loops_and_their_passive_joints(tmp_path: Path) -> None:
+    robot = Robot.load("delta_kin37")
+    written = write_srdf(robot, classify_pairs(robot, samples=5), tmp_path).read_text("utf-8")
+    passive = [joint.name for joint in robot.chain.joints if joint.name not in ("J1", "J2", "J3")]
+    assert re.findall(r'passive_joint name="([^"]+)"', written) == passive
+    assert len(passive) == 9
+    assert "at random where the loops close" in written
+    text = write_urdf(robot, tmp_path).read_text("utf-8")
+    for loop in robot.chain.loops:
+        assert f"loop {loop.name} (ball between {loop.frame_a} and {loop.frame_b}) is open" in text
+    assert all(f'<joint name="{joint.name}"' in text for joint in robot.chain.joints)
+    plain = Robot.load("kr6r900")
+    assert "passive_joint" not in write_srdf(plain, classify_pairs(plain, samples=5), tmp_path).read_text("utf-8")

@@ -14,7 +14,7 @@ import pytest
 
 from tests.bench import branches, peers
 from tests.bench.branches import OURS, BranchRow, judged, one_by_one, over_arrays
-from tests.bench.loops import DELTA, FUNCTION, MANY, ONE, ONE_ROD, SERIAL, SIX_RODS
+from tests.bench.loops import DELTA, FUNCTION, MANY, ONE, ONE_ROD, SERIAL, SIX_RODS, loop_times
 from tests.bench.machines import Machine, machines
 from tests.bench.marks import BLOCKS, COMPILED, PATH, PLAIN, REFERENCE, Mark, Results, marks
 from tests.bench.measure import Row

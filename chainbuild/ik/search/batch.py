@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 BAR: Final = "inverse kinematics"  # what the progress bar is labelled with
 _ALONE: Final = 512  # fewer poses are left to one core: waking another that is busy can take milliseconds
-Solver = Callable[[IkRequest], IkResult]
+Alone = Callable[[IkRequest], IkResult]
 
 _CHUNK: Final = 8192  # poses between updates of the progress bar and checks for interrupts
 
@@ -73,7 +73,7 @@ def solve_batch(
     held: Held | None = None,
     progress: Progress = False,
     options: IkOptions | None = None,
-    solver: Solver | None = None,
+    solver: Alone | None = None,
 ) -> IkTable:
     """Find axis values for many poses; see `Robot.ik_batch`.
 
@@ -170,7 +170,7 @@ def _row_by_row(
     begin: Matrix | None,
     held: Held | None,
     options: IkOptions,
-    solver: Solver,
+    solver: Alone,
     advance: Any,
 ) -> IkTable:
     """Solve rows whose input axes differ, or whose loops have a closed form: each row is a problem of its own."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
 
-TOUCHES: Final = 1e-14  # of a cosine: rounding where the rods are in line
+IN_LINE: Final = 1e-14  # of a cosine: rounding where the rods are in line
 
 Rows3 = tuple[Vector, Vector, Vector]  # x, y and z of many points
 
@@ -57,7 +57,7 @@ def rod_turns(x: Vector, y: float, rods: tuple[float, float], side: float) -> Ve
     apart, (rod, other) = np.hypot(x, y), rods
     with np.errstate(divide="ignore", invalid="ignore"):
         cosine = (rod**2 + apart**2 - other**2) / (2.0 * rod * apart)
-        touching = np.abs(cosine) <= 1.0 + TOUCHES
+        touching = np.abs(cosine) <= 1.0 + IN_LINE
         cosine[touching] = np.clip(cosine[touching], -1.0, 1.0)
         return np.asarray(np.arctan2(y, x) + side * np.arccos(cosine))
 

@@ -19,7 +19,7 @@ import numpy as np
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.closing import Loss
 from chainbuild.errors import AxisValueError, ChainbuildError
-from chainbuild.formats.twincat.maps.rows import TOUCHES, in_columns, rod_turns
+from chainbuild.formats.twincat.maps.rows import IN_LINE, in_columns, rod_turns
 from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m, rad_from_deg
 
 _Z: Final = 2  # index in X1, X2, Z, C
@@ -72,7 +72,7 @@ class LambdaMap:
         if apart == 0.0:
             return None
         cosine = (rod**2 + apart**2 - other**2) / (2.0 * rod * apart)
-        if abs(cosine) > 1.0 + TOUCHES:
+        if abs(cosine) > 1.0 + IN_LINE:
             return None
         theta = math.atan2(y, x) + self.side * math.acos(max(-1.0, min(1.0, cosine)))
         return theta, math.atan2(rod * math.sin(theta) - y, rod * math.cos(theta) - x)
@@ -172,7 +172,7 @@ class LambdaMap:
         c = float(q[0]) + self.along[0]
         across = self.across[0] + rod * math.sin(theta) - self.across[1]
         square = other**2 - across**2
-        square = 0.0 if abs(square) < TOUCHES * other**2 else square
+        square = 0.0 if abs(square) < IN_LINE * other**2 else square
         values = [[value] for value in own.tolist()]
         middle, half = c + rod * math.cos(theta) - self.along[1], math.sqrt(max(square, 0.0))
         values[self.slides[1]] = [] if square < 0.0 else [mm_from_m(middle - half), mm_from_m(middle + half)]
