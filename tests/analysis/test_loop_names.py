@@ -122,6 +122,10 @@ def test_a_rod_across_its_column(kin: int, off: float, tmp_path: Path) -> None:
     value = math.sqrt(hd[7] ** 2 - (hd[7] - off) ** 2) / hd[7]
     found = next(one for one in losses_at(robot, np.array(axes)) if one.kind == "strut")
     assert found.value == pytest.approx(-value, abs=1e-7)
+    down = build(tmp_path, kin, hd, kin12_z_positive="down")
+    lowered = np.array([-value for value in axes[:3]] + axes[3:])
+    turned = next(one for one in losses_at(down, lowered) if one.kind == "strut")
+    assert turned.value == pytest.approx(value, abs=1e-7)  # carriages that count downwards
     name, sentence = examine(robot, axes).names[0], by_kind(robot, axes)["strut"]
     assert name.axes == ("Z3",)
     nearly = "nearly " if off else ""

@@ -168,6 +168,12 @@ def test_the_level_linkage_as_loops_agrees_with_the_affine_rows(
             pushed[list(moving)] += rng.normal(size=2) * 1e-4
             assert np.abs(closure.polished(pushed, np.array(moving)) - q).max() < 1e-12 / values[1]
     assert min(polished) > 140
+    # In the middle of the range each pin stands across its arm, farthest from lying in line.
+    placed = robot.frame_placements((lower + upper) / 2.0)
+    for rod, end in ((LEVEL_ROD, LEVEL_PLATE), (HEAD_ROD, names[head])):
+        arm = placed[end].translation - placed[before(robot, rod)].translation
+        beside = placed[f"{rod}_pin"].translation - placed[end].translation
+        assert abs(float(arm @ beside)) < 1e-9
     # The rods are as long as the arms, between pins that stand apart alike; the fixed pin carries no angle.
     placed = robot.frame_placements(axes)
     for rod, arm in ((LEVEL_ROD, placed[LEVEL_PLATE]), (HEAD_ROD, placed[names[head]])):
