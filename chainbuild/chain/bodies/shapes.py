@@ -14,6 +14,7 @@ import numpy as np
 from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies.rods import CRANK, ROD_END, ROD_PIN, has_rods
+from chainbuild.chain.closing import strut_range
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint
 from chainbuild.chain.fold import drawn, drawn_bounds
 
@@ -91,16 +92,19 @@ def machine_size(chain: Chain) -> float:
 def shown_limits(chain: Chain, *, at_middle: bool = False) -> tuple[Vector, Vector]:
     """Return the axis range (n_axes,) that is drawn, sampled and swept, mm and degrees.
 
-    It is what the limits ever leave, whatever the other axes, but: assumed linear limits shrink to the machine's size
-    around 0, assumed and endless rotary axes to half a turn either way, and no rotary axis is shown over more than a
-    turn either way.
+    It is what the limits ever leave, whatever the other axes, but: where nobody limits an axis of closed loops its
+    struts do; other assumed linear limits shrink to the size of the machine around 0, assumed and endless rotary axes
+    to half a turn either way, and no rotary axis is shown over more than a turn either way.
 
     Args:
         chain: The chain.
         at_middle: True: what the limits leave with the other axes in the middle of theirs.
     """
     size_mm = 1000.0 * machine_size(chain)
-    ranges = [_shown(axis, (axis.lower, axis.upper) if at_middle else axis.range, size_mm) for axis in chain.axes]
+    ranges = [
+        strut_range(chain, n) or _shown(axis, (axis.lower, axis.upper) if at_middle else axis.range, size_mm)
+        for n, axis in enumerate(chain.axes)
+    ]
     return np.array([low for low, _ in ranges]), np.array([high for _, high in ranges])
 
 

@@ -34,6 +34,12 @@ def opened_query(query: BranchQuery) -> BranchQuery | None:
     Args:
         query: That of a chain with loops.
     """
+    request = opened_request(query)
+    return None if request is None else BranchQuery.of(request)
+
+
+def opened_request(query: BranchQuery) -> IkRequest | None:
+    """Return the request of the open chain between the tips; see `opened_query`."""
     mechanism = query.mechanism
     axis_map = mechanism.chain.axis_map
     if not isinstance(axis_map, ClosingMap) or isinstance(axis_map, PosedMap):
@@ -46,7 +52,7 @@ def opened_query(query: BranchQuery) -> BranchQuery | None:
         return None  # a strut stands still: the way between the tips is not free
     q = mechanism.kinematics.q(query.x0)[list(joints_between_tips_in_order(mechanism))]
     start = None if not np.isfinite(q).all() else q / opened.kinematics.si_factors
-    return BranchQuery.of(IkRequest.of(opened, query.target, start, held))
+    return IkRequest.of(opened, query.target, start, held)
 
 
 def is_posed(query: BranchQuery) -> bool:
@@ -96,7 +102,9 @@ def _joint_values(
     if opened is None:
         return
     places = list(joints_between_tips_in_order(mechanism))
-    for branch in solve(opened).branches:
+    found = solve(opened)
+    # Where limits of axes are in the way of all branches, the nearest one beyond: the closed chain names them.
+    for branch in found.branches or filter(None, [found.beyond]):
         q = np.zeros(len(chain.joints))
         q[places] = branch.axes * opened.mechanism.kinematics.si_factors
         yield branch.free_axes, q

@@ -94,7 +94,9 @@ class _Search:
         outcome = rules.STALLED if nearest < rules.STALLED_BELOW**2 else rules.UNREACHABLE
         if least < math.inf:
             outcome = rules.LIMITS
-        return SearchEnd(outcome, self.iterations, attempt, *self.task.misses(best, self.target, None), best, outside)
+        misses = self.task.misses(best, self.target, None)
+        misses = misses if math.isfinite(sum(misses)) else (math.inf, math.inf)
+        return SearchEnd(outcome, self.iterations, attempt, *misses, best, outside)
 
     def wound(self, y: Vector) -> Vector:
         """Return y by the whole turns that limits of sums and drives ask for."""
@@ -146,6 +148,8 @@ class _Search:
         """Return where the error is smallest near by, and the squared error there."""
         error, J = self.error(y)
         squared, damping = float(error.dot(error)), rules.NEAREST_DAMPING
+        if not squared < math.inf:  # loops that do not close there
+            return y, math.inf
         for _ in range(rules.NEAREST_STEPS):
             self.iterations += 1
             step = self.damping.step(J, error, damping)

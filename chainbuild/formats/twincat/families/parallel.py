@@ -13,8 +13,9 @@ from typing import Final
 from chainbuild.chain.assemble import Element, Start, linear, mark, rotary, shift, turn
 from chainbuild.chain.elements import Axis, Loop
 from chainbuild.convention import Choices
+from chainbuild.formats.twincat.maps.arms import Column, Lever
 from chainbuild.formats.twincat.maps.scissors import LambdaMap
-from chainbuild.formats.twincat.maps.struts import Column, Lever, ThreeRodsMap
+from chainbuild.formats.twincat.maps.struts import ThreeRodsMap
 from chainbuild.formats.twincat.maps.table import LINK_RISE, TableMap
 from chainbuild.formats.twincat.maps.table_rods import TableRods
 from chainbuild.formats.twincat.recipes.parts import asked_sign, flagged_axis, offset, tool_end
@@ -231,7 +232,8 @@ def kin_21(p: Params, choose: Choices) -> Recipe:
         (m_from_mm(rod_c), m_from_mm(rod_b)),
         1.0 if choose["kin21_side"] == "left" else -1.0,
         (0, 1) if first else (1, 0),
-        None if by_arm else rad_from_deg(beta),
+        rad_from_deg(beta),
+        by_arm,
     )
     return Recipe(tool, axis_map=axis_map, branches=[branch], loops=(Loop("rods", "ball", "C_rod_end", "B_rod_end"),))
 
