@@ -15,6 +15,7 @@ import pytest
 
 import chainbuild
 from chainbuild.chain.bodies.shapes import TOOL_SIDE, WORKPIECE_SIDE, detail_bodies, link_bodies
+from chainbuild.chain.closing import LosingMap, RangingMap
 from chainbuild.convention import applying_to, conventions
 from chainbuild.errors import AxisValueError, ChainbuildError, ConventionError
 from chainbuild.formats.load import check
@@ -426,6 +427,45 @@ def test_poses_that_no_table_can_have(tmp_path: Path) -> None:
         "unreachable",
         "a singular position lies on the way there from equal heights",
     )
+
+
+# singular
+
+
+@pytest.mark.parametrize("guide", GUIDES)
+def test_the_way_ends_where_the_table_moves_by_itself(guide: str, tmp_path: Path) -> None:
+    """Lowering one carriage: the measure falls from what the level table has to 0, by a motion across every rod."""
+    robot = build(tmp_path, SHIPPED, {"kin19_guide": guide})
+    axis_map = robot.chain.axis_map
+    assert isinstance(axis_map, LosingMap)
+    level = axis_map.losses(np.zeros(5))
+    upright = math.sqrt(1.0 - 0.3**2)  # 150 mm out in 500
+    assert [loss.value for loss in level] == pytest.approx([upright] * 4, abs=1e-12)
+    assert [loss.axes for loss in level] == [(2,), (3,), (4,), (2, 3, 4)]
+    near, far = 0.0, 300.0
+    while far - near > 1e-6:
+        middle = (near + far) / 2.0
+        near, far = (middle, far) if axis_map.losses(np.array([0.0] * 4 + [-middle])) else (near, middle)
+    axes = [0.0] * 4 + [-near]
+    loss = axis_map.losses(np.array(axes))[-1]
+    assert loss.kind == "platform" and 0.0 < loss.value < 2e-3
+    assert loss.rates is not None
+    q = robot.q(axes)
+    closure = closure_of(robot)
+    frames = [[robot.model.getFrameId(f"Z{n}_{end}") for end in ("link", "pin")] for n in (1, 2, 3)]
+    lengths = []
+    for step in (1e-5, -1e-5):
+        pin.framesForwardKinematics(robot.model, closure.mechanism.kinematics.data, q + step * loss.rates)
+        placed_at = [one.translation.copy() for one in closure.mechanism.kinematics.data.oMf]
+        lengths.append([float(np.linalg.norm(placed_at[b] - placed_at[a])) for a, b in frames])
+    assert np.abs(np.diff(lengths, axis=0) / 2e-5).max() < 2e-3 * np.abs(loss.rates).max()
+    assert loss.condition(True) == "the rods of Z1, Z2 and Z3 nearly stand across a motion of the table"
+    carriage = axis_map.losses(np.array([0.0, 0.0, 20.0, -10.0, 0.0]))
+    rises = [robot.frame_placements([0.0, 0.0, 20.0, -10.0, 0.0])[f"Z{n}_pin"].translation[2] for n in (1, 2, 3)]
+    wanted = (np.array(rises) - [0.02, -0.01, 0.0]) / 0.5
+    assert [loss.value for loss in carriage[:3]] == pytest.approx(wanted, abs=1e-12)
+    ranges = axis_map.strut_ranges() if isinstance(axis_map, RangingMap) else ()
+    assert ranges == (None, None, *((-150.0, 150.0),) * 3)
 
 
 # drawn

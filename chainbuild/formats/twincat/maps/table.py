@@ -16,7 +16,10 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.closing import Loss, StrutRange
+from chainbuild.closest import and_joined
 from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.formats.twincat.maps.losing import strut_losses
 from chainbuild.formats.twincat.maps.table_rods import RODS, TableRods, Triple, solved
 from chainbuild.frames import rot_x, rot_y, rot_z
 from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m
@@ -24,6 +27,7 @@ from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m
 LINK_RISE: Final = 0.5  # sine by which the links of the guide lean at home: any other keeps the table from turning, too
 
 _SLIDES: Final = 2  # X and Y come before the carriages
+_FULL: Final = math.sqrt(1.5)  # smallest singular value of the level table's slopes with upright rods
 _LEVEL: Final = 1e-9  # upward part of the tool vector below which the table stands upright
 _STEEPEST: Final = 0.7  # sine of half a drawn tilt: short of upright
 
@@ -169,6 +173,34 @@ class TableMap:
         stops = f"after {100.0 * gone:.4g} % of the way from equal heights it stops at a tilt of {tilt:.4g} deg"
         text = f"the table does not get there: {stops}, where the rod of {name} is {length}"
         return AxisValueError(text, parameter=name, permitted="axis values at which the table closes")
+
+    def losses(self, axes: Vector) -> tuple[Loss, ...]:
+        """Return every function that vanishes at a singularity; none where the way from home does not lead.
+
+        A carriage moves nothing where its rod lies flat. The table moves by itself where every rod stands across the
+        motion of its joint: the slopes of the three lengths by h, x and y have no full rank there.
+        """
+        found = self._state(axes)
+        if found is None:
+            return ()
+        names, length = self.names[_SLIDES:], self.rods.length
+        rows = np.array([row[1:] for row in self.rods.equations(*found)]) / length
+        carriages = tuple(range(_SLIDES, _SLIDES + RODS))
+        flat = strut_losses([(float(row[0]), "the rod of {name} {nearly}lies flat") for row in rows], names)
+        struts = [replace(loss, axes=(_SLIDES + loss.axes[0],)) for loss in flat]
+        scaled = rows / [1.0, 2.0 * self.rods.table, 2.0 * self.rods.table]
+        _, values, Vt = np.linalg.svd(scaled)
+        motion = Vt[-1] / [1.0, 2.0 * self.rods.table, 2.0 * self.rods.table]
+        rates = np.zeros(self._count)
+        rates[_SLIDES : self._carriages[0]] = self._table_slopes(*found[0]) @ motion
+        value = float(np.copysign(values[-1], np.linalg.det(scaled))) / _FULL
+        words = f"the rods of {and_joined(names)} {{nearly}}stand across a motion of the table"
+        return (*struts, Loss("platform", value, carriages, words, rates=rates))
+
+    def strut_ranges(self) -> tuple[StrutRange | None, ...]:
+        """Return how far the carriages are drawn apart: as much as a table with all its radius upright; around 0."""
+        apart = mm_from_m(self.rods.table)
+        return (None,) * _SLIDES + ((-apart, apart),) * RODS
 
     def posed(self, target: Matrix, tool: Matrix, workpiece: Matrix) -> Vector:
         """Return the joint values between the tips that bring the upright tool to a pose; others are 0."""
