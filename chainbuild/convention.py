@@ -22,10 +22,10 @@ class Convention:
         name: Key for ``--convention name=choice``.
         applies: Kinematics it concerns: "ROBX", "KIN 59", … .
         mark: "I" inferred from strong evidence, "?" open.
-        default: The choice taken when none is named.
+        default: The choice taken when none is named; empty: nothing speaks for one, and the user must choose.
         choices: Choice → exact geometric meaning.
         question: What is open.
-        why: Why the default is the default.
+        why: Why the default is the default, or why there is none.
         verify: What to look at on the controller to decide it.
         source: Manual section.
         poses: Whether a choice can change a pose, so that recorded poses can decide it.
@@ -113,9 +113,15 @@ class Choices:
             check_choice(name, choice)
 
     def __getitem__(self, name: str) -> str:
-        """Return the choice in force and note that it shapes the chain."""
+        """Return the choice in force and note that it shapes the chain.
+
+        Raises:
+            ConventionError: nothing is chosen, and there is no default.
+        """
         convention = conventions()[name]
         choice = self.chosen.get(name, convention.default)
+        if not choice:
+            raise _unchosen(convention)
         self._used[name] = UsedConvention(convention, choice, name in self.chosen)
         return choice
 
@@ -130,6 +136,19 @@ class Choices:
     def unused(self) -> tuple[str, ...]:
         """Return the names the user chose that the chain did not need."""
         return tuple(sorted(set(self.chosen) - set(self._used)))
+
+
+def _unchosen(convention: Convention) -> ConventionError:
+    name = convention.name
+    meanings = "; ".join(f"{choice}: {meaning}" for choice, meaning in convention.choices.items())
+    first = next(iter(convention.choices))
+    return ConventionError(
+        f"convention {name} must be chosen, it has no default. {convention.question} {meanings}",
+        parameter=name,
+        permitted=", ".join(convention.choices),
+        hint=f'choose by --convention {name}={first}, or in the overlay: [conventions] {name} = "{first}"',
+        code="CB438",
+    )
 
 
 def applying_to(kinematics: Iterable[str]) -> tuple[Convention, ...]:

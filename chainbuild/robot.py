@@ -154,10 +154,10 @@ class Robot(Mechanism):
             AxisValueError: start or held has a wrong number of values, an unknown name or a non-finite value.
             ChainbuildError: a pose is not a rigid transform.
         """
-        from chainbuild.ik.policies.status_path import follow_path
+        from chainbuild.ik.solve import solve_along
 
         start, held = self._in_controller_units(start, held, units)
-        return follow_path(self, poses, start, held, progress, options).to(units)
+        return solve_along(self, poses, start, held, progress, options).to(units)
 
     def ik_batch(
         self,
@@ -183,10 +183,10 @@ class Robot(Mechanism):
             AxisValueError: start or held has a wrong number of values, an unknown name or a non-finite value.
             ChainbuildError: a pose is not a rigid transform.
         """
-        from chainbuild.ik.search.batch import solve_batch
+        from chainbuild.ik.solve import solve_many
 
         start, held = self._in_controller_units(start, held, units)
-        return solve_batch(self, poses, start, held, progress, options).to(units)
+        return solve_many(self, poses, start, held, progress, options).to(units)
 
     def ik_all(
         self,

@@ -105,7 +105,7 @@ def convention_table() -> str:
         mark = "inferred" if c.mark == "I" else "open"
         parts.append(
             f"### `{name}`\n\n{c.question} ({mark}; {', '.join(c.applies)}; {c.source})\n\n{choices}\n\n"
-            f"Why the default: {c.why}\n\nHow to verify: {c.verify}\n"
+            f"Why {'the' if c.default else 'no'} default: {c.why}\n\nHow to verify: {c.verify}\n"
         )
     return "\n".join(parts)
 

@@ -1,5 +1,5 @@
 """The kinematic chain: the one thing between machine data and everything computed from them.
 
 In reading order: `elements`, `sums`, `axismap`, `drives`, `check`, `poses`, `fold`, `assemble`, `names`, `compose`,
-and the rooms `programmed` and `bodies`.
+`closing`, and the rooms `programmed` and `bodies`.
 """

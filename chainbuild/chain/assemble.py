@@ -1,8 +1,8 @@
 """Recipes: a chain written down like its drawing, element by element from the base to a tip.
 
-A branch is a sequence of `Fixed`, `Move` and `Mark`. Lengths are mm and angles degrees here, as in the manuals;
-`assemble` turns them into SI. Where one axis alone drives a joint, it folds sign and offset into the joint, whose value
-then is the axis value. A recipe for a table machine reads:
+A branch is a sequence of `Fixed`, `Move` and `Mark`, after a `Start` if it does not begin at the base. Lengths are mm
+and angles degrees here, as in the manuals; `assemble` turns them into SI. Where one axis alone drives a joint, it folds
+sign and offset into the joint, whose value then is the axis value. A recipe for a table machine reads:
 
     assemble(..., tool=[linear("X", "x"), linear("Y", "y"), linear("Z", "z"), shift(z=-120.0), mark("flange")],
              workpiece=[rotary("A", "x"), shift(z=50.0), rotary("C", "z")])
@@ -43,6 +43,13 @@ class Mark:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """Where a branch starts instead of the base: the place of a frame that a branch before it has named."""
+
+    frame: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Move:
     """A joint and how axes drive it.
 
@@ -63,7 +70,7 @@ class Move:
     follows: bool = False
 
 
-Element = Fixed | Mark | Move
+Element = Fixed | Mark | Move | Start
 
 
 def _vector(direction: str | Sequence[float]) -> tuple[float, float, float]:
@@ -148,7 +155,8 @@ def assemble(
         axis_map: A nonlinear map over the joints in the order tool branch, workpiece branch; None: the affine one
             that the joints' drives describe. Joints that a nonlinear map couples or bends have no drive; joints that
             one axis alone drives are folded all the same, and the map passes that axis on.
-        branches: Further branches from the base without a tip: the arms of closed loops. Their joints come last.
+        branches: Further branches, from the base or from a frame of those before, without a tip: the arms of closed
+            loops. Their joints come last.
 
     Raises:
         ChainError: a drive names an unknown axis, a name is duplicate, or the map is singular.
@@ -156,15 +164,19 @@ def assemble(
     links, joints, marks = [Link(BASE_LINK)], [], [Frame("base", BASE_LINK, np.eye(4))]
     kinds = {axis.name: axis.kind for axis in axes}
     moves: list[Move] = []
+    starts: dict[str, tuple[str, Matrix]] = {}
     tips: list[Sequence[Element]] = [(*tool, Mark("tool")), (*workpiece, Mark("workpiece")), *branches]
     for branch in tips:
         parent, T = BASE_LINK, np.eye(4)
         for element in branch:
             if isinstance(element, Fixed):
                 T = T @ element.T
+            elif isinstance(element, Start):
+                parent, T = starts[element.frame]
             elif isinstance(element, Mark):
                 beside = T if element.T is None else T @ element.T
                 marks.append(Frame(element.frame, parent, _in_metres(beside)))
+                starts[element.frame] = parent, beside
             else:
                 child = f"{element.name}_link"
                 direction = np.array(element.direction)

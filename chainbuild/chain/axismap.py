@@ -101,6 +101,21 @@ class ClosingMap(Protocol):
 
 
 @runtime_checkable
+class PosedMap(Protocol):
+    """A closing map whose joints between the tips do not move freely: it tells their values by itself."""
+
+    def posed(self, target: Matrix, tool: Matrix, workpiece: Matrix) -> Vector:
+        """Return joint values (n_q,) at which those between the tips bring the tool to a pose, as far as they can.
+
+        Args:
+            target: (4, 4) tool in the workpiece frame [m].
+            tool: (4, 4) the tool's frame on the link that carries it [m].
+            workpiece: (4, 4) the workpiece frame on its link [m].
+        """
+        ...
+
+
+@runtime_checkable
 class SamplingMap(Protocol):
     """An axis map of closed loops that knows where they close."""
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from chainbuild.cli.show import finding_data, print_findings, print_json, refusal_as_json, say
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, all_findings
 from chainbuild.errors import ChainbuildError
 from chainbuild.findings import Collector, Finding, Findings
+
+_UNCHOSEN: Final = "CB438"  # a convention without default
 
 
 def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT_OPTIONS) -> int:
@@ -23,9 +27,11 @@ def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT
     """
     from chainbuild.formats.load import check as check_file
 
-    options.choices()
+    chosen = options.choices()
     with refusal_as_json(file, json):
         findings = check_file(file, overlay=options.overlay)
+    # What an option chooses is not missing; the selection below is built with it.
+    findings = Findings(one for one in findings if one.code != _UNCHOSEN or one.parameter not in chosen)
     refused = any(finding.severity == "error" for finding in findings)
     if options.selects and not refused:
         findings = _with_selection(file, options, findings)

@@ -14,10 +14,12 @@ def print_convention(out: Console, convention: Convention, choice: str, remark: 
     Args:
         out: The console.
         convention: The convention.
-        choice: The choice in force.
+        choice: The choice in force; empty: there is no default.
         remark: Origin of the choice: "default" or "chosen".
     """
-    out.print(f"{convention.name}={choice} [{convention.mark}] ({remark})", style="bold")
-    others = [f"or {name}: {meaning}" for name, meaning in convention.choices.items() if name != choice]
-    for text in (convention.choices[choice], *others, f"To verify: {convention.verify}"):
+    head = f"{convention.name}={choice} [{convention.mark}] ({remark})"
+    out.print(head if choice else f"{convention.name} [{convention.mark}] (no default: choose)", style="bold")
+    texts = [f"or {name}: {meaning}" for name, meaning in convention.choices.items() if name != choice]
+    texts[:0] = [convention.choices[choice]] if choice else [convention.question]
+    for text in (*texts, f"To verify: {convention.verify}"):
         out.print(Padding(text, (0, 0, 0, 4)))

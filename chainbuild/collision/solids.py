@@ -55,7 +55,7 @@ def solids_of(chain: Chain) -> tuple[Solid, ...]:
     shapes = chain.geometry.shapes
     found: list[Solid] = []
     for body in (*link_bodies(chain), *detail_bodies(chain)):
-        # A level link represents an angle and has no body.
+        # A level link represents an angle, or is a rod whose place is assumed: it has no body.
         if body.link in shapes or body.link in LEVEL_LINKS or (body.part != "link" and body.part not in _SOLID):
             continue
         found.append(_drawn(body))

@@ -19,6 +19,7 @@ from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.elimination.eaik_arm import eaik_answers, eaik_robot
 from chainbuild.ik.branches.opw.parameters import opw_arm
 from chainbuild.ik.request import IkRequest
+from chainbuild.kinematics.closure import closing_axes
 
 if TYPE_CHECKING:
     from chainbuild.ik.branches.core.serial import Serial
@@ -135,6 +136,8 @@ def other_solver_from_function(
     """
     name = name or getattr(function, "__name__", "callable")
     middle = np.array([0.0 if axis.lower <= 0.0 <= axis.upper else axis.lower for axis in robot.axes])
+    if robot.chain.loops:  # they need not close there
+        middle = next(iter(closing_axes(robot, np.random.default_rng(0), 1)), middle)
     if kind in ("auto", "fk") and _returns_pose(function, middle, name, strict=kind == "fk"):
         return OtherSolver(name, fk=lambda axes: _pose(function(axes), name), note="forward kinematics")
     pose = robot.fk(middle).homogeneous

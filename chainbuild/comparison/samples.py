@@ -11,6 +11,7 @@ import numpy as np
 
 from chainbuild.arrays import Vector
 from chainbuild.chain.axismap import random_axis_values
+from chainbuild.chain.closing import strut_range
 from chainbuild.errors import ChainbuildError
 from chainbuild.shown import fields_shown
 
@@ -88,10 +89,10 @@ def _usable(robot: Mechanism, axes: Vector) -> Vector:
 def _range(robot: Mechanism) -> tuple[Vector, Vector]:
     """Return the range of samples: what the limits ever leave of each axis, or a usual range if there are none."""
     lower, upper = [], []
-    for axis in robot.axes:
+    for n, axis in enumerate(robot.axes):
         wide = _WIDEST_LINEAR_MM if axis.kind == "linear" else _WIDEST_ROTARY_DEG
         assumed = axis.assumed or axis.endless
-        low, high = axis.range
+        low, high = strut_range(robot.chain, n) or axis.range
         lower.append(max(low, -wide) if assumed else low)
         upper.append(min(high, wide) if assumed else high)
     return np.array(lower), np.array(upper)

@@ -10,6 +10,7 @@ from chainbuild.chain.elements import Chain
 from chainbuild.closest import closest, listed
 from chainbuild.errors import (
     ChainbuildError,
+    ConventionError,
     FileAccessError,
     FileContentError,
     ParseError,
@@ -39,8 +40,8 @@ def load(path: str | os.PathLike[str], *, overlay: str | os.PathLike[str] | None
 def check(path: str | os.PathLike[str], *, overlay: str | os.PathLike[str] | None = None) -> Findings:
     """Return every finding of a machine file, errors included; never raises on content.
 
-    The file is read to its end and every kinematic it configures is translated. A type that is not built is an error
-    where it is the default kinematic, else a warning: the file can be used without it.
+    The file is read to its end and every kinematic it configures is translated. A type that is not built, or whose
+    convention must be chosen, is an error if it is the default kinematic, else a warning: the file does without it.
 
     Raises:
         FileAccessError: the file is missing, a folder, or may not be read.
@@ -106,6 +107,11 @@ def _try_chain(
             collector.add_error(error)
         else:
             collector.add("CB223", error.message, span=error.span)
+    except ConventionError as error:
+        if kinematic is None:
+            collector.add_error(error)
+        else:
+            collector.add("CB223", error.message, span=error.span, hint=error.hint, parameter=error.parameter)
     except ChainbuildError as error:
         collector.add_error(error)
     return None

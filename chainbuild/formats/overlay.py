@@ -10,7 +10,7 @@ from typing import Any, Final, TypeVar
 from chainbuild import tolerances
 from chainbuild.chain.bodies.geometry import NO_GEOMETRY, Geometry
 from chainbuild.chain.bodies.geometry_table import geometry_from_table
-from chainbuild.chain.bodies.rods import with_rods
+from chainbuild.chain.bodies.linkage import with_linkage
 from chainbuild.chain.drives import DriveLimit
 from chainbuild.chain.elements import Axis, Chain, Link
 from chainbuild.chain.names import DRIVE_SUFFIX, axis_index, link_names, name_meaning
@@ -148,7 +148,7 @@ class Overlay:
             return chain
         if self.geometry.rods:
             try:
-                chain = with_rods(chain, self.geometry.rod_data)
+                chain = with_linkage(chain, self.geometry.rod_data)
             except ChainError as error:
                 permitted = "rods of arms whose axes 2 and 3 are parallel"
                 raise self.error(error.message, ("geometry", "rods"), permitted) from None

@@ -17,7 +17,7 @@ from chainbuild.ik.branches.arms.virtual_joints import (
     with_spin_joint,
     with_virtual_joints,
 )
-from chainbuild.ik.branches.closed import opened_query
+from chainbuild.ik.branches.closed import is_posed, opened_query
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import ArmSolver, Serial
 from chainbuild.ik.branches.direct import query_is_direct
@@ -71,6 +71,10 @@ def plan_of(mechanism: Mechanism, held: Mapping[str, float] | Iterable[str] = ()
 def plan_for(query: BranchQuery) -> SolverPlan:
     """Return the plan of a query, chosen at the first one of its kind."""
     if query.mechanism.chain.loops:
+        if is_posed(query):
+            return SolverPlan(
+                "struts", "closed loops, each axis by itself; before that the tilt that the guide permits", True
+            )
         opened = opened_query(query)
         if opened is None or not (known := plan_for(opened)).complete:
             return _searched("the chain has closed loops")

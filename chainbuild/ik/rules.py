@@ -30,6 +30,8 @@ MAX_STEPS: Final = 40
 # or after so many in a row that leave more than this share of the squared error.
 STALL_STEPS: Final = 4
 STALL_SHARE: Final = 0.9
+# A step out of what a nonlinear axis map has joint values for is halved so often.
+MOST_HALVINGS: Final = 8
 # One descent in so many ignores the limits: it separates unreachable poses from those that limits exclude.
 FREE_EVERY: Final = 4
 # An answer is improved once more if the axes could still move by more than this (rad or m): near a singularity a small

@@ -22,12 +22,17 @@ from chainbuild.ik.search.solver import certainly_unreachable, search
 from chainbuild.ik.verify import on_limits
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike
 
+    from chainbuild.arrays import Vector
     from chainbuild.ik.policies.redundancy import Preference
     from chainbuild.ik.request import IkOptions
+    from chainbuild.ik.search.table import IkTable
     from chainbuild.kinematics.inputs import Pose
     from chainbuild.kinematics.mechanism import Mechanism
+    from chainbuild.progress import Progress
 
 
 def solve(
@@ -64,6 +69,53 @@ def solve(
     request, found = as_programmed(request, whole, absolute_c_deg, from_start=solver == "controller")
     found = preferred(request, found, prefer)
     return checked(request, found)
+
+
+def solve_many(
+    mechanism: Mechanism,
+    poses: Sequence[Pose] | ArrayLike,
+    start: ArrayLike | None = None,
+    held: Held | None = None,
+    progress: Progress = False,
+    options: IkOptions | None = None,
+) -> IkTable:
+    """Return axis values for many poses; see `Robot.ik_batch`."""
+    from chainbuild.ik.search.batch import solve_batch
+
+    solver = _by_struts if mechanism.chain.loops else None
+    return solve_batch(mechanism, poses, start, held, progress, options, solver)
+
+
+def solve_along(
+    mechanism: Mechanism,
+    poses: Sequence[Pose] | ArrayLike,
+    start: ArrayLike | None = None,
+    held: Held | None = None,
+    progress: Progress = False,
+    options: IkOptions | None = None,
+) -> IkTable:
+    """Return axis values along a path; see `Robot.ik_path`."""
+    if not mechanism.chain.loops:
+        from chainbuild.ik.policies.status_path import follow_path
+
+        return follow_path(mechanism, poses, start, held, progress, options)
+    from chainbuild.ik.search.batch import solve_batch
+
+    last: Vector | None = None
+
+    def following(request: IkRequest) -> IkResult:
+        nonlocal last
+        found = _by_struts(request if last is None else request._replace(start=last))
+        last = found.axes if found.success else last
+        return found
+
+    return solve_batch(mechanism, poses, start, held, progress, options, following)
+
+
+def _by_struts(request: IkRequest) -> IkResult:
+    """Return the answer for a chain with loops: each strut alone where the way between the tips has a closed form."""
+    closed = _complete_answer(request)
+    return search(request) if closed is None else checked(request, closed)
 
 
 def of_status(

@@ -15,12 +15,15 @@ from chainbuild.chain.elements import Chain
 from chainbuild.chain.fold import joint_motion
 from chainbuild.chain.poses import link_placements
 from chainbuild.errors import ChainbuildError
+from chainbuild.kinematics.closure import closing_axes
 from chainbuild.kinematics.ranges import range_beside
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
 FRAMES_PER_SECOND: Final = 10  # the viewer interpolates between keyframes
+_SEED: Final = 5  # the page of a machine does not change
+_CLOSING: Final = 40  # states looked at for one in which the loops close well
 _FRAMES_PER_AXIS: Final = 50  # five seconds
 # Shares of an axis's time: to the lower limit, across to the upper one, back; the rest is a pause.
 _PHASES: Final = (0.24, 0.44, 0.24)
@@ -101,7 +104,8 @@ def rest_pose(robot: Mechanism) -> Vector:
     """Return axis values (n_axes,), mm and degrees, that show a machine well: neither stretched nor below the floor.
 
     Linear axes are in the middle. Rotary axes are at 0 or as near as their limits allow; if that pose is singular,
-    neighbouring pairs bend by the angles that improve it most.
+    neighbouring pairs bend by the angles that improve it most. Loops that do not close there stand where they close
+    best.
 
     Raises:
         ChainbuildError: the kinematic has no pose there.
@@ -110,6 +114,9 @@ def rest_pose(robot: Mechanism) -> Vector:
     linear = np.array([axis.kind == "linear" for axis in robot.axes])
     pose: Vector = np.where(linear, (lower + upper) / 2, np.clip(np.zeros(len(lower)), lower, upper))
     size = machine_size(robot.chain)
+    if robot.chain.loops and not np.isfinite(robot.chain.axis_map.q(pose)).all():
+        closing = closing_axes(robot, np.random.default_rng(_SEED), _CLOSING)
+        pose = max(closing, key=lambda axes: _evenness(robot, axes, size), default=pose)
     if _evenness(robot, pose, size) > _STRETCHED:
         return pose
     floor = min(0.0, float(_heights(robot, pose).min()))

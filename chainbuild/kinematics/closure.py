@@ -7,13 +7,17 @@ this file alone: without `computeJointJacobians` and `calc` before it a constrai
 from __future__ import annotations
 
 from collections.abc import Sequence
+from threading import local
 from typing import Final
 
+import eigenpy
 import numpy as np
 import pinocchio as pin
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import random_axis_values
+from chainbuild.chain.bodies.linkage import rod_loops
+from chainbuild.chain.closing import drawn_range
 from chainbuild.chain.elements import Loop
 from chainbuild.errors import ChainError
 from chainbuild.kinematics.mechanism import Mechanism
@@ -22,6 +26,18 @@ _STEPS: Final = 20  # Newton steps: from a nearby state 3 or 4 do
 _CLOSED: Final = 1e-13  # m: rounding of a metre
 _RANK: Final = 1e-9  # share of the largest singular value below which one counts as 0
 _TRIES: Final = 50  # axis values drawn for a closed state where the map does not know where it closes
+
+
+class _Scratch(local):
+    """Constraints with their working memory, each thread's own: one by one, and in the lists that Pinocchio takes."""
+
+    def __init__(self, balls: Sequence[pin.PointAnchorConstraintModel]) -> None:
+        self.models, self.datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
+        for ball in balls:
+            self.models.append(pin.ConstraintModel(ball))
+            self.datas.append(self.models[-1].createData())
+        self.pairs = list(zip(self.models, self.datas, strict=True))
+        self.read = [made.extract() for made in self.datas]
 
 
 class Closure:
@@ -36,9 +52,10 @@ class Closure:
     """
 
     def __init__(self, mechanism: Mechanism, loops: Sequence[Loop] | None = None) -> None:
-        self.mechanism = mechanism
-        model = mechanism.model
-        self._models = [self._ball(model, loop) for loop in (mechanism.chain.loops if loops is None else loops)]
+        self.mechanism, self._model = mechanism, mechanism.model
+        closed = mechanism.chain.loops if loops is None else loops
+        self._scratch = _Scratch([self._ball(self._model, loop) for loop in closed])
+        self._free = np.array(self.passive, dtype=np.intp)
 
     @staticmethod
     def _ball(model: pin.Model, loop: Loop) -> pin.PointAnchorConstraintModel:
@@ -50,15 +67,13 @@ class Closure:
 
     def error(self, q: Vector) -> tuple[Vector, Matrix]:
         """Return the gaps (3·loops,) [m] at joint values (n_q,), and their derivative (3·loops, n_q)."""
-        model, data = self.mechanism.model, self.mechanism.kinematics.data
+        model, data, scratch = self._model, self.mechanism.kinematics.data, self._scratch
         pin.computeJointJacobians(model, data, q)
-        errors, rows = [], []
-        for one in self._models:
-            made = one.createData()
+        for one, made in scratch.pairs:
             one.calc(model, data, made)
-            errors.append(np.asarray(made.constraint_position_error).ravel().copy())
-            rows.append(np.asarray(one.jacobian(model, data, made)).reshape(3, model.nv).copy())
-        return np.concatenate(errors), np.concatenate(rows)
+        errors = np.concatenate([made.constraint_position_error for made in scratch.read])
+        rows: Matrix = pin.getConstraintsJacobian(model, data, scratch.models, scratch.datas)
+        return errors, rows
 
     def gap(self, q: Vector) -> float:
         """Return the largest gap [m] between ends that should meet."""
@@ -75,13 +90,14 @@ class Closure:
         Raises:
             ChainError: they do not close near there.
         """
-        free = np.array(self.passive if moving is None else moving, dtype=np.intp)
+        free = self._free if moving is None else np.asarray(moving, dtype=np.intp)
         found = q.copy()
         for _ in range(_STEPS):
             errors, J = self.error(found)
-            if float(np.abs(errors).max()) < _CLOSED:
+            if max(map(abs, errors.tolist())) < _CLOSED:
                 return found
-            found[free] -= np.linalg.lstsq(J[:, free], errors, rcond=None)[0]
+            # Loops in a plane have three rows of rank two: the factorisation has to find out.
+            found[free] -= eigenpy.CompleteOrthogonalDecomposition(J.take(free, axis=1)).solve(errors)
         if self.gap(found) > _CLOSED * 1e3:
             raise ChainError(f"the loops do not close: a gap of {self.gap(found):.3g} m is left")
         return found
@@ -107,9 +123,15 @@ def closure_of(mechanism: Mechanism) -> Closure:
 def check_closure(mechanism: Mechanism, seed: int = 3) -> None:
     """Refuse a chain whose loops do not close, or leave other freedoms than its axes, at a random closed state.
 
+    Rods that are drawn with an arm's parallelogram and level linkage have to close, too.
+
     Raises:
         ChainError: they do not; a state that closes was found but contradicts the axes.
     """
+    if rods := rod_loops(mechanism.chain):
+        lower, upper = np.array([axis.range for axis in mechanism.axes]).T
+        axes = lower + (upper - lower) * np.random.default_rng(seed).random(len(lower))
+        _refuse_gap(Closure(mechanism, rods), mechanism.q(axes))
     if not mechanism.chain.loops:
         return
     rows = closing_axes(mechanism, np.random.default_rng(seed), 1)
@@ -117,26 +139,33 @@ def check_closure(mechanism: Mechanism, seed: int = 3) -> None:
         return  # nothing closes within the limits: whoever asks for a pose is told
     q = mechanism.q(rows[0])
     closure = closure_of(mechanism)
-    if closure.gap(q) > _CLOSED * 1e3:
-        raise ChainError(f"the loops of {mechanism.chain.name} do not close: a gap of {closure.gap(q):.3g} m is left")
+    _refuse_gap(closure, q)
     freedoms = closure.mobility(q)
     if freedoms != len(mechanism.axes):
         text = f"the loops of {mechanism.chain.name} leave {freedoms} freedoms for {len(mechanism.axes)} axes"
         raise ChainError(text)
 
 
+def _refuse_gap(closure: Closure, q: Vector) -> None:
+    gap = closure.gap(q)
+    if gap > _CLOSED * 1e3:
+        name = closure.mechanism.chain.name
+        raise ChainError(f"the loops of {name} do not close: a gap of {gap:.3g} m is left")
+
+
 def closing_axes(mechanism: Mechanism, rng: np.random.Generator, count: int) -> Matrix:
     """Return up to `count` random axis values (n, n_axes) inside the limits at which a mechanism has a pose.
 
-    Chains whose map knows where it closes are drawn there; others are drawn from the box of their limits, and what has
-    no pose is thrown away. The rows are fewer where hardly anything closes.
+    Axes of closed loops that nobody limits are drawn where their struts let them stand. Chains whose map knows where it
+    closes are drawn there; others are drawn from the box of their limits, and what has no pose is thrown away. The rows
+    are fewer where hardly anything closes.
 
     Args:
         mechanism: Any mechanism, with loops or without.
         rng: Random numbers.
         count: Rows wanted.
     """
-    lower, upper = np.array([axis.range for axis in mechanism.axes]).T
+    lower, upper = drawn_range(mechanism.chain)
     axis_map = mechanism.chain.axis_map
     found: list[Vector] = []
     for _ in range(_TRIES * count):

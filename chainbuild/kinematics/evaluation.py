@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from chainbuild import tolerances
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap, random_axis_values
+from chainbuild.chain.closing import TipMap
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint, Task
 from chainbuild.chain.fold import reach
 from chainbuild.kinematics.newton import Residual
-from chainbuild.kinematics.product import product_of
+from chainbuild.kinematics.product import product_of, tip_product_of
 from chainbuild.units import si_factor
 
 _SAMPLES: Final = 8  # configurations in which the rank of a Jacobian is looked at
@@ -69,9 +70,10 @@ class Kinematics:
         self.workpiece_fixed = self.model.frames[self.workpiece_id].parentJoint == 0
         self.T_base_workpiece = self.model.frames[self.workpiece_id].placement.copy()
         self._map = chain.axis_map
+        self._tips = self._map if isinstance(self._map, TipMap) else None
         self.tool_axis = chain.tool_column
         self.has_input_axes = any(axis.held for axis in chain.axes)
-        self.product = product_of(chain)
+        self.product, self.tip_product = product_of(chain), tip_product_of(chain)
         # One rounding more: a target at full reach is not beyond it.
         self.reach = reach(chain, self.model.lowerPositionLimit, self.model.upperPositionLimit) * (1.0 + 1e-9) + 1e-9
         self.affine = self._map if isinstance(self._map, AffineMap) else None
@@ -101,6 +103,18 @@ class Kinematics:
             return self.T_base_workpiece.actInv(tool)
         workpiece = pin.updateFramePlacement(model, data, self.workpiece_id)
         return workpiece.actInv(tool)
+
+    def tip_pose(self, axes: Vector) -> pin.SE3 | None:
+        """Return the pose at axis values (n_axes,), mm and degrees, without the struts of closed loops.
+
+        None where nothing closes, or where the axis map does not give the joints between the tips alone.
+        """
+        values = None if self._tips is None else self._tips.tip_values(axes)
+        if values is None:
+            return None
+        q = np.zeros(self.model.nq)
+        q[: len(values)] = values
+        return self.pose(q)
 
     def pose_and_jacobian(self, x: Vector) -> tuple[pin.SE3, Matrix]:
         """Return pose and Jacobian (6, n_axes), linear rows first, tool frame, by SI axis values."""

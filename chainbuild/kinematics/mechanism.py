@@ -18,6 +18,7 @@ from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import joint_values
 from chainbuild.chain.check import check_chain
+from chainbuild.chain.closing import endless_reason
 from chainbuild.chain.drives import drive_values
 from chainbuild.chain.elements import Axis, Chain, Task
 from chainbuild.errors import AxisValueError, ChainbuildError, ChainError
@@ -26,7 +27,7 @@ from chainbuild.html import html_table
 from chainbuild.kinematics.evaluation import Kinematics, generic_rank, sampled_jacobians
 from chainbuild.kinematics.inputs import axis_rows, axis_vector, real_numbers
 from chainbuild.kinematics.limits import Limits
-from chainbuild.kinematics.product import poses_at
+from chainbuild.kinematics.product import poses_at, tip_poses
 from chainbuild.shown import number
 from chainbuild.units import AxisLabels, Units
 
@@ -35,6 +36,7 @@ _T = TypeVar("_T")
 _POSE_FREEDOMS: Final = 6  # position and orientation
 _ROTARY_OF_MACHINE_TOOLS: Final = 3  # head or table: two orient the tool, a third is redundant
 _NOTHING: Final[Any] = object()
+_ENDLESS: Final = 1e10  # rates [m, rad] of closed loops beyond which their maps' 1e12 stands for what has no end
 
 
 class Mechanism:
@@ -159,6 +161,10 @@ class Mechanism:
         """
         if units != "controller":
             axes = self.controller_values(axes, units)
+        if self.chain.loops:
+            alone = self.kinematics.tip_pose(self.axis_values(axes))
+            if alone is not None:
+                return alone
         pose = self.kinematics.pose(self.q(axes))
         if not np.isfinite(pose.homogeneous).all():
             raise ChainbuildError("the kinematic has no finite pose at these axis values")
@@ -210,6 +216,8 @@ class Mechanism:
         if units != "controller":
             axes = self.controller_values(axes, units)
         values = axis_rows(self.axes, axes)
+        if self.kinematics.tip_product is not None:
+            return tip_poses(self.chain, self.kinematics.tip_product, values)
         if self.kinematics.product is None:
             return np.array([self.fk(row).homogeneous for row in values]).reshape(-1, 4, 4)
         return poses_at(self.kinematics.product, values, self.kinematics.si_factors)
@@ -240,9 +248,9 @@ class Mechanism:
         if frame not in {"tool", "workpiece"}:
             raise ChainbuildError(f"unknown frame {frame!r}", parameter="frame", permitted="tool, workpiece")
         pose, J = self.kinematics.pose_and_jacobian(self.axis_values(axes) * self.kinematics.si_factors)
-        if not np.isfinite(J).all():
+        if not float(np.abs(J).max(initial=0.0)) < (_ENDLESS if self.chain.loops else np.inf):  # or not a number
             self.q(axes)  # gives the reason where it is known
-            raise ChainbuildError("the kinematic has no finite derivative at these axis values")
+            raise ChainbuildError(endless_reason(self.chain.axis_map, self.axis_values(axes)))
         return J if frame == "tool" else np.vstack((pose.rotation @ J[:3], pose.rotation @ J[3:]))
 
     def violated_limits(self, axes: ArrayLike) -> tuple[str, ...]:

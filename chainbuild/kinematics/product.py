@@ -14,8 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.axismap import AffineMap, AxisMap, refusal_of
+from chainbuild.chain.closing import TipMap
 from chainbuild.chain.elements import BASE_LINK, Chain, Joint
+from chainbuild.errors import ChainbuildError
 from chainbuild.frames import inverse
 
 # Poses worked on at a time: the arrays of one chunk stay in the processor's cache, and memory does not grow.
@@ -50,6 +52,21 @@ def product_of(chain: Chain) -> Product | None:
     """Return the matrix product of a chain, or None where its axis map is not affine."""
     if not isinstance(chain.axis_map, AffineMap):
         return None
+    fixed, prismatic, joints, sign = _laid(chain)
+    A = sign[:, None] * chain.axis_map.A[joints]
+    return Product(fixed, prismatic, A, sign * chain.axis_map.b[joints])
+
+
+def tip_product_of(chain: Chain) -> Product | None:
+    """Return the matrix product by the joints between the tips, or None where the axis map does not give them alone."""
+    if not isinstance(chain.axis_map, TipMap):
+        return None
+    fixed, prismatic, joints, sign = _laid(chain)
+    return Product(fixed, prismatic, sign[:, None] * np.eye(len(joints))[joints], np.zeros(len(joints)))
+
+
+def _laid(chain: Chain) -> tuple[NDArray[np.float64], NDArray[np.bool_], list[int], Vector]:
+    """Return constant transforms, which joints shift, their indices and signs, from the workpiece to the tool."""
     tool, workpiece = chain.frame("tool"), chain.frame("workpiece")
     down, up = _branch(chain, workpiece.link), _branch(chain, tool.link)
     while down and up and down[0] == up[0]:  # a joint that carries both tips moves neither against the other
@@ -70,9 +87,7 @@ def product_of(chain: Chain) -> Product | None:
         signs.append(1.0)
     fixed[-1] = fixed[-1] @ tool.T_link_frame
     prismatic = np.array([chain.joints[n].kind == "prismatic" for n in joints], dtype=bool)
-    sign = np.array(signs)
-    A = sign[:, None] * chain.axis_map.A[joints]
-    return Product(np.array(fixed), prismatic, A, sign * chain.axis_map.b[joints])
+    return np.array(fixed), prismatic, joints, np.array(signs)
 
 
 def _branch(chain: Chain, link: str) -> list[int]:
@@ -115,6 +130,37 @@ def poses_at(product: Product, values: Matrix, factors: Vector) -> Matrix:
         part = slice(first, first + _CHUNK)
         result[part, :3] = _chunk(product, A @ values[part].T + product.b[:, None]).transpose(2, 1, 0)
     return result
+
+
+def tip_poses(chain: Chain, product: Product, values: Matrix) -> Matrix:
+    """Return the tool in the workpiece frame (N, 4, 4) [m] of a chain with loops at axis values (N, n_axes).
+
+    Args:
+        chain: The chain.
+        product: That of `tip_product_of`.
+        values: Axis values, mm and degrees.
+
+    Raises:
+        ChainbuildError: nothing closes at a row; the first one is named.
+    """
+    axis_map = chain.axis_map
+    assert isinstance(axis_map, TipMap)
+    result = np.empty((len(values), 4, 4))
+    for first in range(0, len(values), _CHUNK):
+        part = slice(first, first + _CHUNK)
+        q = axis_map.tip_rows(values[part])
+        open_rows = np.flatnonzero(~np.isfinite(q).all(axis=1))
+        if len(open_rows):
+            raise refused_row(axis_map, values[part][open_rows[0]], first + int(open_rows[0]))
+        result[part] = poses_at(product, q, np.ones(q.shape[1]))
+    return result
+
+
+def refused_row(axis_map: AxisMap, axes: Vector, row: int) -> ChainbuildError:
+    """Return the refusal of axis values (n_axes,) with the index of their row."""
+    told = refusal_of(axis_map, axes) or ChainbuildError("the kinematic has no joint values at these axis values")
+    told.message = f"row {row}: {told.message}"
+    return told
 
 
 def slides_at(product: Product, values: Matrix, factors: Vector, slides: Vector) -> tuple[Matrix, NDArray[np.float64]]:

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.bodies.linkage import assumed_lengths
 from chainbuild.chain.bodies.rods import rod_masters
 from chainbuild.chain.elements import Axis, Chain, Joint
 from chainbuild.files import number_text
@@ -28,6 +29,8 @@ def urdf_limitations(chain: Chain) -> tuple[str, ...]:
     for axis in chain.axes:
         if axis.endless:
             notes.append(f"axis {axis.name} is endless; its joint is written with the limits of the chain")
+    if lengths := assumed_lengths(chain):
+        notes.append(lengths)
     assumed = [axis.name for axis in chain.axes if axis.assumed]
     if assumed:
         names = f"ax{'es' if len(assumed) > 1 else 'is'} {', '.join(assumed)}"

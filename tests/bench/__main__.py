@@ -13,6 +13,7 @@ import numpy as np
 
 from chainbuild.ik.search.compiled import packing as compiled
 from tests.bench.branches import one_by_one, over_arrays
+from tests.bench.loops import loop_times
 from tests.bench.machines import Machine, machines
 from tests.bench.marks import Results, marks
 from tests.bench.measure import batches, compare, refusals
@@ -41,6 +42,9 @@ def main() -> int:
         for machine in found:
             print(f"branches, batches, refusals, paths: {machine.name}", file=sys.stderr)
             measure_others(results, machine, count, many)
+    if not options.machine:
+        print("closed loops", file=sys.stderr)
+        results.loops = loop_times(many // 5)
     options.output.write_text(page(results, count, rounds, many), "utf-8")
     rows = json.dumps([asdict(row) for row in results.rows], indent=1)
     options.output.with_suffix(".json").write_text(rows + "\n", "utf-8")

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from tests.bench.branches import OURS, BranchRow
+from tests.bench.loops import DELTA, FUNCTION, MANY, ONE, ONE_ROD, SERIAL, SIX_RODS
 from tests.bench.measure import Row
 
 REFERENCE = "roboticstoolbox ik_LM"
@@ -28,6 +29,7 @@ class Results:
         refusals: ms by machine and kind, see `measure.refusals`.
         singular: Paths, largest step of an axis [deg], and worst ratio to the best possible, by machine.
         axes: Number of axes by machine.
+        loops: µs by machine and kind, see `loops.loop_times`.
     """
 
     rows: list[Row] = field(default_factory=list)
@@ -37,6 +39,7 @@ class Results:
     refusals: dict[str, dict[str, float]] = field(default_factory=dict)
     singular: dict[str, tuple[int, float, float]] = field(default_factory=dict)
     axes: dict[str, int] = field(default_factory=dict)
+    loops: dict[str, dict[str, float]] = field(default_factory=dict)
 
     def row(self, machine: str, solver: str) -> Row | None:
         """Return what a solver did on a machine, or None where it was not there."""
@@ -88,7 +91,7 @@ def least(wanted: str, limit: float, values: dict[str, float], unit: str = "") -
 
 def marks(results: Results) -> list[Mark]:
     """Return all marks of a run."""
-    return [*single_marks(results), *plain_marks(results), *other_marks(results)]
+    return [*single_marks(results), *plain_marks(results), *other_marks(results), *loop_marks(results)]
 
 
 def single_marks(results: Results) -> Iterable[Mark]:
@@ -140,3 +143,16 @@ def other_marks(results: Results) -> Iterable[Mark]:
     yield most("refusal ≤ 1 ms, median", 1.0, slowest, " ms")
     ratios = {name: ratio for name, (_, _, ratio) in results.singular.items()}
     yield most("through a wrist singularity ≤ 1.3 × the least possible step", 1.3, ratios, " ×")
+
+
+def loop_marks(results: Results) -> Iterable[Mark]:
+    """Yield the marks of closed loops, all of one run."""
+    delta = results.loops.get(DELTA, {})
+    for kind, limit in ((ONE_ROD, 60.0), (SIX_RODS, 90.0), (FUNCTION, 2.0)):
+        found = {DELTA: delta[kind]} if kind in delta else {}
+        yield most(f"closed loops, {kind} ≤ {limit:g} µs", limit, found, " µs")
+    serial = results.loops.get(SERIAL, {}).get(ONE)
+    others = {name: times for name, times in results.loops.items() if name != SERIAL}
+    ratios = {} if serial is None else {name: times[ONE] / serial for name, times in others.items()}
+    yield most(f"closed loops, fk no slower than that of {SERIAL} (1.1 ×: noise)", 1.1, ratios, " ×")
+    yield most("closed loops, fk_batch ≤ 0.6 µs a pose", 0.6, {name: t[MANY] for name, t in others.items()}, " µs")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 
 from tests.bench.branches import BranchRow
+from tests.bench.loops import FUNCTION, MANY, ONE, ONE_ROD, SIX_RODS
 from tests.bench.marks import BLOCKS, REFERENCE, Results, marks
 from tests.bench.measure import Row
 
@@ -12,7 +13,7 @@ from tests.bench.measure import Row
 def page(results: Results, count: int, rounds: int, many: int) -> str:
     """Return the whole page."""
     parts = [head(count, rounds), mark_table(results), solver_table(results.rows)]
-    return "\n".join((*parts, branch_tables(results, many), other_tables(results, many)))
+    return "\n".join((*parts, branch_tables(results, many), other_tables(results, many), loop_table(results)))
 
 
 def head(count: int, rounds: int) -> str:
@@ -99,3 +100,13 @@ def other_tables(results: Results, many: int) -> str:
             markdown(("machine", "paths", "largest step of an axis", "worst ratio to the best possible"), paths),
         )
     )
+
+
+def loop_table(results: Results) -> str:
+    """Return the table of closed loops, a serial arm among them."""
+    kinds = (ONE, MANY, FUNCTION, ONE_ROD, SIX_RODS)
+    rows: list[tuple[object, ...]] = [
+        (name, *(f"{times[kind]:.2f} µs" if kind in times else "" for kind in kinds))
+        for name, times in results.loops.items()
+    ]
+    return "## Closed loops, a pose; Newton from 0.1 to 2 degrees away\n\n" + markdown(("machine", *kinds), rows)

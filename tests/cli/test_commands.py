@@ -102,12 +102,12 @@ def test_info_of_a_machine_that_uses_conventions(run: Run) -> None:
 
 
 def test_info_of_an_unsupported_kinematic_shows_it_and_refuses(run: Run) -> None:
-    Path("columns.lis").write_text("trafo[0].id 19\ntrafo[0].param[0] 1000000\nEnde\n", "utf-8")
-    outcome = run("info", "columns.lis")
+    Path("tubes.lis").write_text("trafo[0].id 15\ntrafo[0].param[0] 1000000\nEnde\n", "utf-8")
+    outcome = run("info", "tubes.lis")
     assert outcome.code == 1
-    assert "KIN_TYP 19" in outcome.out
-    assert outcome.err.startswith("columns.lis:1: KIN_TYP 19")
-    data = json.loads(run("info", "columns.lis", "--json").out)
+    assert "KIN_TYP 15" in outcome.out
+    assert outcome.err.startswith("tubes.lis:1: KIN_TYP 15")
+    data = json.loads(run("info", "tubes.lis", "--json").out)
     assert data["axes"] == []
 
 

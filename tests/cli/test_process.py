@@ -102,11 +102,11 @@ def test_a_refused_file_is_json_with_its_line(run: Run) -> None:
 
 
 def test_a_refused_kinematic_is_json_with_what_was_read(run: Run) -> None:
-    Path("columns.lis").write_text("trafo[0].id 19\nEnde\n", "utf-8")
-    outcome = run("info", "columns.lis", "--json")
+    Path("tubes.lis").write_text("trafo[0].id 15\nEnde\n", "utf-8")
+    outcome = run("info", "tubes.lis", "--json")
     data = json.loads(outcome.out)
-    assert (outcome.code, data["refused"], data["kinematics"][0]["id"]) == (1, True, 19)
-    assert "Three columns" in data["error"]["text"]
+    assert (outcome.code, data["refused"], data["kinematics"][0]["id"]) == (1, True, 15)
+    assert "tube processing" in data["error"]["text"]
     accepted = json.loads(run("info", ARM, "--json").out)
     assert (accepted["refused"], accepted["error"]) == (False, None)
 

@@ -15,7 +15,8 @@ import chainbuild
 def table_of(path: Path, robot: chainbuild.Robot, count: int) -> list[str]:
     """Write axis values inside the shown limits; return the header and the rows."""
     lower, upper = (np.array([getattr(axis, end) for axis in robot.axes]) for end in ("lower", "upper"))
-    lower, upper = np.maximum(lower, -60.0), np.minimum(upper, 60.0)
+    middle = np.clip(0.0, lower, upper)
+    lower, upper = np.maximum(lower, middle - 60.0), np.minimum(upper, middle + 60.0)
     rows = lower + (upper - lower) * np.random.default_rng(3).random((count, len(lower)))
     lines = [",".join(axis.name for axis in robot.axes), *(",".join(map(repr, row.tolist())) for row in rows)]
     path.write_text("\n".join(lines) + "\n", "utf-8")

@@ -13,7 +13,7 @@ import chainbuild
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.displayed import side_of
 from chainbuild.ik.rtcp import _solved
-from tests.kit.random_types import channel_list, random_axes, random_machine
+from tests.kit.random_types import CHOSEN, channel_list, random_axes, random_machine
 
 SHIPPED = {name: chainbuild.Robot.load(name) for name in chainbuild.shipped()}
 BY_SLIDES = [name for name, robot in SHIPPED.items() if robot.chain.solves_linear_axes]
@@ -66,7 +66,7 @@ def test_every_type_comes_back(kin: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(kin)
     path = tmp_path / "machine.lis"
     path.write_text(channel_list(kin, random_machine(kin, rng)), "utf-8")
-    robot = chainbuild.Robot.load(path)
+    robot = chainbuild.Robot.load(path, conventions=CHOSEN.get(kin))
     rows = np.array([random_axes(kin, rng) for _ in range(VECTORS if robot.chain.solves_linear_axes else 20)])
     rows = rows[robot.limits.inside_rows(rows)]
     assert len(rows) > 4

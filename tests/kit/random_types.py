@@ -15,6 +15,7 @@ FORMULAS = {**HEADS, **TABLES}
 # Where a type's formula is defined only for some axis values or parameters; everything else is drawn freely.
 AXIS_RANGE: dict[int, dict[str, tuple[float, float]]] = {
     12: dict.fromkeys(("Z1", "Z2", "Z3"), (-150.0, 150.0)),
+    19: dict.fromkeys(("Z1", "Z2", "Z3"), (-60.0, 60.0)),
     21: {"X1": (-900.0, -450.0), "X2": (450.0, 850.0)},
     25: {"A": (-75.0, 75.0)},
     37: dict.fromkeys(("J1", "J2", "J3"), (-20.0, 70.0)),
@@ -29,6 +30,7 @@ TRIPOD: dict[int, Sequence[float]] = {
 }  # fmt: skip
 FIXED_HD: dict[int, dict[int, Sequence[float]]] = {
     12: TRIPOD,
+    19: {2: (480e4, 550e4), 3: (140e4, 160e4), 4: (280e4, 330e4)},
     21: {2: (900e4, 950e4), 3: (900e4, 950e4), 4: (1200e4, 1500e4), 5: (-90e4, 120e4), 6: (-15e4, 10e4), 12: (1, 2)},
     5: {5: (0.0, 88.0e4, 92e4, -90e4, 180e4)},
     11: {3: (30e4, 45e4)},
@@ -42,6 +44,8 @@ FIXED_HD: dict[int, dict[int, Sequence[float]]] = {
     209: TRIPOD,
     # HD16/HD17: 1,0 turns about Z, 0,1 about X; 0,0 is the deprecated default.
 }  # fmt: skip
+# What has no default and must be chosen.
+CHOSEN: dict[int, dict[str, str]] = {19: {"kin19_guide": "radial_planes"}}
 
 
 def random_machine(kin: int, rng: np.random.Generator) -> dict[int, float]:

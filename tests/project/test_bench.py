@@ -14,6 +14,7 @@ import pytest
 
 from tests.bench import branches, peers
 from tests.bench.branches import OURS, BranchRow, judged, one_by_one, over_arrays
+from tests.bench.loops import DELTA, FUNCTION, MANY, ONE, ONE_ROD, SERIAL, SIX_RODS, loop_times
 from tests.bench.machines import Machine, machines
 from tests.bench.marks import BLOCKS, COMPILED, PATH, PLAIN, REFERENCE, Mark, Results, marks
 from tests.bench.measure import Row
@@ -51,6 +52,11 @@ def results(**changed: float) -> Results:
         found.batches[name] |= dict.fromkeys(BLOCKS, values["block"])
         found.refusals[name] = {"beyond reach": 0.2, "orientation impossible": values["refusal"]}
         found.singular[name] = (12, 30.0, values["singular"])
+    found.loops = {
+        DELTA: {ONE: 6.0, MANY: 0.2, ONE_ROD: 50.0, SIX_RODS: changed.get("six_rods", 80.0), FUNCTION: 1.2},
+        "tripod": {ONE: changed.get("tripod", 6.5), MANY: changed.get("tripods", 0.3)},
+        SERIAL: {ONE: 6.2, MANY: 0.9},
+    }
     found.arrays = [BranchRow("six", OURS, 0.3, 5.0, 1.0, 0), BranchRow("six", "chainbuild, NumPy", 1.8, 5.0, 1.0, 0)]
     found.branches = [BranchRow("six", "chainbuild ik_all (spherical wrist)", 100.0, 5.0, 1.0, 0)]
     return found
@@ -93,6 +99,28 @@ def test_one_machine_that_misses_a_mark_is_named(change: dict[str, float], mark:
     found = by_name(results(**change), mark)
     assert (found.met, found.machine, found.value) == (False, "seven", value)
     assert f"| seven | {value} | **no** |" in mark_table(results(**change))
+
+
+@pytest.mark.parametrize(
+    ("change", "mark", "machine", "value"),
+    [
+        ({"six_rods": 91.0}, "closed loops, Newton, six rods", DELTA, "91 µs"),
+        ({"tripod": 7.0}, "closed loops, fk no slower", "tripod", "1.13 ×"),
+        ({"tripods": 0.61}, "closed loops, fk_batch", "tripod", "0.61 µs"),
+    ],
+)
+def test_marks_of_closed_loops(change: dict[str, float], mark: str, machine: str, value: str) -> None:
+    assert by_name(results(), mark).met
+    found = by_name(results(**change), mark)
+    assert (found.met, found.machine, found.value) == (False, machine, value)
+
+
+def test_closed_loops_are_timed() -> None:
+    times = loop_times(many=200, rounds=1)
+    assert set(times[DELTA]) == {ONE, MANY, ONE_ROD, SIX_RODS, FUNCTION}
+    assert all(value > 0.0 for kinds in times.values() for value in kinds.values())
+    assert times[DELTA][FUNCTION] < times[DELTA][ONE]
+    assert "| delta_kin37 | 6.00 µs | 0.20 µs |" in page(results(), 10, 1, 100)
 
 
 def test_six_and_seven_axes_have_marks_of_their_own() -> None:

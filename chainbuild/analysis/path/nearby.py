@@ -21,7 +21,7 @@ import numpy as np
 
 from chainbuild.analysis.path.motion import LineMotion, PathMotion, SlidingMotion, StraightMotion
 from chainbuild.analysis.singularity.jacobians import pose_jacobians
-from chainbuild.analysis.singularity.measures import Scaling, scaling_of
+from chainbuild.analysis.singularity.measures import Scaling, least_of, scaling_of
 from chainbuild.analysis.singularity.structure import SingularityKind
 from chainbuild.analysis.vanishing.functions import SingularFunctions, singular_functions
 from chainbuild.analysis.vanishing.line import LineBlocks, line_geometry
@@ -220,7 +220,8 @@ class Followed:
         found = np.full(len(axes), np.inf)
         known = np.flatnonzero(np.isfinite(axes).all(axis=1))
         for part, _, J in pose_jacobians(self.motion.robot, axes[known]):
-            found[known[part]] = np.linalg.svd(self.scaling.apply(J), compute_uv=False)[:, -1]
+            singular = np.linalg.svd(self.scaling.apply(J), compute_uv=False)
+            found[known[part]] = least_of(singular, bool(motion.robot.chain.loops))
         return found
 
     def steps(self, blocks: Blocks, t: Vector, margins: Vector) -> Vector:

@@ -2,13 +2,16 @@
 
 Metres and radians cannot be compared, so lengths are divided by a characteristic length L: the rows of J that are
 lengths are divided by it, the columns of linear axes multiplied. The scaled singular values have no unit.
+
+The tool of closed loops is lost in two ways: no axis moves it in a direction (the smallest singular value is 0), or it
+moves without the axes (the largest has no end). `smallest` is then the lesser of the smallest and 1 over the largest.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,6 +39,7 @@ class Measures:
             turn [rad]. Rows outside the task are 0.
         runaway: (n_axes,) unit motion of the axes (rad; linear axes as a share of the length) that moves the tool
             least.
+        loops: Whether the chain has loops, so that the tool may run away as well.
     """
 
     __repr__ = fields_shown
@@ -44,11 +48,15 @@ class Measures:
     length: float
     lost: Vector
     runaway: Vector
+    loops: bool = False
 
     @property
     def smallest(self) -> float:
-        """Smallest singular value: the speed of the tool in the lost direction over the speed of the axes."""
-        return float(self.singular_values[-1])
+        """Smallest singular value: the speed of the tool in the lost direction over the speed of the axes.
+
+        With loops no more than the speed of the axes over that of the tool in the direction in which it runs away.
+        """
+        return float(least_of(self.singular_values, self.loops))
 
     @property
     def manipulability(self) -> float:
@@ -60,6 +68,19 @@ class Measures:
         """Largest over smallest singular value; inf at a singularity."""
         smallest = self.smallest
         return float(self.singular_values[0]) / smallest if smallest > 0.0 else float("inf")
+
+
+def least_of(singular_values: NDArray[np.floating[Any]], loops: bool) -> NDArray[np.float64]:
+    """Return how close to a singularity (…,) scaled singular values (…, n), in falling order, are.
+
+    Args:
+        singular_values: Of one or many Jacobians.
+        loops: Whether the chain has loops: what is held by no axis counts, too.
+    """
+    least = np.asarray(singular_values[..., -1], dtype=np.float64)
+    if loops:
+        least = np.minimum(least, 1.0 / np.maximum(singular_values[..., 0], np.finfo(float).tiny))
+    return least
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,11 +112,12 @@ class Scaling:
 def characteristic_length(chain: Chain) -> float:
     """Return the length [m] that scales a chain by default: from its first joint to the tips, all offsets added up.
 
-    For an arm it is the length of the stretched arm with its tool, without the base it stands on. A chain of linear
-    axes without any offset has the length 1 m.
+    For an arm it is the length of the stretched arm with its tool, without the base it stands on, for closed loops that
+    of the longest arm. A chain of linear axes without any offset has the length 1 m.
     """
     branches: dict[str, float] = {}
-    for n in joints_between_tips(chain):
+    # Parents come first. What carries the tips of a parallel kinematic has joints, but no length of its own.
+    for n in range(len(chain.joints)) if chain.loops else joints_between_tips(chain):
         joint = chain.joints[n]
         before = branches.get(joint.parent)
         # The offset of the first joint of a branch moves the whole machine and does not affect its size.
@@ -105,6 +127,9 @@ def characteristic_length(chain: Chain) -> float:
         for frame in (chain.frame("tool"), chain.frame("workpiece"))
         if frame.link in branches
     )
+    ends = {name for loop in chain.loops for name in (loop.frame_a, loop.frame_b)}
+    arms = [branches[frame.link] + _norm(frame.T_link_frame) for frame in chain.frames if frame.name in ends]
+    total = max([total, *arms])
     return total if total > _SMALLEST_LENGTH else 1.0
 
 
@@ -152,10 +177,23 @@ def measure(robot: Mechanism, axes: ArrayLike, length: float | None = None) -> M
         AxisValueError: wrong number of values, or a non-finite value.
     """
     scaling = scaling_of(robot, length)
-    U, values, Vt = np.linalg.svd(scaling.apply(robot.jacobian(axes)), full_matrices=False)
+    U, values, Vt = np.linalg.svd(scaling.apply(jacobian_at(robot, axes)), full_matrices=False)
     lost, runaway = np.zeros(6), np.zeros(len(robot.axes))
     lost[scaling.rows], runaway[scaling.columns] = U[:, -1], Vt[-1]
-    return Measures(values, scaling.length, lost, runaway)
+    return Measures(values, scaling.length, lost, runaway, bool(robot.chain.loops))
+
+
+def jacobian_at(robot: Mechanism, axes: ArrayLike) -> Matrix:
+    """Return `Mechanism.jacobian`; where the platform of closed loops is loose and that is refused, one of 1e12.
+
+    Raises:
+        AxisValueError: wrong number of values, or a non-finite value.
+        ChainbuildError: there is no pose there.
+    """
+    if not robot.chain.loops:
+        return robot.jacobian(axes)
+    robot.q(axes)  # raises where nothing closes
+    return robot.kinematics.pose_and_jacobian(robot.axis_values(axes) * robot.kinematics.si_factors)[1]
 
 
 def smallest_value(robot: Mechanism, axes: ArrayLike) -> float:
@@ -169,7 +207,7 @@ def smallest_value(robot: Mechanism, axes: ArrayLike) -> float:
     J = scaling_of(robot).apply(robot.kinematics.pose_and_jacobian(values * robot.kinematics.si_factors)[1])
     if not math.isfinite(J.sum()):
         return math.nan
-    return float(np.linalg.svd(J, compute_uv=False)[-1])
+    return float(least_of(np.linalg.svd(J, compute_uv=False), bool(robot.chain.loops)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -178,7 +216,8 @@ class MeasureTable:
 
     Attributes:
         positions: (N, 3) tool in the workpiece frame [m].
-        smallest: (N,) smallest scaled singular value; like the other columns not a number where a row has no pose.
+        smallest: (N,) smallest scaled singular value, with loops as `Measures.smallest` says; like the other columns
+            not a number where a row has no pose.
         manipulability: (N,) product of the scaled singular values.
         condition: (N,) largest over smallest; inf at a singularity.
     """
@@ -213,7 +252,7 @@ def measure_batch(robot: Mechanism, axes: ArrayLike, *, length: float | None = N
         singular = np.linalg.svd(scaled, compute_uv=False)
         singular[without], positions[without] = np.nan, np.nan
         table.positions[part] = positions
-        table.smallest[part] = singular[:, -1]
+        table.smallest[part] = least_of(singular, bool(robot.chain.loops))
         table.manipulability[part] = singular.prod(axis=1)
         with np.errstate(divide="ignore"):
             table.condition[part] = singular[:, 0] / singular[:, -1]

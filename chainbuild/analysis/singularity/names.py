@@ -12,11 +12,13 @@ from numpy.typing import ArrayLike
 
 from chainbuild.analysis.singularity import locks, words
 from chainbuild.analysis.singularity.factors import Factor, factors
+from chainbuild.analysis.singularity.loops import losses_at, named_loss
 from chainbuild.analysis.singularity.measures import Measures, measure, measure_batch, smallest_value
 from chainbuild.analysis.singularity.singularity import Singularity
 from chainbuild.analysis.singularity.speeds import SpeedReport, speeds
 from chainbuild.analysis.singularity.structure import CartesianForm, SingularityKind, lines_at, singular_structure
 from chainbuild.arrays import Vector
+from chainbuild.chain.closing import Loss
 from chainbuild.closest import and_joined
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.shown import number, two_lines
@@ -78,14 +80,15 @@ def examine(
     measures = measure(robot, values, length)
     gate = measures if length is None else measure(robot, values)
     speed = speeds(robot, values, tool_speed_mm)
-    names = tuple(_names(robot, values, gate, speed)) if gate.smallest <= NEAR else ()
+    losses = tuple(loss for loss in losses_at(robot, values) if abs(loss.value) <= NEAR_FACTOR)
+    names = tuple(_names(robot, values, gate, speed, losses)) if losses or gate.smallest <= NEAR else ()
     return SingularityReport(values, measures, names, tuple(locks.notices(robot, values)), speed)
 
 
 def names_at(robot: Mechanism, axes: ArrayLike) -> tuple[Singularity, ...]:
     """Return the singularities at or close to axis values (n_axes,), the closest first."""
     values = robot.axis_values(axes)
-    return examine(robot, values).names if smallest_value(robot, values) <= NEAR else ()
+    return examine(robot, values).names if robot.chain.loops or smallest_value(robot, values) <= NEAR else ()
 
 
 def sentence_at(robot: Mechanism, axes: ArrayLike, kind: SingularityKind, tool_speed: float) -> str:
@@ -107,6 +110,8 @@ def sentence_at(robot: Mechanism, axes: ArrayLike, kind: SingularityKind, tool_s
     for factor in factors(singular_structure(robot), lines_at(robot, values), robot.task, direction):
         if factor.kind in wanted:
             return words.condition(robot, values, factor)[0]
+    if losses := losses_at(robot, values):
+        return losses[0].condition(nearly=True)
     return "the axes work against one another"
 
 
@@ -129,11 +134,15 @@ def examine_path(
 ) -> Iterator[tuple[int, SingularityReport]]:
     """Yield (row, report) of the rows (N, n_axes) of a path that are singular, nearly so, or deserve a notice.
 
-    The measures of all rows are computed at once; only rows below `NEAR` are examined by name.
+    The measures of all rows are computed at once; only rows below `NEAR` are examined by name, and those at which a
+    function of closed loops is close to 0.
     """
     values = np.atleast_2d(np.asarray(path, dtype=float))
     smallest = measure_batch(robot, values).smallest
-    for row in np.flatnonzero(smallest <= NEAR).tolist():
+    close = smallest <= NEAR
+    if robot.chain.loops:
+        close |= [any(abs(loss.value) <= NEAR_FACTOR for loss in losses_at(robot, row)) for row in values]
+    for row in np.flatnonzero(close).tolist():
         report = examine(robot, values[row], tool_speed_mm=tool_speed_mm)
         if report.names or report.notices:
             yield row, report
@@ -144,13 +153,16 @@ def kinds(singularities: Iterable[Singularity]) -> tuple[SingularityKind, ...]:
     return tuple(found.kind for found in singularities)
 
 
-def _names(robot: Mechanism, axes: Vector, measures: Measures, speed: SpeedReport) -> Iterator[Singularity]:
+def _names(
+    robot: Mechanism, axes: Vector, measures: Measures, speed: SpeedReport, losses: tuple[Loss, ...]
+) -> Iterator[Singularity]:
     direction = np.eye(3)[robot.chain.tool_column]
-    near = [
+    near: list[Factor | Loss] = [
         factor
         for factor in factors(singular_structure(robot), lines_at(robot, axes), robot.task, direction)
-        if factor.value <= NEAR_FACTOR
+        if factor.value <= NEAR_FACTOR and measures.smallest <= NEAR
     ]
+    near = sorted([*near, *losses], key=lambda one: abs(one.value))
     lost = words.lost_motion(robot, measures, turn_first=bool(near) and near[0].kind == "wrist")
     # Where shifts cost nothing the turns do: the pole of a head.
     turns = float(np.linalg.norm(measures.lost[:3])) < _NO_SHIFT
@@ -165,10 +177,13 @@ def _names(robot: Mechanism, axes: Vector, measures: Measures, speed: SpeedRepor
             sentence = f"{condition}: {lost}; {cost}"
             yield Singularity("other", "", measures.smallest, running, condition, sentence, words.rtcp_remark(robot))
         return
-    for rank, factor in enumerate(near):
-        if rank and factor.value > _SECOND:
+    for rank, one in enumerate(near):
+        if rank and abs(one.value) > _SECOND:
             break
-        yield _named(robot, axes, factor, lost, cost)
+        if isinstance(one, Loss):
+            yield named_loss(robot, axes, one, lost, cost)
+        else:
+            yield _named(robot, axes, one, lost, cost)
 
 
 def _named(robot: Mechanism, axes: Vector, factor: Factor, lost: str, cost: str) -> Singularity:

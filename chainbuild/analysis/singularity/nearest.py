@@ -1,7 +1,9 @@
 """The nearest singularity, by damped steps down the smallest singular value.
 
 With u, v its singular vectors, the derivative of the smallest singular value by axis i is uᵀ·(∂J/∂xᵢ)·v. A Newton step
-along it, −σ·g/(g·g), lands on the singular set up to second order.
+along it, −σ·g/(g·g), lands on the singular set up to second order. Of closed loops 1 over the largest singular value is
+followed where it is the lesser one; its derivative is −uᵀ·(∂J/∂xᵢ)·v/σ². It falls as the root of the distance to the
+edge of what closes, so that half of that step lands there.
 """
 
 from __future__ import annotations
@@ -13,14 +15,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from chainbuild.analysis.singularity.measures import Scaling, scaling_of
+from chainbuild.analysis.singularity.measures import Scaling, jacobian_at, scaling_of
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.shown import numbers_shown, two_lines
 
 _STEPS: Final = 40  # Newton's need about ten, the bound ends those that go round in a circle
 _FOUND: Final = 1e-11  # smallest singular value that counts as singular
-_DIFFERENCE: Final = 1e-5  # of central differences of J: error 1e-10, by truncation and by rounding
+# Of central differences of J: error 1e-10, by truncation and by rounding; the shorter ones where little more closes.
+_DIFFERENCES: Final = (1e-5, 1e-7, 1e-9, 1e-11)
 _LONGEST_STEP: Final = 0.3  # rad, or share of the length
 _FLAT: Final = 1e-14  # squared slope below the error of the differences: there is no way down
 _HALVINGS: Final = 6  # 1/64 of a step that does not get nearer either is given up
@@ -71,9 +74,19 @@ def nearest_singularity(robot: Mechanism, axes: ArrayLike, *, length: float | No
         AxisValueError: wrong number of values, or a non-finite value.
         ChainbuildError: the kinematic has no pose there.
     """
-    robot.jacobian(axes)
+    jacobian_at(robot, axes)  # raises where there is no pose
     descent = _Descent(robot, scaling_of(robot, length), robot.axis_values(axes))
     return descent.run()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Value:
+    """What is followed: its size, u and v with which uᵀ·∂J·v is its derivative, the share of a step that is taken."""
+
+    size: float
+    u: Vector
+    v: Vector
+    share: float = 1.0
 
 
 class _Descent:
@@ -93,54 +106,63 @@ class _Descent:
     def jacobian(self, z: Vector) -> Matrix:
         return self.scaling.apply(self.robot.kinematics.pose_and_jacobian(self.x(z))[1])
 
+    def smallest(self, z: Vector) -> _Value:
+        """Return the value at z."""
+        J = self.jacobian(z)
+        if not np.isfinite(J).all():  # no pose: farther than any singularity
+            return _Value(math.inf, np.zeros(len(J)), np.zeros(J.shape[1]))
+        U, values, Vt = np.linalg.svd(J, full_matrices=False)
+        least, most = float(values[-1]), float(values[0])
+        if self.robot.chain.loops and least * most > 1.0:
+            return _Value(1.0 / most, -U[:, 0] / most**2, Vt[0], share=0.5)
+        return _Value(least, U[:, -1], Vt[-1])
+
     def run(self) -> Nearest:
         z = np.zeros(len(self.unit))
-        u, value, v = _smallest(self.jacobian(z))
+        value = self.smallest(z)
         steps = 0
-        while value > _FOUND and steps < _STEPS:
+        while value.size > _FOUND and steps < _STEPS:
             steps += 1
-            step = self._step(z, u, value, v)
+            step = self._step(z, value)
             if step is None:
                 break
             for _ in range(_HALVINGS):
-                tried = _smallest(self.jacobian(z + step))
-                if tried[1] < value:
+                tried = self.smallest(z + step)
+                if tried.size < value.size:
                     break
                 step = step / 2.0
             else:
                 break
             z = z + step
-            u, value, v = tried
+            value = tried
         return self._result(z, value, steps)
 
-    def _step(self, z: Vector, u: Vector, value: float, v: Vector) -> Vector | None:
-        gradient = np.empty(len(z))
-        for n in range(len(z)):
-            h = np.zeros(len(z))
-            h[n] = _DIFFERENCE
-            change = self.jacobian(z + h) - self.jacobian(z - h)
-            if not np.isfinite(change).all():  # on the edge of what has a pose
-                return None
-            gradient[n] = float(u @ change @ v) / (2.0 * _DIFFERENCE)
-        squared = float(gradient @ gradient)
-        if squared < _FLAT:
+    def _step(self, z: Vector, value: _Value) -> Vector | None:
+        gradient = self._gradient(z, value.u, value.v)
+        squared = 0.0 if gradient is None else float(gradient @ gradient)
+        if gradient is None or squared < _FLAT:
             return None
-        step = -value * gradient / squared
+        step = -value.share * value.size * gradient / squared
         size = float(np.linalg.norm(step))
         shorter: Vector = step * min(1.0, _LONGEST_STEP / size)
         return shorter
 
-    def _result(self, z: Vector, value: float, steps: int) -> Nearest:
+    def _gradient(self, z: Vector, u: Vector, v: Vector) -> Vector | None:
+        """Return uᵀ·(∂J/∂zᵢ)·v, or None on the edge of what has a pose."""
+        for difference in _DIFFERENCES:
+            steps = difference * np.eye(len(z))
+            changes = [self.jacobian(z + h) - self.jacobian(z - h) for h in steps]
+            if np.isfinite(changes).all():
+                return np.array([float(u @ change @ v) for change in changes]) / (2.0 * difference)
+            if not self.robot.chain.loops:
+                break
+        return None
+
+    def _result(self, z: Vector, value: _Value, steps: int) -> Nearest:
         factors = self.robot.kinematics.si_factors
         axes = self.x(z) / factors
         inside = not self.robot.violated_limits(axes)
         change = axes - self.x0 / factors
-        # The verdict must not depend on the last bit of a step.
-        return Nearest(value < 1e-7, axes, change, float(np.linalg.norm(z)), value, steps, inside)
-
-
-def _smallest(J: Matrix) -> tuple[Vector, float, Vector]:
-    if not np.isfinite(J).all():  # no pose: farther than any singularity
-        return np.zeros(len(J)), math.inf, np.zeros(J.shape[1])
-    U, values, Vt = np.linalg.svd(J, full_matrices=False)
-    return U[:, -1], float(values[-1]), Vt[-1]
+        # The verdict must not depend on the last bit of a step; a root of 1e-10 is as near as 1e-10 is.
+        found = value.size < (1e-7 if value.share == 1.0 else 1e-5)
+        return Nearest(found, axes, change, float(np.linalg.norm(z)), value.size, steps, inside)

@@ -13,8 +13,9 @@ class Singularity:
     """A singularity at or close to a position.
 
     Attributes:
-        kind: "wrist", "elbow", "shoulder", "pole", "tilt_end", "other"; "gimbal_lock" of the pose angles and
-            "dead_point" of a parallelogram lose no motion of the tool.
+        kind: "wrist", "elbow", "shoulder", "pole", "tilt_end"; of closed loops "strut", "platform", "twist" (see
+            `chainbuild.chain.closing.Loss`); "other"; "gimbal_lock" of the pose angles and "dead_point" of a
+            parallelogram lose no motion of the tool.
         alias: The manual's name where it has one: "alpha5", …; else an empty string.
         value: The function that vanishes there, without unit (`chainbuild.analysis.singularity.factors`).
         axes: Names of the axes concerned.

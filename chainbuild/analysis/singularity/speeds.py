@@ -12,7 +12,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from chainbuild.analysis.singularity.measures import scaling_of
+from chainbuild.analysis.singularity.measures import jacobian_at, scaling_of
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Axis
 from chainbuild.errors import ChainbuildError
@@ -143,7 +143,7 @@ def _per_speed(robot: Mechanism, rates: Matrix, axes: ArrayLike, direction: Arra
         motion: "shift" or "turn".
     """
     scaling = scaling_of(robot)
-    U, values, Vt = np.linalg.svd(scaling.apply(robot.jacobian(axes)), full_matrices=False)
+    U, values, Vt = np.linalg.svd(scaling.apply(jacobian_at(robot, axes)), full_matrices=False)
     # What 1 m/s along (1 rad/s about) x, y, z of the tool frame is in the scaled task; rows outside the task are free.
     moves = np.zeros((len(values), 3))
     held = (scaling.rows < 3) == (motion == "shift")

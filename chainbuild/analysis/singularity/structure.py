@@ -21,7 +21,9 @@ from chainbuild.kinematics.evaluation import usual_range
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.screws import joints_between_tips, screws_at
 
-SingularityKind = Literal["wrist", "elbow", "shoulder", "pole", "tilt_end", "other", "gimbal_lock", "dead_point"]
+SingularityKind = Literal[
+    "wrist", "elbow", "shoulder", "pole", "tilt_end", "strut", "platform", "twist", "other", "gimbal_lock", "dead_point"
+]
 
 _SAME: Final = 1e-9  # sines and shares of the length below this are 0: data carry 1e-4 mm at best
 _PROBES: Final = 2  # two: what lines up in one position by chance does not in the other
@@ -137,6 +139,8 @@ def _probe_positions(robot: Mechanism) -> list[Vector]:
 
 
 def _form(chain: Chain, probes: list[Lines], length: float) -> Form:
+    if not probes:
+        return None  # hardly anything closes
     # A joint that stands still, or turns nothing but itself, has no line.
     moving = [n for n in joints_between_tips(chain) if all(lines.directions[n].any() for lines in probes)]
     rotary = [n for n in moving if chain.joints[n].kind == "revolute"]

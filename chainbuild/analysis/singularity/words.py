@@ -10,7 +10,7 @@ import numpy as np
 from chainbuild.analysis.singularity.factors import Factor
 from chainbuild.analysis.singularity.measures import Measures
 from chainbuild.analysis.singularity.speeds import SpeedReport
-from chainbuild.arrays import Vector
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.fold import drawn_values
 from chainbuild.closest import and_joined
@@ -69,11 +69,7 @@ def _value(robot: Mechanism, axes: Vector, name: str) -> str:
 
 def lost_motion(robot: Mechanism, measures: Measures, turn_first: bool = False) -> str:
     """Return which motion is lost: "rotation about the flange's Y is nearly lost"."""
-    chain = robot.chain
-    tool, flange = chain.frame("tool"), chain.frame("flange")
-    frame, back = "tool", np.eye(3)
-    if tool.link == flange.link:
-        frame, back = "flange", flange.T_link_frame[:3, :3].T @ tool.T_link_frame[:3, :3]
+    frame, back = _shown_frame(robot)
     shift, turn = back @ measures.lost[:3], back @ measures.lost[3:]
     parts = [
         (float(np.linalg.norm(turn)), f"rotation about {_direction(turn, frame)}"),
@@ -84,6 +80,20 @@ def lost_motion(robot: Mechanism, measures: Measures, turn_first: bool = False) 
     said = [text for size, text in parts if size > _SHARE]
     nearly = "" if measures.smallest < _EXACT else "nearly "
     return f"{' together with '.join(said)} is {nearly}lost"
+
+
+def _shown_frame(robot: Mechanism) -> tuple[str, Matrix]:
+    """Return the frame that directions are said in, and the rotation (3, 3) to it from the tool frame."""
+    tool, flange = robot.chain.frame("tool"), robot.chain.frame("flange")
+    if tool.link != flange.link:
+        return "tool", np.eye(3)
+    return "flange", flange.T_link_frame[:3, :3].T @ tool.T_link_frame[:3, :3]
+
+
+def direction_in_words(robot: Mechanism, vector: Vector) -> str:
+    """Return a direction (3,) of the tool frame in words: "the flange's Z"."""
+    frame, back = _shown_frame(robot)
+    return _direction(back @ vector, frame)
 
 
 def _direction(vector: Vector, frame: str) -> str:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chainbuild.analysis.singularity.jacobians import pose_jacobians
-from chainbuild.analysis.singularity.measures import Scaling, scaling_of
+from chainbuild.analysis.singularity.measures import Scaling, least_of, scaling_of
 from chainbuild.analysis.vanishing.tracing import Blocks
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
@@ -77,7 +77,7 @@ class SmallestValue:
             scaled = self.scaling.apply(J)
             without = ~np.isfinite(scaled.reshape(len(scaled), -1)).all(axis=1)
             scaled[without] = 0.0
-            smallest = np.linalg.svd(scaled, compute_uv=False)[:, -1]
+            smallest = least_of(np.linalg.svd(scaled, compute_uv=False), bool(self.robot.chain.loops))
             smallest[without] = np.inf
             found[part] = smallest
         return found

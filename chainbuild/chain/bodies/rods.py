@@ -36,10 +36,12 @@ from chainbuild.units import deg_from_rad
 CRANK, ROD, LEVEL_PLATE, LEVEL_CRANK = "crank", "rod", "level_plate", "level_crank"
 ROD_END, ROD_PIN = "rod_end", "rod_pin"
 ROD_JOINTS = (CRANK, ROD, LEVEL_PLATE, LEVEL_CRANK)
-LEVEL_LINKS = (f"{LEVEL_PLATE}_link", f"{LEVEL_CRANK}_link")
+# Rods of the level linkage (`chainbuild.chain.bodies.linkage`): drawn, but of assumed width and place.
+LEVEL_ROD, HEAD_ROD = "level_rod", "level_head_rod"
+LEVEL_LINKS = tuple(f"{joint}_link" for joint in (LEVEL_PLATE, LEVEL_CRANK, LEVEL_ROD, HEAD_ROD))
 
 # Where nobody gave them: crank over upper arm, and radius of rods over the crank, as drawings have them.
-_CRANK_SHARE: Final = 0.25
+CRANK_SHARE: Final = 0.25
 _RADIUS_SHARE: Final = 0.2
 _PARALLEL: Final = 1e-9  # sines, metres and factors below this are rounding
 
@@ -106,7 +108,7 @@ def rod_masters(chain: Chain) -> dict[str, tuple[str, float, float]]:
     """
     if not has_rods(chain) or not isinstance(chain.axis_map, AffineMap):
         return {}
-    followers = (*ROD_JOINTS, *_followers_of_level(chain))
+    followers = (*ROD_JOINTS, LEVEL_ROD, HEAD_ROD, *_followers_of_level(chain))
     A, b = chain.axis_map.A, chain.axis_map.b
     masters: dict[str, tuple[str, float, float]] = {}
     for n, joint in enumerate(chain.joints):
@@ -170,7 +172,7 @@ def _pin(chain: Chain, elbow: Joint, data: RodData) -> Vector:
     x = unit(across)
     angle = np.radians(data.angle_deg)
     turned = np.cos(angle) * x + np.sin(angle) * np.cross(d, x)
-    crank = data.crank if data.crank is not None else _CRANK_SHARE * length
+    crank = data.crank if data.crank is not None else CRANK_SHARE * length
     pin: Vector = (crank * turned + data.sideways * d).round(15)
     return pin
 

@@ -14,6 +14,7 @@ import numpy as np
 from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies.rods import CRANK, ROD_END, ROD_PIN, has_rods
+from chainbuild.chain.closing import strut_range
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint
 from chainbuild.chain.fold import drawn, drawn_bounds
 
@@ -91,16 +92,19 @@ def machine_size(chain: Chain) -> float:
 def shown_limits(chain: Chain, *, at_middle: bool = False) -> tuple[Vector, Vector]:
     """Return the axis range (n_axes,) that is drawn, sampled and swept, mm and degrees.
 
-    It is what the limits ever leave, whatever the other axes, but: assumed linear limits shrink to the machine's size
-    around 0, assumed and endless rotary axes to half a turn either way, and no rotary axis is shown over more than a
-    turn either way.
+    It is what the limits ever leave, whatever the other axes, but: where nobody limits an axis of closed loops its
+    struts do; other assumed linear limits shrink to the size of the machine around 0, assumed and endless rotary axes
+    to half a turn either way, and no rotary axis is shown over more than a turn either way.
 
     Args:
         chain: The chain.
         at_middle: True: what the limits leave with the other axes in the middle of theirs.
     """
     size_mm = 1000.0 * machine_size(chain)
-    ranges = [_shown(axis, (axis.lower, axis.upper) if at_middle else axis.range, size_mm) for axis in chain.axes]
+    ranges = [
+        strut_range(chain, n) or _shown(axis, (axis.lower, axis.upper) if at_middle else axis.range, size_mm)
+        for n, axis in enumerate(chain.axes)
+    ]
     return np.array([low for low, _ in ranges]), np.array([high for _, high in ranges])
 
 
@@ -138,6 +142,15 @@ class _Drawing:
         passive = [joint for joint in self.joints if chain.loops and joint.name not in axes]
         self.floating = {joint.child for joint in passive if joint.kind == "prismatic"}
         self.loop_ends = {name: loop.name for loop in chain.loops for name in (loop.frame_a, loop.frame_b)}
+        ends = [frame.link for frame in chain.frames if frame.name in self.loop_ends]
+        self.platforms = {link for link in ends if ends.count(link) > 1}
+        self.below = self.workpiece_side | (self._below_workpiece() if chain.loops else set())
+
+    def _below_workpiece(self) -> set[str]:
+        """Return the links of arms whose axes carry the workpiece, or that start from what does."""
+        carrying = {axis.name for axis in self.chain.axes if axis.carries == "workpiece"}
+        first = {joint.child for joint in self.joints if joint.name in carrying} | self.workpiece_side
+        return {link.name for link in self.chain.links if self._path(link.name) & first}
 
     def _path(self, link: str) -> set[str]:
         path = set()
@@ -157,7 +170,7 @@ class _Drawing:
     def colour(self, link: str) -> Colour:
         if link == BASE_LINK:
             return BASE_COLOUR
-        pair = WORKPIECE_SIDE if link in self.workpiece_side else TOOL_SIDE
+        pair = WORKPIECE_SIDE if link in self.below else TOOL_SIDE
         return pair[(self.depth[link] - 1) % 2]
 
     def end(self, link: str) -> Vector:
@@ -193,7 +206,7 @@ class _Drawing:
         """Return a bed under the table, a column up to the first rotary joint, or a foot at the origin."""
         radius, colour = self.radius(BASE_LINK), BASE_COLOUR
         for joint in self.children[BASE_LINK]:
-            if joint.child in self.workpiece_side:
+            if joint.child in self.workpiece_side and joint.child not in self.floating:
                 side = 6 * radius
                 T = frames.translation(*joint.T_parent_joint[:3, 3]) @ frames.translation(z=-3 * radius)
                 return _body(BASE_LINK, "link", T, "box", (side, side, radius), colour)
@@ -241,7 +254,7 @@ class _Drawing:
         for frame in self.chain.frames:
             end = frame.T_link_frame[:3, 3]
             length = float(np.linalg.norm(end))
-            if frame.name in self.loop_ends and frame.link in self.floating and length > 0.0:
+            if frame.name in self.loop_ends and frame.link in self.platforms and length > 0.0:
                 size = _HUB * self.radius(frame.link), length
                 T = _along(end, end / 2)
                 bodies.append(_body(frame.link, "lever", T, "cylinder", size, self.colour(frame.link)))

@@ -2,7 +2,7 @@
 
 The joints between the tips, each driven by an axis of its own, are an open chain: a platform is a machine with three
 slides, the lambda kinematic an arm with one. Its closed form gives their joint values; the axis map then tells which
-axis values close the loops there.
+axis values close the loops there. Where a guide couples these joints, the axis map tells their values, too.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 
 from chainbuild import tolerances
 from chainbuild.arrays import Vector
-from chainbuild.chain.axismap import AffineMap, ClosingMap
+from chainbuild.chain.axismap import AffineMap, ClosingMap, PosedMap
 from chainbuild.chain.elements import BASE_LINK, Axis
 from chainbuild.ik.branches.core.branches import Branch, Branches, Solutions, collect
 from chainbuild.ik.branches.core.query import BranchQuery
@@ -34,8 +34,15 @@ def opened_query(query: BranchQuery) -> BranchQuery | None:
     Args:
         query: That of a chain with loops.
     """
+    request = opened_request(query)
+    return None if request is None else BranchQuery.of(request)
+
+
+def opened_request(query: BranchQuery) -> IkRequest | None:
+    """Return the request of the open chain between the tips; see `opened_query`."""
     mechanism = query.mechanism
-    if not isinstance(mechanism.chain.axis_map, ClosingMap):
+    axis_map = mechanism.chain.axis_map
+    if not isinstance(axis_map, ClosingMap) or isinstance(axis_map, PosedMap):
         return None
     opened = mechanism.prepared("opened", lambda: _opened(mechanism))
     free = set(query.structure.free.tolist())
@@ -45,19 +52,22 @@ def opened_query(query: BranchQuery) -> BranchQuery | None:
         return None  # a strut stands still: the way between the tips is not free
     q = mechanism.kinematics.q(query.x0)[list(joints_between_tips_in_order(mechanism))]
     start = None if not np.isfinite(q).all() else q / opened.kinematics.si_factors
-    return BranchQuery.of(IkRequest.of(opened, query.target, start, held))
+    return IkRequest.of(opened, query.target, start, held)
+
+
+def is_posed(query: BranchQuery) -> bool:
+    """Return whether the axis map alone tells the joint values between the tips: where no axis is held."""
+    return isinstance(query.mechanism.chain.axis_map, PosedMap) and len(query.structure.free) == len(query.x0)
 
 
 def find_closed(query: BranchQuery, solve: Callable[[BranchQuery], Solutions]) -> Solutions:
     """Return the branches of a chain with loops.
 
     Args:
-        query: One for which `opened_query` is not None.
+        query: One that `is_posed`, or for which `opened_query` is not None.
         solve: What finds every branch of the open chain.
     """
-    opened = opened_query(query)
-    assert opened is not None
-    return collect(query, _candidates(query, opened, solve(opened)))
+    return collect(query, _candidates(query, solve))
 
 
 def usual_branch(mechanism: Mechanism, branches: Branches) -> Branch:
@@ -70,30 +80,44 @@ def usual_branch(mechanism: Mechanism, branches: Branches) -> Branch:
 
 def unreached_words(query: BranchQuery, solve: Callable[[BranchQuery], Solutions]) -> str:
     """Return which rod cannot reach the pose of a query, and by how much; empty where that is not what is wrong."""
-    opened, axis_map = opened_query(query), query.mechanism.chain.axis_map
-    if opened is None or not isinstance(axis_map, ClosingMap):
+    axis_map = query.mechanism.chain.axis_map
+    if not isinstance(axis_map, ClosingMap):
         return ""
-    for _, q in _joint_values(query, opened, solve(opened)):
+    for _, q in _joint_values(query, solve):
         if words := axis_map.unreached(q):
             return words
     return ""
 
 
-def _joint_values(query: BranchQuery, opened: BranchQuery, found: Solutions) -> Iterator[tuple[Branch, Vector]]:
-    """Yield the branches of the open chain with joint values (n_q,) of the closed one: those between the tips."""
-    places = list(joints_between_tips_in_order(query.mechanism))
-    for branch in found.branches:
-        q = np.zeros(len(query.mechanism.chain.joints))
+def _joint_values(
+    query: BranchQuery, solve: Callable[[BranchQuery], Solutions]
+) -> Iterator[tuple[tuple[str, ...], Vector]]:
+    """Yield joint values (n_q,), those between the tips set, with the free axes of the branch of the open chain."""
+    mechanism = query.mechanism
+    chain, axis_map = mechanism.chain, mechanism.chain.axis_map
+    if isinstance(axis_map, PosedMap) and is_posed(query):
+        tool, workpiece = chain.frame("tool").T_link_frame, chain.frame("workpiece").T_link_frame
+        yield (), axis_map.posed(query.target.homogeneous, tool, workpiece)
+    opened = opened_query(query)
+    if opened is None:
+        return
+    places = list(joints_between_tips_in_order(mechanism))
+    found = solve(opened)
+    # Where limits of axes are in the way of all branches, the nearest one beyond: the closed chain names them.
+    for branch in found.branches or filter(None, [found.beyond]):
+        q = np.zeros(len(chain.joints))
         q[places] = branch.axes * opened.mechanism.kinematics.si_factors
-        yield branch, q
+        yield branch.free_axes, q
 
 
-def _candidates(query: BranchQuery, opened: BranchQuery, found: Solutions) -> Iterator[tuple[Vector, tuple[str, ...]]]:
+def _candidates(
+    query: BranchQuery, solve: Callable[[BranchQuery], Solutions]
+) -> Iterator[tuple[Vector, tuple[str, ...]]]:
     mechanism = query.mechanism
     axis_map, own = mechanism.chain.axis_map, {axis.name for axis in mechanism.axes}
     assert isinstance(axis_map, ClosingMap)
-    for branch, q in _joint_values(query, opened, found):
-        free = tuple(name for name in branch.free_axes if name in own)
+    for loose, q in _joint_values(query, solve):
+        free = tuple(name for name in loose if name in own)
         for axes in product(*axis_map.closing(q)):
             yield np.array(axes) * mechanism.kinematics.si_factors, free
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from numpy.typing import ArrayLike
 
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.branches.closed import find_closed, unreached_words, usual_branch
+from chainbuild.ik.branches.closed import find_closed, opened_request, unreached_words, usual_branch
 from chainbuild.ik.branches.core.branches import Branches, Solutions, collect, named
 from chainbuild.ik.branches.core.free_axis import solutions_of, with_free_axes_inside
 from chainbuild.ik.branches.core.query import BranchQuery
@@ -76,10 +76,18 @@ def nearest_branch(request: IkRequest) -> IkResult | None:
     distance, angle = mechanism.kinematics.errors(query.x0, query.target, mechanism.task)
     reason = "no branch of the closed form reaches the pose"
     if mechanism.chain.loops:
-        reason = unreached_words(query, every_branch) or reason
+        reason = unreached_words(query, every_branch) or _open_reason(query) or reason
     return IkResult(
         False, query.shown(query.x0), "unreachable", distance, angle, 0, 0, mechanism.task, mechanism.labels, reason
     )
+
+
+def _open_reason(query: BranchQuery) -> str:
+    """Return why the open chain between the tips of closed loops does not reach a pose; empty: it does."""
+    from chainbuild.ik.search.solver import search
+
+    request = opened_request(query)
+    return "" if request is None else search(request).reason
 
 
 def no_closed_form(request: IkRequest) -> ChainbuildError:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -14,7 +14,7 @@ from chainbuild.arrays import Matrix
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.ik import rules
 from chainbuild.ik.request import DEFAULT, Held, IkOptions, IkRequest, matrix_of
-from chainbuild.ik.result import STATUSES
+from chainbuild.ik.result import STATUSES, IkResult
 from chainbuild.ik.search.compiled import packing as compiled
 from chainbuild.ik.search.problem import Problem, problem_of
 from chainbuild.ik.search.solver import find, refusal, search
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 BAR: Final = "inverse kinematics"  # what the progress bar is labelled with
 _ALONE: Final = 512  # fewer poses are left to one core: waking another that is busy can take milliseconds
+Alone = Callable[[IkRequest], IkResult]
+
 _CHUNK: Final = 8192  # poses between updates of the progress bar and checks for interrupts
 
 
@@ -71,8 +73,19 @@ def solve_batch(
     held: Held | None = None,
     progress: Progress = False,
     options: IkOptions | None = None,
+    solver: Alone | None = None,
 ) -> IkTable:
-    """Find axis values for many poses; see `Robot.ik_batch`."""
+    """Find axis values for many poses; see `Robot.ik_batch`.
+
+    Args:
+        mechanism: The machine.
+        poses: Tool in the workpiece frame [m].
+        start: Axis values that the searches start from.
+        held: What is held, the same for all poses.
+        progress: As `Robot.ik_batch` has it.
+        options: Tolerances and budget.
+        solver: Solves every row by itself; None: the search of many rows at once.
+    """
     options = options or DEFAULT
     targets, begin = pose_array(poses), start_array(mechanism, start)
     if begin is not None and len(begin) not in {1, len(targets)}:
@@ -81,8 +94,9 @@ def solve_batch(
             permitted="one row, or one row per pose",
         )
     with counting(len(targets), progress, BAR) as advance:
-        if begin is not None and len(begin) > 1 and mechanism.kinematics.has_input_axes:
-            return _row_by_row(mechanism, targets, begin, held, options, advance)
+        inputs = begin is not None and len(begin) > 1 and mechanism.kinematics.has_input_axes
+        if inputs or solver is not None:
+            return _row_by_row(mechanism, targets, begin, held, options, solver or search, advance)
         problem = problem_of(mechanism, None if begin is None else begin[0], held, options)
         first = None if problem.home is None else problem.home[None]
         if begin is not None:
@@ -151,14 +165,24 @@ def _one_by_one(
 
 
 def _row_by_row(
-    mechanism: Mechanism, targets: Matrix, begin: Matrix, held: Held | None, options: IkOptions, advance: Any
+    mechanism: Mechanism,
+    targets: Matrix,
+    begin: Matrix | None,
+    held: Held | None,
+    options: IkOptions,
+    solver: Alone,
+    advance: Any,
 ) -> IkTable:
-    """Solve rows whose input axes differ: each row is a problem of its own."""
-    axes, errors = np.empty(begin.shape), np.empty((len(targets), 2))
+    """Solve rows whose input axes differ, or whose loops have a closed form: each row is a problem of its own."""
+    axes, errors = np.empty((len(targets), len(mechanism.axes))), np.empty((len(targets), 2))
     counts = np.empty((len(targets), 3), np.int64)
     words: dict[int, FailureWords] = {}
-    for row, (target, start) in enumerate(zip(targets, begin, strict=True)):
-        found = search(IkRequest(mechanism, target, start, held, options))
+    for row, target in enumerate(targets):
+        start = None if begin is None else begin[row if len(begin) > 1 else 0]
+        try:
+            found = solver(IkRequest.of(mechanism, target, start, held, options))
+        except ChainbuildError as error:
+            raise at_row(error, row) from None
         axes[row] = found.axes
         counts[row] = STATUSES.index(found.status), found.iterations, found.restarts
         errors[row] = found.position_error, found.rotation_error

@@ -94,7 +94,9 @@ class _Search:
         outcome = rules.STALLED if nearest < rules.STALLED_BELOW**2 else rules.UNREACHABLE
         if least < math.inf:
             outcome = rules.LIMITS
-        return SearchEnd(outcome, self.iterations, attempt, *self.task.misses(best, self.target, None), best, outside)
+        misses = self.task.misses(best, self.target, None)
+        misses = misses if math.isfinite(sum(misses)) else (math.inf, math.inf)
+        return SearchEnd(outcome, self.iterations, attempt, *misses, best, outside)
 
     def wound(self, y: Vector) -> Vector:
         """Return y by the whole turns that limits of sums and drives ask for."""
@@ -103,13 +105,19 @@ class _Search:
     def descend(self, y: Vector, inside: bool, steps: int, stall_share: float) -> tuple[bool, Vector, float]:
         """Iterate from one start; return whether the pose is met, where, and the squared error."""
         mark, since, before, step = math.inf, 0, math.inf, y
+        good, squared, halvings = y, math.inf, 0
         for taken in range(1, steps + 1):
-            try:
-                error, J = self.error(y)
-            except ChainbuildError:  # a nonlinear axis map without joint values there
-                return False, y, math.inf
+            there = self._squared(y)
+            if there is None:
+                # The step left what the axes have a pose in; half of it may not.
+                halvings += 1
+                if taken == 1 or halvings > rules.MOST_HALVINGS:
+                    break
+                y = (good + y) / 2.0
+                continue
+            good, halvings = y, 0
+            error, J, squared = there
             self.last = error
-            squared = float(error.dot(error))
             self.iterations += 1
             if squared < self.goal and (before < self.goal or _is_sharp(step, squared / before)):
                 return True, y, squared
@@ -117,7 +125,7 @@ class _Search:
                 since += 1
             else:
                 mark, since = squared, 0
-            if since >= rules.STALL_STEPS or taken == steps or not squared < math.inf:
+            if since >= rules.STALL_STEPS or taken == steps:
                 break
             before, damping = squared, rules.DAMPING * squared + rules.DAMPING_FLOOR
             step = self.damping.step(J, error, damping)
@@ -125,12 +133,23 @@ class _Search:
             if inside and self.box.leaves(moved):
                 moved = self._stop_at_limits(y, step, J, error, damping)
             y = self.box.onto_sums(moved) if inside and self.coupled else moved
-        return squared < self.close_enough, y, squared
+        return squared < self.close_enough, good, squared
+
+    def _squared(self, y: Vector) -> tuple[Vector, Matrix, float] | None:
+        """Return error, Jacobian and squared error, or None where a nonlinear axis map has no joint values."""
+        try:
+            error, J = self.error(y)
+        except ChainbuildError:
+            return None
+        squared = float(error.dot(error))
+        return (error, J, squared) if squared < math.inf else None
 
     def approach(self, y: Vector) -> tuple[Vector, float]:
         """Return where the error is smallest near by, and the squared error there."""
         error, J = self.error(y)
         squared, damping = float(error.dot(error)), rules.NEAREST_DAMPING
+        if not squared < math.inf:  # loops that do not close there
+            return y, math.inf
         for _ in range(rules.NEAREST_STEPS):
             self.iterations += 1
             step = self.damping.step(J, error, damping)

@@ -15,6 +15,7 @@ from tests.kit.type_files import CARRIES, EFFECTS, FAMILIES, load
 # Channel order of the axes; the two letters say what kind and what it carries: l linear, r rotary; t tool, w workpiece.
 AXES: dict[int, str] = {
     12: "Z1:lt Z2:lt Z3:lt",
+    19: "X:lt Y:lt Z1:lw Z2:lw Z3:lw",
     21: "X1:lt X2:lt Z:lt C:rt",
     37: "J1:rt J2:rt J3:rt",
     209: "Z1:lt Z2:lt Z3:lt A:rw C:rw",
@@ -22,16 +23,21 @@ AXES: dict[int, str] = {
 # HD numbers of the tables as kinds: l length, a angle, f flag, n bare number, "." no such row; blanks group.
 HD: dict[int, str] = {
     12: "lll l lll faa",
+    19: "l l l l l",
     21: "l lll l a l aa l l n",
     37: "l nn ll ll aaa aa l",
     209: "lll l lll faa ..... ..... ..... .... a f lll lll aa ff",
 }
-N_HD = {12: 10, 21: 12, 37: 13, 209: 22}
-SECTIONS = {12: "2.12", 21: "2.18", 37: "3.2", 209: "2.41"}
-COMPLETE = {12, 21, 37}  # chapter 4.1
-TITLES = {12: "Tripod", 21: "Lambda kinematic", 37: "Delta robot", 209: "Tripod with a two-axis workpiece table"}
+N_HD = {12: 10, 19: 5, 21: 12, 37: 13, 209: 22}
+SECTIONS = {12: "2.12", 19: "2.17", 21: "2.18", 37: "3.2", 209: "2.41"}
+COMPLETE = {12, 19, 21, 37}  # chapter 4.1
+TITLES = {
+    12: "Tripod", 19: "Table on three rods", 21: "Lambda kinematic", 37: "Delta robot",
+    209: "Tripod with a two-axis workpiece table",
+}  # fmt: skip
 DISPLAY = {
     12: {"kind": "position"},
+    19: {"kind": "vector", "columns": ["tool_x", "tool_y", "tool_z"]},
     21: {"kind": "plane", "columns": ["c_deg"], "along": "x"},
     37: {"kind": "position"},
     209: {"kind": "axes", "solved": ["Z1", "Z2", "Z3"]},
@@ -39,6 +45,7 @@ DISPLAY = {
 NAMES: dict[int, dict[int, str]] = {
     12: {1: "tool_z", 2: "tool_y", 3: "tool_x", 4: "machine_zero_z", 5: "column_radius", 6: "platform_radius",
          7: "rod_length", 8: "not_ideal", 9: "angle_31", 10: "angle_32"},
+    19: {1: "tool_z", 2: "rod_length", 3: "table_radius", 4: "column_radius", 5: "table_height"},
     21: {1: "tool_z", 2: "rod_b", 3: "rod_c", 4: "gripper_arm", 5: "joint_offset", 6: "fixed_angle", 7: "slide_y",
          8: "angle_lower", 9: "angle_upper", 10: "offset_x", 11: "gripper_offset", 12: "variant"},
     37: {1: "tool_z", 2: "unused_2", 3: "unused_3", 4: "platform_radius", 5: "base_radius", 6: "rod_length",
@@ -138,6 +145,7 @@ def test_conventions_of_a_type(kin_typ: int) -> None:
     slides = ("side", "hd5_along", "c_zero", "hd10_sign", "beta_sign", "slides")
     expected = {
         12: columns,
+        19: {f"kin19_{name}" for name in ("guide", "azimuth", "numbering", "carriages")},
         21: {f"kin21_{name}" for name in slides},
         37: {f"kin37_{name}" for name in lever},
         209: {*columns, "kin209_column_angle"} | SHARED,
@@ -148,7 +156,7 @@ def test_conventions_of_a_type(kin_typ: int) -> None:
 @pytest.mark.parametrize("name", sorted(own()))
 def test_a_convention_is_complete(name: str) -> None:
     entry = conventions()[name]
-    assert entry.default == next(iter(entry.choices))
+    assert entry.default == ("" if name == "kin19_guide" else next(iter(entry.choices)))
     assert len(entry.choices) > 1 and all(entry.choices.values())
     assert entry.question.endswith("?") and entry.why.endswith(".") and entry.verify.endswith(".")
     assert entry.mark in ("I", "?")
@@ -161,6 +169,7 @@ def test_a_convention_is_complete(name: str) -> None:
 
 def test_choices_of_directions() -> None:
     assert list(conventions()["kin12_azimuth"].choices) == ["deg_0", "deg_90", "deg_180", "deg_minus_90"]
+    assert list(conventions()["kin19_azimuth"].choices) == ["deg_0", "deg_90", "deg_180", "deg_minus_90"]
     assert list(conventions()["kin37_azimuth"].choices) == ["deg_minus_90", "deg_0", "deg_90", "deg_180"]
     signs = {name: list(entry.choices) for name, entry in conventions().items() if name in own() and "sign" in name}
     assert signs == {

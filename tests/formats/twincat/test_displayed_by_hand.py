@@ -11,7 +11,7 @@ import pytest
 import chainbuild
 from chainbuild.frames import rot_y, rot_z
 from tests.hand.displayed import displayed, rotation_of_angles
-from tests.kit.random_types import channel_list, random_axes, random_machine
+from tests.kit.random_types import CHOSEN, channel_list, random_axes, random_machine
 
 TYPES = [number for number, kind in chainbuild.catalogue().items() if kind.hd]
 VECTORS = 2_000
@@ -29,7 +29,7 @@ def machines(
         path = folder / "machine.lis"
         text = channel_list(kin, param)
         path.write_text(text.replace("Ende", f"ori_rotation_angle {angle_mode}\nEnde"), "utf-8")
-        yield chainbuild.Robot.load(path, conventions=conventions), param
+        yield chainbuild.Robot.load(path, conventions=CHOSEN.get(kin, {}) | conventions), param
 
 
 def differs(shown: Mapping[str, float], wanted: Mapping[str, float]) -> float:

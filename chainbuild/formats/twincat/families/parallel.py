@@ -1,4 +1,4 @@
-"""Parallel kinematics: tripods (12, 209), the delta robot (37), the lambda kinematic (21).
+"""Parallel kinematics: tripods (12, 209), the delta robot (37), the lambda kinematic (21), the table on rods (19).
 
 The tool's branch is what the platform does: three shifts, driven by the closed form of the map. Each arm is a branch of
 its own with one rod for its pair, which ends at a pin of the platform: a loop, closed by a ball.
@@ -6,16 +6,19 @@ its own with one rod for its pair, which ends at a pin of the platform: a loop, 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
-from chainbuild.chain.assemble import Element, linear, mark, rotary, shift, turn
+from chainbuild.chain.assemble import Element, Start, linear, mark, rotary, shift, turn
 from chainbuild.chain.elements import Axis, Loop
 from chainbuild.convention import Choices
+from chainbuild.formats.twincat.maps.arms import Column, Lever
 from chainbuild.formats.twincat.maps.scissors import LambdaMap
-from chainbuild.formats.twincat.maps.struts import Column, Lever, ThreeRodsMap
-from chainbuild.formats.twincat.recipes.parts import asked_sign, flagged_axis, offset
+from chainbuild.formats.twincat.maps.struts import ThreeRodsMap
+from chainbuild.formats.twincat.maps.table import LINK_RISE, TableMap
+from chainbuild.formats.twincat.maps.table_rods import TableRods
+from chainbuild.formats.twincat.recipes.parts import asked_sign, flagged_axis, offset, tool_end
 from chainbuild.formats.twincat.recipes.recipe import Params, Recipe, RecipeFunction, mapped
 from chainbuild.frames import rot_z, transform, translation
 from chainbuild.units import m_from_mm, rad_from_deg
@@ -23,6 +26,7 @@ from chainbuild.units import m_from_mm, rad_from_deg
 _AZIMUTH: Final = {"deg_0": 0.0, "deg_90": 90.0, "deg_180": 180.0, "deg_minus_90": -90.0}  # choices → degrees
 _BETWEEN_DEG: Final = 120.0  # columns or arms of an ideal machine
 _WHOLE_DEG: Final = 360.0  # what the three angles between columns add up to
+_POST_SHARE: Final = 0.25  # of the radius: how far the links of a table's guide are hinged below and above its joints
 
 
 def kin_12(p: Params, choose: Choices) -> Recipe:
@@ -165,15 +169,19 @@ def _platform(pins: list[tuple[str, float]], radius: float) -> list[Element]:
     """Return the three shifts of a platform with its pins at azimuths [deg] on a radius [mm]."""
     return [
         *(linear(f"platform_{letter}", letter, drive={}) for letter in "xyz"),
-        *(mark(f"{name}_pin", transform(rot_z(angle)) @ translation(x=radius)) for name, angle in pins),
+        *_pins(pins, radius),
     ]
 
 
-def _rod(name: str, length: float, hanging: float) -> list[Element]:
+def _pins(pins: list[tuple[str, float]], radius: float) -> list[Element]:
+    return [mark(f"{name}_pin", transform(rot_z(angle)) @ translation(x=radius)) for name, angle in pins]
+
+
+def _rod(name: str, length: float, hanging: float, leans: bool = True) -> list[Element]:
     """Return the joints of a rod that hangs down (or stands up) at 0, and its end."""
     return [
         mapped(f"{name}_swing", "y"),
-        mapped(f"{name}_lean", "x"),
+        *([mapped(f"{name}_lean", "x")] if leans else []),
         shift(z=-hanging * length),
         mark(f"{name}_rod_end"),
     ]
@@ -224,9 +232,61 @@ def kin_21(p: Params, choose: Choices) -> Recipe:
         (m_from_mm(rod_c), m_from_mm(rod_b)),
         1.0 if choose["kin21_side"] == "left" else -1.0,
         (0, 1) if first else (1, 0),
-        None if by_arm else rad_from_deg(beta),
+        rad_from_deg(beta),
+        by_arm,
     )
     return Recipe(tool, axis_map=axis_map, branches=[branch], loops=(Loop("rods", "ball", "C_rod_end", "B_rod_end"),))
 
 
-RECIPES: Final[Mapping[int, RecipeFunction]] = {12: kin_12, 21: kin_21, 37: kin_37, 209: kin_209}
+def kin_19(p: Params, choose: Choices) -> Recipe:
+    """Build the table on three rods: three carriages on columns tilt and lift it under a tool on two slides."""
+    radial = choose["kin19_guide"] == "radial_planes"
+    rod, table, columns = (p.mm(name) for name in ("rod_length", "table_radius", "column_radius"))
+    _check_rods(p, rod_length=rod, table_radius=table, column_radius=columns)
+    if rod <= abs(columns - table):
+        text = f"rods of {rod:g} mm do not reach from {columns:g} mm, the radius of the columns, to {table:g} mm"
+        p.refuse("rod_length", text, f"more than {abs(columns - table):g} mm")
+    order = -1.0 if choose["kin19_numbering"] == "cw" else 1.0
+    hanging = 1.0 if choose["kin19_carriages"] == "above" else -1.0
+    first = _AZIMUTH[choose["kin19_azimuth"]]
+    angles = [first + order * _BETWEEN_DEG * n for n in range(3)]
+    pins = [(f"Z{n}", angle) for n, angle in enumerate(angles, start=1)]
+    branches: list[Sequence[Element]] = [
+        [turn(rot_z(angle)), shift(x=columns), linear(name, "z"), *_rod(name, rod, hanging, leans=not radial)]
+        for name, angle in pins
+    ]
+    loops = _loops("Z1", "Z2", "Z3")
+    if not radial:
+        branches += [
+            _link("guide_lower", "guide_post", first, -table),
+            _link("guide_upper", "guide_table", first, table),
+        ]
+        loops += (Loop("guide", "ball", "guide_lower_end", "guide_upper_end"),)
+    workpiece = [
+        linear("table_z", "z", drive={}),
+        *([linear("table_x", "x", drive={}), linear("table_y", "y", drive={})] if radial else []),
+        mark("guide_post"),
+        *(mapped(f"table_{letter}", direction) for letter, direction in zip("abc", "xyz", strict=True)),
+        mark("guide_table"),
+        *_pins(pins, table),
+        shift(z=p.mm("table_height")),
+    ]
+    tool = [linear("X", "x"), linear("Y", "y"), *tool_end(p, z=-p.mm("tool_z"))]
+    rods = TableRods.of(angles, m_from_mm(table), m_from_mm(columns), m_from_mm(rod), hanging, radial)
+    return Recipe(tool, workpiece, axis_map=TableMap(rods), branches=branches, loops=loops)
+
+
+def _link(name: str, start: str, azimuth_deg: float, radius: float) -> list[Element]:
+    """Return a link that keeps a table from turning, opposite to an azimuth: below its joints, or above."""
+    height = _POST_SHARE * radius
+    return [
+        Start(start),
+        turn(rot_z(azimuth_deg + _WHOLE_DEG / 2.0)),
+        shift(z=height),
+        mapped(name, "y"),
+        shift(x=abs(height) / LINK_RISE),
+        mark(f"{name}_end"),
+    ]
+
+
+RECIPES: Final[Mapping[int, RecipeFunction]] = {12: kin_12, 19: kin_19, 21: kin_21, 37: kin_37, 209: kin_209}

@@ -17,12 +17,14 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.closing import Loss
 from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.formats.twincat.maps.rows import IN_LINE, in_columns, rod_turns
 from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m, rad_from_deg
 
 _Z: Final = 2  # index in X1, X2, Z, C
 _C: Final = 3  # likewise
-_STRETCHED: Final = 1e-12  # sine of the triangle's angle below which the rods lie in line
+_LOOSE: Final = 1e-12  # sine below which the rods count as in line: 1/_LOOSE stands for an endless rate
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,7 +37,8 @@ class LambdaMap:
         rods: Lengths l_c and l_b [m].
         side: +1: D lies left of the line from C to B, -1: right.
         slides: Index of the axis that carries C, and of the one that carries B.
-        arm: Angle from the rod to the arm that carries the gripper [rad]; None: C counts from the arm.
+        bend: Angle from the rod to the arm that carries the gripper [rad].
+        by_arm: Whether C counts from the arm; else from X.
         names: Names of X1 and X2.
     """
 
@@ -44,7 +47,8 @@ class LambdaMap:
     rods: tuple[float, float]
     side: float
     slides: tuple[int, int] = (0, 1)
-    arm: float | None = None
+    bend: float = 0.0
+    by_arm: bool = True
     names: tuple[str, ...] = ("X1", "X2")
 
     def named(self, names: Sequence[str]) -> LambdaMap:
@@ -68,9 +72,9 @@ class LambdaMap:
         if apart == 0.0:
             return None
         cosine = (rod**2 + apart**2 - other**2) / (2.0 * rod * apart)
-        if abs(cosine) > 1.0:
+        if abs(cosine) > 1.0 + IN_LINE:
             return None
-        theta = math.atan2(y, x) + self.side * math.acos(cosine)
+        theta = math.atan2(y, x) + self.side * math.acos(max(-1.0, min(1.0, cosine)))
         return theta, math.atan2(rod * math.sin(theta) - y, rod * math.cos(theta) - x)
 
     def q(self, axes: Vector) -> Vector:
@@ -80,19 +84,35 @@ class LambdaMap:
             return np.full(6, math.nan)
         theta, phi = angles
         slides = [m_from_mm(float(axes[n])) for n in self.slides]
-        turn = rad_from_deg(float(axes[_C])) - (0.0 if self.arm is None else theta + self.arm)
+        turn = rad_from_deg(float(axes[_C])) - (0.0 if self.by_arm else theta + self.bend)
         return np.array([slides[0], theta, m_from_mm(float(axes[_Z])), turn, slides[1], phi])
+
+    def tip_values(self, axes: Vector) -> list[float] | None:
+        """Return the joint values of the way to the gripper, or None where the rods do not meet."""
+        angles = self._angles(axes)
+        if angles is None:
+            return None
+        turn = rad_from_deg(float(axes[_C])) - (0.0 if self.by_arm else angles[0] + self.bend)
+        return [m_from_mm(float(axes[self.slides[0]])), angles[0], m_from_mm(float(axes[_Z])), turn]
+
+    def tip_rows(self, rows: Matrix) -> Matrix:
+        """Return them (N, 4) at rows of axis values; not a number where the rods do not meet."""
+        c, b = (rows[:, n] / 1000.0 for n in self.slides)
+        y = self.across[1] - self.across[0]
+        theta = rod_turns(b + self.along[1] - c - self.along[0], y, self.rods, self.side)
+        turn = np.radians(rows[:, _C]) - (0.0 if self.by_arm else theta + self.bend)
+        return in_columns(c, theta, rows[:, _Z] / 1000.0, turn)
 
     def axes(self, q: Vector) -> Vector:
         """Return the axis values of joint values."""
         found = np.zeros(4)
         found[list(self.slides)] = mm_from_m(float(q[0])), mm_from_m(float(q[4]))
         found[_Z] = mm_from_m(float(q[2]))
-        found[_C] = deg_from_rad(float(q[3]) + (0.0 if self.arm is None else float(q[1]) + self.arm))
+        found[_C] = deg_from_rad(float(q[3]) + (0.0 if self.by_arm else float(q[1]) + self.bend))
         return found
 
     def dq_daxes(self, axes: Vector) -> Matrix:
-        """Return the derivative by elimination; inf where the rods lie in line."""
+        """Return the derivative by elimination; where the rods lie in line 1e12 stands for what has no end."""
         J = np.zeros((6, 4))
         c, b = self.slides
         J[0, c], J[4, b], J[2, _Z], J[3, _C] = 1.0, 1.0, 1.0, 1.0
@@ -102,16 +122,32 @@ class LambdaMap:
         theta, phi = angles
         # (D - B)·(D' - B') = 0 with D' = C' + l_c·θ'·e(θ + 90°), and φ' from what is left across the rod of B.
         lean = math.sin(theta - phi)
-        if abs(lean) < _STRETCHED:
-            return np.full(J.shape, math.inf)
+        lean = math.copysign(max(abs(lean), _LOOSE), lean)
         rod, other = self.rods
         J[1, c], J[1, b] = math.cos(phi) / (rod * lean), -math.cos(phi) / (rod * lean)
         for axis, moved in ((c, 1.0), (b, -1.0)):
             across = -moved * math.sin(phi) + rod * J[1, axis] * math.cos(theta - phi)
             J[5, axis] = across / other
-        if self.arm is not None:
+        if not self.by_arm:
             J[3] -= J[1]
         return J
+
+    def losses(self, axes: Vector) -> tuple[Loss, ...]:
+        """Return every function that vanishes at a singularity; none where the rods do not meet."""
+        angles = self._angles(axes)
+        if angles is None:
+            return ()
+        theta, phi = angles
+        c, b = self.slides
+        rates = np.array([0.0, 1.0, 0.0, 0.0 if self.by_arm else -1.0, 0.0, 0.0])
+        how = "stretched in one line" if math.cos(theta - phi) < 0.0 else "folded onto one another"
+        rods = f"the rods of {self.names[0]} and {self.names[1]} are {{nearly}}{how}"
+        slide, arm = (f"{self.names[n]} stands {{nearly}}across its slide" for n in (b, c))
+        return (
+            Loss("platform", math.sin(theta - phi), (c, b), rods, rates=rates),
+            Loss("strut", math.cos(phi), (b,), f"the rod of {slide}"),
+            Loss("strut", math.cos(theta + self.bend), (c,), f"the arm of {arm}"),
+        )
 
     def refusal(self, axes: Vector) -> ChainbuildError | None:
         """Return by how much the rods miss one another at axis values, or None where they meet."""
@@ -136,6 +172,7 @@ class LambdaMap:
         c = float(q[0]) + self.along[0]
         across = self.across[0] + rod * math.sin(theta) - self.across[1]
         square = other**2 - across**2
+        square = 0.0 if abs(square) < IN_LINE * other**2 else square
         values = [[value] for value in own.tolist()]
         middle, half = c + rod * math.cos(theta) - self.along[1], math.sqrt(max(square, 0.0))
         values[self.slides[1]] = [] if square < 0.0 else [mm_from_m(middle - half), mm_from_m(middle + half)]
@@ -164,11 +201,22 @@ class LambdaMap:
         axes[b] = axes[c] + mm_from_m(way + self.along[0] - self.along[1])
         return axes
 
+    def strut_ranges(self) -> tuple[tuple[float, float] | None, ...]:
+        """Return the range of each axis that the rods leave: the slides stand as far apart as both rods reach.
+
+        Where they stand together is free: the range lies around 0 and holds every shape of the rods.
+        """
+        half = math.sqrt(max(sum(self.rods) ** 2 - (self.across[1] - self.across[0]) ** 2, 0.0)) / 2.0
+        ranges: list[tuple[float, float] | None] = [None] * 4
+        for n, middle in zip(self.slides, (0.0, self.along[0] - self.along[1]), strict=True):
+            ranges[n] = mm_from_m(middle - half), mm_from_m(middle + half)
+        return tuple(ranges)
+
     def q_bounds(self, lower: Vector, upper: Vector) -> tuple[Vector, Vector]:
         """Return bounds of the joint values."""
         low, high = np.full(6, -2.0 * math.pi), np.full(6, 2.0 * math.pi)
         for row, n in zip((0, 2, 4), (self.slides[0], _Z, self.slides[1]), strict=True):
             low[row], high[row] = m_from_mm(float(lower[n])), m_from_mm(float(upper[n]))
-        turn = 0.0 if self.arm is None else 2.0 * math.pi + abs(self.arm)
+        turn = 0.0 if self.by_arm else 2.0 * math.pi + abs(self.bend)
         low[3], high[3] = rad_from_deg(float(lower[_C])) - turn, rad_from_deg(float(upper[_C])) + turn
         return low, high

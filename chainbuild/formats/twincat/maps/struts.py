@@ -20,113 +20,22 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.closing import Loss
+from chainbuild.closest import and_joined
 from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.formats.twincat.maps.arms import Centre, Column, Lever, direction
+from chainbuild.formats.twincat.maps.losing import rod_losses, strut_losses
+from chainbuild.formats.twincat.maps.rows import common_points, in_columns
 from chainbuild.units import deg_from_rad, m_from_mm, mm_from_m, rad_from_deg
-
-Centre = tuple[float, float, float]
 
 _ARMS: Final = 3  # three balls have a common point
 _TO_SI: Final = {"linear": m_from_mm, "rotary": rad_from_deg}
 _SHOWN: Final = {"linear": mm_from_m, "rotary": deg_from_rad}
 _PER_ARM: Final = 3  # joints: the axis, and two angles of the rod
-_FLAT: Final = (
-    1e-12  # of r²: below it the rods lie in the plane of their joints, and the platform is free to fall or rise
-)
-
-
-@dataclass(frozen=True, slots=True)
-class Column:
-    """A carriage on a column, driven along Z.
-
-    Attributes:
-        angle_deg: Azimuth φ.
-        radius: ρ, of the column less that of the platform [m].
-        sign: +1 where the axis counts upwards.
-    """
-
-    angle_deg: float
-    radius: float
-    sign: float = 1.0
-
-    kind = "linear"
-
-    def centre(self, value: float) -> tuple[Centre, Centre, float]:
-        """Return the centre of the ball [m], its derivative by the axis, and the turn of the rod's frame [rad]."""
-        x, y = _direction(self.angle_deg)
-        return (self.radius * x, self.radius * y, self.sign * value), (0.0, 0.0, self.sign), 0.0
-
-    def values(self, p: Centre, radius: float, side: float) -> list[float]:
-        """Return the axis values [m] for a platform point: one, the carriage above (side 1) or below it."""
-        x, y = _direction(self.angle_deg)
-        square = radius**2 - (p[0] - self.radius * x) ** 2 - (p[1] - self.radius * y) ** 2
-        return [self.sign * (p[2] + side * math.sqrt(square))] if square >= 0.0 else []
-
-    def missing(self, p: Centre, radius: float) -> float:
-        """Return how much longer [m] the rod would have to be for a platform point; 0 or less: it is long enough."""
-        x, y = _direction(self.angle_deg)
-        return math.hypot(p[0] - self.radius * x, p[1] - self.radius * y) - radius
-
-
-@dataclass(frozen=True, slots=True)
-class Lever:
-    """A lever that turns about the tangent; positive turns lower its tip.
-
-    Attributes:
-        angle_deg: Azimuth φ.
-        radius: Of the motors less that of the platform [m].
-        length: Of the lever [m].
-        zero_deg: Axis value at which the lever is level.
-    """
-
-    angle_deg: float
-    radius: float
-    length: float
-    zero_deg: float = 0.0
-
-    kind = "rotary"
-
-    def centre(self, value: float) -> tuple[Centre, Centre, float]:
-        """Return the centre of the ball [m], its derivative by the axis, and the turn of the rod's frame [rad]."""
-        x, y = _direction(self.angle_deg)
-        angle = value - rad_from_deg(self.zero_deg)
-        c, s = math.cos(angle), math.sin(angle)
-        out, slope = self.radius + self.length * c, -self.length * s
-        return (out * x, out * y, -self.length * s), (slope * x, slope * y, -self.length * c), angle
-
-    def values(self, p: Centre, radius: float, side: float) -> list[float]:
-        """Return the axis values [rad] for a platform point: two, the elbow outside first."""
-        # In the plane of the lever: |u - length·(cos θ, -sin θ)|² = r² - across².
-        x, y = _direction(self.angle_deg)
-        out, across = p[0] * x + p[1] * y - self.radius, p[1] * x - p[0] * y
-        distance = math.hypot(out, p[2])
-        square = radius**2 - across**2
-        if square < 0.0 or distance == 0.0 or self.length == 0.0:
-            return []
-        cosine = (distance**2 + self.length**2 - square) / (2.0 * distance * self.length)
-        if abs(cosine) > 1.0:
-            return []
-        middle, half = math.atan2(-p[2], out), math.acos(cosine)
-        both = [middle - half, middle + half]
-        both.sort(key=lambda angle: -math.cos(angle))
-        return [math.remainder(angle, math.tau) + rad_from_deg(self.zero_deg) for angle in both]
-
-    def missing(self, p: Centre, radius: float) -> float:
-        """Return how much longer (positive) or shorter [m] the rod from the lever's tip to a platform point must be."""
-        x, y = _direction(self.angle_deg)
-        out, across = p[0] * x + p[1] * y - self.radius, p[1] * x - p[0] * y
-        distance = math.hypot(out, p[2])
-        short = math.hypot(distance - self.length, across) - radius
-        return short if short > 0.0 else min(0.0, math.hypot(distance + self.length, across) - radius)
-
-
-def _direction(angle_deg: float) -> tuple[float, float]:
-    """Return cosine and sine of an angle, right angles exact."""
-    turned = math.remainder(angle_deg, 360.0)
-    exact = {0.0: (1.0, 0.0), 90.0: (0.0, 1.0), 180.0: (-1.0, 0.0), -180.0: (-1.0, 0.0), -90.0: (0.0, -1.0)}
-    if turned in exact:
-        return exact[turned]
-    angle = rad_from_deg(turned)
-    return math.cos(angle), math.sin(angle)
+_FLAT: Final = 1e-12  # squared sine of the triangle of the centres: below it they lie on a line
+_SAME: Final = 1e-9  # of r: centres nearer than that are one, the direction between them is rounding
+_TOUCHES: Final = 1e-15  # of r²: rounding where the rods lie in the plane of their joints
+_LOOSE: Final = 1e-12  # sine below which the rods count as lying in a plane: 1/_LOOSE stands for an endless rate
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -177,8 +86,21 @@ class ThreeRodsMap:
             q += [value, *self._rod_angles(arm, p, centre, turned)]
         return np.array(q)
 
+    def tip_values(self, axes: Vector) -> list[float] | None:
+        """Return the joint values of the platform and of rotary axes beside the arms, or None where nothing closes."""
+        shown = axes.tolist()
+        a, b, c = self.arms
+        p = self.common((a.place(shown[0]), b.place(shown[1]), c.place(shown[2])))
+        return None if p is None else [*p, *map(rad_from_deg, shown[_ARMS:])]
+
+    def tip_rows(self, rows: Matrix) -> Matrix:
+        """Return them (N, 3 + beside) at rows of axis values; not a number where nothing closes."""
+        a, b, c = (arm.centre_rows(rows[:, n]) for n, arm in enumerate(self.arms))
+        p = common_points((a, b, c), self.rod, self.hanging, (_FLAT, _SAME, _TOUCHES))
+        return in_columns(*p, *np.radians(rows[:, _ARMS:]).T)
+
     def _rod_angles(self, arm: Column | Lever, p: Centre, centre: Centre, turned: float) -> tuple[float, float]:
-        x, y = _direction(arm.angle_deg)
+        x, y = direction(arm.angle_deg)
         dx, dy = p[0] - centre[0], p[1] - centre[1]
         out, across, up = dx * x + dy * y, dy * x - dx * y, p[2] - centre[2]
         s = -self.hanging
@@ -193,13 +115,16 @@ class ThreeRodsMap:
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         square = nx * nx + ny * ny + nz * nz
         uu, vv = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz
-        if square <= _FLAT * uu * vv or square == 0.0:
-            return None  # the centres lie on a line: the platform could turn about it
+        least = (_SAME * self.rod) ** 2
+        if square <= _FLAT * uu * vv or uu <= least or vv <= least or math.dist(b, c) <= _SAME * self.rod:
+            return None  # the centres lie on a line, about which the platform could turn, or on one another
         # The circumcentre from a: (|u|²·(v × n) + |v|²·(n × u)) / (2·|n|²).
         ox = (uu * (vy * nz - vz * ny) + vv * (ny * uz - nz * uy)) / (2.0 * square)
         oy = (uu * (vz * nx - vx * nz) + vv * (nz * ux - nx * uz)) / (2.0 * square)
         oz = (uu * (vx * ny - vy * nx) + vv * (nx * uy - ny * ux)) / (2.0 * square)
         height = self.rod**2 - (ox * ox + oy * oy + oz * oz)
+        if abs(height) < _TOUCHES * self.rod**2:
+            height = 0.0
         if height < 0.0:
             return None
         # The lower point (the upper one of a platform that stands): n is taken upwards.
@@ -213,7 +138,7 @@ class ThreeRodsMap:
         return self._shown(own + q[_ARMS:first].tolist())
 
     def dq_daxes(self, axes: Vector) -> Matrix:
-        """Return the derivative by elimination: (p - c_i)·(dp - dc_i) = 0; inf where the platform loses a direction."""
+        """Return the derivative by elimination: (p - c_i)·(dp - dc_i) = 0; 1e12 where the platform is loose."""
         values = self._si(axes)
         centres = [arm.centre(value) for arm, value in zip(self.arms, values, strict=False)]
         first = _ARMS + self.beside
@@ -222,29 +147,42 @@ class ThreeRodsMap:
         p = self.common([centre for centre, _, _ in centres])
         if p is None:
             return np.full(J.shape, math.nan)
-        rods = np.array([np.subtract(p, centre) for centre, _, _ in centres])
-        slopes = np.array([slope for _, slope, _ in centres])
-        rates = np.diag(np.einsum("ij,ij->i", rods, slopes))
-        try:
-            dp = np.linalg.solve(rods, rates)
-        except np.linalg.LinAlgError:
-            return np.full(J.shape, math.inf)
+        rods = [self._rod(p, centre) for centre, _, _ in centres]
+        dp = np.array(_rates(rods, [slope for _, slope, _ in centres]))
         J[:_ARMS, :_ARMS] = dp
         for n, (arm, (_, slope, _)) in enumerate(zip(self.arms, centres, strict=False)):
-            x, y = _direction(arm.angle_deg)
+            x, y = direction(arm.angle_deg)
             row = first + _PER_ARM * n
             J[row, n] = 1.0
             moved = dp.copy()
             moved[:, n] -= slope
-            frame = np.array([[x, y, 0.0], [-y, x, 0.0], [0.0, 0.0, 1.0]])
-            out, across, up = frame @ rods[n]
-            d_out, d_across, d_up = frame @ moved
-            s, plane = -self.hanging, out * out + up * up
-            J[row + 1, :_ARMS] = (up * d_out - out * d_up) / plane
-            J[row + 2, :_ARMS] = -s * d_across / math.sqrt(max(self.rod**2 - across**2, _FLAT))
+            ux, uy, up = rods[n]
+            out = ux * x + uy * y
+            plane = max(out * out + up * up, _FLAT)
+            # Rows of d(swing), d(lean) by the motion of the rod's lower end against the upper one.
+            lean = self.hanging / math.sqrt(plane)
+            by_end = [[up * x / plane, up * y / plane, -out / plane], [-lean * y, lean * x, 0.0]]
+            J[row + 1 : row + 3, :_ARMS] = np.array(by_end) @ moved / self.rod
             if arm.kind == "rotary":
                 J[row + 1, n] -= 1.0
         return J
+
+    def _rod(self, p: Centre, centre: Centre) -> Centre:
+        """Return the unit vector along a rod, from its upper end to the platform's point."""
+        return (p[0] - centre[0]) / self.rod, (p[1] - centre[1]) / self.rod, (p[2] - centre[2]) / self.rod
+
+    def losses(self, axes: Vector) -> tuple[Loss, ...]:
+        """Return every function that vanishes at a singularity; none where the rods do not meet."""
+        values = self._si(axes)
+        centres = [arm.centre(value)[0] for arm, value in zip(self.arms, values, strict=False)]
+        p = self.common(centres)
+        if p is None:
+            return ()
+        rods = [self._rod(p, centre) for centre in centres]
+        struts = [arm.standing(rod, value) for arm, rod, value in zip(self.arms, rods, values, strict=False)]
+        across = [direction(arm.angle_deg) for arm in self.arms]
+        count = _ARMS * (1 + _PER_ARM) + self.beside
+        return (*strut_losses(struts, self.names), *rod_losses(rods, across, self.names, count))
 
     def refusal(self, axes: Vector) -> ChainbuildError | None:
         """Return which rod is too short or too long at axis values, and by how much, or None where they meet."""
@@ -253,6 +191,10 @@ class ThreeRodsMap:
         if self.common(centres) is not None:
             return None
         permitted = "axis values at which the platform closes"
+        alike = self._alike(centres)
+        if alike:
+            text = f"the rods of {and_joined(alike)} are parallel and hold nothing: their upper ends meet in one point"
+            return AxisValueError(text, parameter=alike[0], permitted=permitted)
         gap, first, second = max(
             (math.dist(centres[n], centres[m]) - 2.0 * self.rod, n, m) for n, m in ((0, 1), (1, 2), (0, 2))
         )
@@ -266,6 +208,14 @@ class ThreeRodsMap:
         if not math.isfinite(missing):
             text = "the rods hold nothing: their joints lie on a line, about which the platform could turn"
         return AxisValueError(text, parameter=self.names[n], permitted=permitted)
+
+    def _alike(self, centres: Sequence[Centre]) -> list[str]:
+        """Return the names of the axes whose rods begin in the same point."""
+        near = [
+            any(m != n and math.dist(one, other) <= _SAME * self.rod for m, other in enumerate(centres))
+            for n, one in enumerate(centres)
+        ]
+        return [name for name, met in zip(self.names, near, strict=True) if met]
 
     def _worst(self, centres: Sequence[Centre]) -> tuple[int, float]:
         """Return the rod that misses the circle on which the others meet by most, and by how much [m]."""
@@ -323,6 +273,17 @@ class ThreeRodsMap:
             own[n] = reached[int(rng.integers(len(reached)))]
         return self._shown(own)
 
+    def strut_ranges(self) -> tuple[tuple[float, float] | None, ...]:
+        """Return the range of each axis that the rods leave: carriages stand as far apart as two rods reach.
+
+        Where they stand together is free: the range lies around 0 and holds every shape of the tripod.
+        """
+        feet = [(arm.radius * x, arm.radius * y) for arm in self.arms for x, y in (direction(arm.angle_deg),)]
+        reach = [4.0 * self.rod**2 - math.dist(feet[n], feet[n - 1]) ** 2 for n in range(_ARMS)]
+        half = mm_from_m(math.sqrt(max(*reach, 0.0)) / 2.0)
+        own = [arm.range_deg(self.rod) if isinstance(arm, Lever) else (-half, half) for arm in self.arms]
+        return (*own, *(None for _ in range(self.beside)))
+
     def _near(self, value: float, rng: np.random.Generator) -> Centre:
         """Return a random point on the ball of the first arm, on the platform's side of its centre."""
         (x, y, z), _, _ = self.arms[0].centre(value)
@@ -339,7 +300,7 @@ class ThreeRodsMap:
             if isinstance(arm, Column):
                 ends = np.array([arm.centre(first)[0], arm.centre(last)[0]])
             else:
-                x, y = _direction(arm.angle_deg)
+                x, y = direction(arm.angle_deg)
                 middle, size = np.array([arm.radius * x, arm.radius * y, 0.0]), arm.length
                 ends = np.array([middle - size, middle + size])
             least = np.maximum(least, ends.min(axis=0) - self.rod)
@@ -348,3 +309,29 @@ class ThreeRodsMap:
         beside = list(zip(low[_ARMS:], high[_ARMS:], strict=True))
         every = [*zip(least.tolist(), most.tolist(), strict=True), *beside, *angles]
         return np.array([one[0] for one in every]), np.array([max(one) for one in every])
+
+
+def _rates(rods: Sequence[Centre], slopes: Sequence[Centre]) -> list[list[float]]:
+    """Return the derivative (3, 3) of the platform's point by the axes: u_i·dp = u_i·dc_i, solved by Cramer's rule.
+
+    Args:
+        rods: Unit vectors u_i along the rods.
+        slopes: dc_i by the axis of the arm.
+    """
+    crosses = [_cross(rods[(n + 1) % _ARMS], rods[(n + 2) % _ARMS]) for n in range(_ARMS)]
+    determinant = _dot(rods[0], crosses[0])
+    least = _LOOSE * math.sqrt(max(_dot(cross, cross) for cross in crosses))
+    moved = [_dot(rod, slope) for rod, slope in zip(rods, slopes, strict=True)]
+    if abs(determinant) < least:
+        determinant = math.copysign(least, determinant)
+        moved = [share if abs(share) > _LOOSE else 1.0 for share in moved]  # 0 over 0 is no rate either
+    shares = [share / determinant for share in moved]
+    return [[cross[row] * share for cross, share in zip(crosses, shares, strict=True)] for row in range(_ARMS)]
+
+
+def _cross(a: Centre, b: Centre) -> Centre:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _dot(a: Centre, b: Centre) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

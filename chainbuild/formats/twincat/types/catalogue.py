@@ -17,13 +17,8 @@ from chainbuild.formats.twincat.lists.hdtable import AxisRow, HdRow, TypeData, t
 from chainbuild.formats.twincat.recipes.recipe import Params, Recipe, RecipeFunction
 from chainbuild.shown import two_lines
 
-# Types that are not a serial chain; titles for messages and `kinematics()`.
-_OTHER_TITLES: Final[Mapping[int, str]] = {
-    19: "Three columns carry the workpiece platform",
-}
 # Given as lists of axes or of kinematics, not by a table of head offsets: built by `translate`, without a recipe.
 _LISTS: Final = frozenset({91, 210})
-_PARALLEL: Final = frozenset({19})
 # Named in the KIN_TYP manual, described in a document of their own.
 _TUBE_PROCESSING: Final = frozenset({15, 78, 79, 90, 93})
 
@@ -120,7 +115,7 @@ def title_of(kin_typ: int) -> str:
         return type_data()[kin_typ].title
     if kin_typ in _TUBE_PROCESSING:
         return "Tube processing"
-    return _OTHER_TITLES.get(kin_typ, "unknown type")
+    return "unknown type"
 
 
 def why_unsupported(kin_typ: int) -> str | None:
@@ -129,9 +124,7 @@ def why_unsupported(kin_typ: int) -> str | None:
         return None
     if kin_typ in _TUBE_PROCESSING:
         return f"KIN_TYP {kin_typ} (tube processing) is not supported: the KIN_TYP manual describes it elsewhere"
-    if kin_typ in _PARALLEL:
-        return f"KIN_TYP {kin_typ} ({title_of(kin_typ)}) is a parallel kinematic, which this version does not build yet"
-    if kin_typ in _OTHER_TITLES or kin_typ in type_data():
+    if kin_typ in type_data():
         return f"KIN_TYP {kin_typ} ({title_of(kin_typ)}) is known, but this version does not build it yet"
     return f"KIN_TYP {kin_typ} is unknown"
 

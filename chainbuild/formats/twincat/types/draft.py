@@ -9,7 +9,7 @@ from chainbuild.chain.assemble import assemble
 from chainbuild.chain.elements import Chain
 from chainbuild.chain.programmed.vectors import VectorProgramming, check_condition
 from chainbuild.convention import Choices
-from chainbuild.errors import ChainbuildError
+from chainbuild.errors import ChainbuildError, ConventionError
 from chainbuild.findings import Collector
 from chainbuild.formats.twincat.lists.config import Orientation, RawValue
 from chainbuild.formats.twincat.lists.counts import check_param_counts
@@ -59,10 +59,15 @@ def serial_draft(source: Source, choose: Choices, collector: Collector) -> Chain
     Raises:
         UnsupportedKinematicError: the type is unknown or not built.
         MachineDataError: a head offset is not permitted.
+        ConventionError: a convention without default is not chosen.
     """
     kind = kin_type(source.trafo.type, source.trafo.span)
     params = build_params(source, kind, collector)
-    recipe = kind.recipe(params, choose)
+    try:
+        recipe = kind.recipe(params, choose)
+    except ConventionError as error:
+        error.span = error.span or params.span  # a convention without default: what asks for it is this kinematic
+        raise
     check_arm_magnitudes(params)
     check_tilt(params)
     axes = recipe.axes or params.axes
