@@ -13,7 +13,7 @@ from chainbuild import ChainbuildError, MapSpec, Robot, make_map
 from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.drives import AffineDrives, DrivesSideBySide
 from chainbuild.comparison.samples import make_samples
-from chainbuild.formats.twincat.maps.drives import BevelDrives
+from chainbuild.formats.twincat.maps.drives import BevelAxes, BevelDrives
 from chainbuild.inspect.sweep import axis_sweep, rest_pose
 from tests.kit.machine_files import machine_file
 from tests.kit.named_axes import bezeichnungen
@@ -166,3 +166,15 @@ def test_a_drive_at_its_axis_value_is_refused_by_the_key_that_is_written(tmp_pat
     assert error.value.parameter == "limits.drives.A"
     assert error.value.span is not None
     assert error.value.span.line == 4
+
+
+@pytest.mark.parametrize(("arrangement", "lean", "turned"), [("upright", 2.0, 180.0), ("b_outside", 1.0, 90.0)])
+def test_76_at_the_edge_of_its_reach(arrangement: BevelAxes, lean: float, turned: float) -> None:
+    """Upright, A leans twice HD7 at half a turn; with B outside, HD7 across at a quarter. Rounding is no excess."""
+    for tilt in np.linspace(20.0, 45.0, 60):
+        bevel = BevelDrives(float(tilt), 0.0, arrangement)
+        for sense in (1.0, -1.0):
+            at = bevel.drives(np.array([0.0, 0.0, 0.0, 0.0, sense * lean * tilt]))
+            assert abs(at[3]) == pytest.approx(turned, abs=1e-4)
+            beyond = bevel.drives(np.array([0.0, 0.0, 0.0, 0.0, sense * (lean * tilt + 1e-3)]))
+            assert not np.isfinite(beyond[3])
