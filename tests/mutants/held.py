@@ -22,6 +22,7 @@ from typing import NoReturn
 from tests.mutants.forked import Job, Outcome, TypeFilter, in_fork, module_of, quiet_pytest, split_types
 from tests.mutants.transplant import transplanted
 
+_WORD = 2  # bytes of a job's number in the pipe that workers read them from, which holds 65,536 bytes
 Told = Callable[[Job, Outcome], None]
 
 
@@ -55,12 +56,16 @@ class _Loop:
 
     def pytest_runtestloop(self, session) -> bool:
         reading, writing = os.pipe()
-        workers, children = os.cpu_count() or 1, []
-        for first in range(workers):
+        asked, asking = os.pipe()
+        os.write(asking, b"".join(number.to_bytes(_WORD) for number in range(len(self.jobs))))
+        os.close(asking)
+        children = []
+        for _ in range(os.cpu_count() or 1):
             child = os.fork()  # a process and no thread: what forks beside threads may wait for ever
             if child == 0:
-                self._work(session, range(first, len(self.jobs), workers), writing)
+                self._work(session, iter(lambda: os.read(asked, _WORD), b""), writing)
             children.append(child)
+        os.close(asked)
         os.close(writing)
         with os.fdopen(reading) as lines:
             for line in lines:
@@ -70,11 +75,12 @@ class _Loop:
             os.waitpid(child, 0)
         return True
 
-    def _work(self, session, numbers: Iterable[int], writing: int) -> NoReturn:
+    def _work(self, session, numbers: Iterable[bytes], writing: int) -> NoReturn:
         """Judge some of the jobs and end this process; what was killed goes through a pipe, a line each."""
         try:
             killers: defaultdict[Path, list[str]] = defaultdict(list)
-            for number in numbers:
+            for word in numbers:
+                number = int.from_bytes(word)
                 job = self.jobs[number]
                 known = killers[job.path]
                 killer = in_fork(partial(_first_failing, session, job, known)) if time.monotonic() < self.until else ""

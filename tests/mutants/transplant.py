@@ -23,7 +23,7 @@ def transplanted(module: str, path: Path, source: str) -> bool:
     code = compile(source, str(path), "exec", dont_inherit=True)
     exec(code, fresh.__dict__)
     replaced = 0
-    for old, new in _pairs(vars(loaded), vars(fresh), module):
+    for old, new in _pairs(vars(loaded), vars(fresh), module, str(path)):
         if old.__code__.co_freevars != new.__code__.co_freevars:
             return False
         old.__code__ = new.__code__
@@ -38,16 +38,17 @@ def _functions_in(code: CodeType) -> int:
     return sum(_functions_in(part) if "__qualname__" in part.co_names else 1 for part in inner)
 
 
-def _pairs(old: dict[str, object], new: dict[str, object], module: str) -> Iterator[tuple[FunctionType, FunctionType]]:
-    """Yield the functions of a namespace, and of its classes, old and new."""
+def _pairs(
+    old: dict[str, object], new: dict[str, object], module: str, file: str
+) -> Iterator[tuple[FunctionType, FunctionType]]:
+    """Yield the functions of a namespace, and of its classes, old and new; not those that dataclasses make."""
     for name, value in list(new.items()):
         known = old.get(name)
         if isinstance(value, type) and isinstance(known, type) and value.__module__ == known.__module__ == module:
-            yield from _pairs(dict(vars(known)), dict(vars(value)), module)
+            yield from _pairs(dict(vars(known)), dict(vars(value)), module, file)
             continue
-        of_old, of_new = _functions_of(known), _functions_of(value)
-        for one, other in zip(of_old, of_new, strict=False):
-            if other.__module__ == module and other.__code__.co_filename == one.__code__.co_filename:
+        for one, other in zip(_functions_of(known), _functions_of(value), strict=False):
+            if other.__code__.co_filename == file and other is not one:
                 yield one, other
 
 

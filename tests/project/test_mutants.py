@@ -37,7 +37,9 @@ def test_the_types_of_a_family_are_read_from_its_file() -> None:
 
 
 JUDGED = """
+import math
 from tests.mutants.forked import Job, failing_unmutated, judged
+from tests.mutants.held import judge_held
 from tests.mutants.equivalent import EQUIVALENT, Equivalent
 from tests.mutants.mutations import Mutant
 from tests.mutants.targets import ROOT
@@ -50,6 +52,11 @@ for text, killers in ((source, [test]), (wrong, []), (wrong, [test]), (broken, [
     found = judged(Job(path, Mutant(0, "", "", text), (test,)), killers)
     print(found.kind, found.killer.partition("::")[2])
 print(failing_unmutated([test]))
+jobs = [Job(path, Mutant(0, function, "", text), (test,)) for text, function in
+        ((source, "q"), (wrong, "axes"), (wrong, ""), (wrong.replace("class AffineMap", "class Another"), "axes"))]
+found = []
+judge_held((test,), jobs, lambda job, outcome: found.append((jobs.index(job), outcome.kind)), math.inf)
+print(found)
 """
 
 
@@ -57,7 +64,7 @@ def test_mutants_are_killed_by_the_test_that_fails_and_the_rest_survives() -> No
     """In a process of its own, as in `make mutants`: the package must not be imported before."""
     done = subprocess.run([sys.executable, "-c", JUDGED], cwd=ROOT, capture_output=True, text=True, check=True)
     name = "test_an_affine_map_there_and_back"
-    words = ["survived ", f"killed {name}", f"killed {name}", "killed ", "[]"]
+    words = ["survived ", f"killed {name}", f"killed {name}", "killed ", "[]", "[(1, 'killed')]"]
     assert done.stdout.splitlines() == words
 
 
