@@ -62,6 +62,10 @@ EQUIVALENT = (
         "the list is refused by then: any ratio but 0 lets the check go on",
     ),
     Equivalent(
+        "formats/twincat/families/levers.py", '_DISC_AXES.get(flags, "z")', "axis z → x",
+        "the list is refused by then: any axis lets the check go on",
+    ),
+    Equivalent(
         "formats/twincat/families/parallel.py", '"deg_180": 180.0', "180.0 → -180.0",
         "half a turn this way or that is the same",
     ),
