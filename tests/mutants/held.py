@@ -11,10 +11,11 @@ import io
 import json
 import os
 import sys
+import tempfile
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import NoReturn
@@ -23,6 +24,7 @@ from tests.mutants.forked import Job, Outcome, TypeFilter, in_fork, module_of, q
 from tests.mutants.transplant import transplanted
 
 _WORD = 2  # bytes of a job's number in the pipe that workers read them from, which holds 65,536 bytes
+Callers = dict[tuple[str, str], dict[str, float]]  # (file, function) → test → seconds
 Told = Callable[[Job, Outcome], None]
 
 
@@ -53,8 +55,10 @@ class _Loop:
     jobs: Sequence[Job]
     told: Told
     until: float
+    callers: Callers = field(default_factory=dict)
 
     def pytest_runtestloop(self, session) -> bool:
+        self.callers = _callers_of(session, {str(job.path) for job in self.jobs})
         reading, writing = os.pipe()
         asked, asking = os.pipe()
         os.write(asking, b"".join(number.to_bytes(_WORD) for number in range(len(self.jobs))))
@@ -83,7 +87,11 @@ class _Loop:
                 number = int.from_bytes(word)
                 job = self.jobs[number]
                 known = killers[job.path]
-                killer = in_fork(partial(_first_failing, session, job, known)) if time.monotonic() < self.until else ""
+                killer = (
+                    in_fork(partial(_first_failing, session, job, known, self.callers))
+                    if time.monotonic() < self.until
+                    else ""
+                )
                 if killer:
                     if killer in known:
                         known.remove(killer)
@@ -93,7 +101,52 @@ class _Loop:
             os._exit(0)
 
 
-def _first_failing(session, job: Job, killers: list[str]) -> str:
+def _callers_of(session, files: set[str]) -> Callers:
+    """Return which tests call the functions of files, and what each takes [s], by running all of them once."""
+    workers = os.cpu_count() or 1
+    with tempfile.TemporaryDirectory() as folder:
+        children = []
+        for first in range(workers):
+            child = os.fork()
+            if child == 0:
+                try:
+                    _note_callers(session.items[first::workers], files, Path(folder) / str(first))
+                finally:
+                    os._exit(0)
+            children.append(child)
+        for child in children:
+            os.waitpid(child, 0)
+        callers: defaultdict[tuple[str, str], dict[str, float]] = defaultdict(dict)
+        for path in Path(folder).iterdir():
+            for file, function, found in json.loads(path.read_text("utf-8")):
+                callers[file, function] |= found
+        return callers
+
+
+def _note_callers(items, files: set[str], path: Path) -> None:
+    from _pytest.runner import runtestprotocol
+
+    sys.stdout = sys.stderr = io.StringIO()
+    found: defaultdict[tuple[str, str], dict[str, float]] = defaultdict(dict)
+    called: set[tuple[str, str]] = set()
+
+    def note(frame, event, argument) -> None:
+        code = frame.f_code
+        if code.co_filename in files:
+            called.add((code.co_filename, code.co_name))
+
+    for item in items:
+        called.clear()
+        start = time.monotonic()
+        sys.settrace(note)
+        runtestprotocol(item, log=False, nextitem=None)  # fixtures of a module are made anew for each of its tests
+        sys.settrace(None)
+        for one in called:
+            found[one][item.nodeid] = time.monotonic() - start
+    path.write_text(json.dumps([(*one, tests) for one, tests in found.items()]), "utf-8")
+
+
+def _first_failing(session, job: Job, killers: list[str], callers: Callers) -> str:
     """Return the first test that fails with a mutant, in this process; empty: none, or the mutant has no place."""
     from _pytest.runner import runtestprotocol
 
@@ -102,8 +155,11 @@ def _first_failing(session, job: Job, killers: list[str]) -> str:
     items = list(session.items)
     for types in split_types(job.tests)[1]:
         TypeFilter(types).pytest_collection_modifyitems(items)
-    ranks = {name: len(killers) - n for n, name in enumerate(killers)}
-    items.sort(key=lambda item: ranks.get(item.nodeid, len(killers) + 1))
+    # First what killed others, the newest first, then what calls the function, the quickest first, then the others.
+    ranks = {name: (0, float(-n)) for n, name in enumerate(killers)}
+    for name, seconds in callers.get((str(job.path), job.mutant.function), {}).items():
+        ranks.setdefault(name, (1, seconds))
+    items.sort(key=lambda item: ranks.get(item.nodeid, (2, 0.0)))
     sys.stdout = sys.stderr = io.StringIO()
     for item, following in zip(items, [*items[1:], None], strict=True):
         if any(report.failed for report in runtestprotocol(item, log=False, nextitem=following)):
