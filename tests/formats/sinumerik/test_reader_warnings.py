@@ -124,3 +124,13 @@ def test_opposite_angles_leave_no_such_finding(angles: tuple[float, float]) -> N
 def test_limits_the_wrong_way_round_are_refused() -> None:
     machine = read(robx_text(NR6, extra="$MA_POS_LIMIT_MINUS[AX1]=5\n$MA_POS_LIMIT_PLUS[AX1]=-5"), strict=False)
     assert [finding.code for finding in machine.findings if finding.severity == "error"] == ["CB114"]
+
+
+def test_of_three_names_of_an_axis_the_one_between_may_be_the_other() -> None:
+    named = '$MN_AXCONF_MACHAX_NAME_TAB[0]="TURN"\n$MC_AXCONF_CHANAX_NAME_TAB[0]="CHAN"\n$MA_POS_LIMIT_PLUS[AX1]=100\n'
+    lines = "\n".join(
+        f"$MA_POS_LIMIT_MINUS[{name}]={value}" for name, value in (("AX1", -30), ("TURN", -10), ("CHAN", -30))
+    )
+    (finding,) = with_code("CB113", named + lines)
+    assert "$MA_POS_LIMIT_MINUS[TURN] in line" in finding.text
+    assert "$MA_POS_LIMIT_MINUS[CHAN] are the same axis" in finding.text

@@ -148,9 +148,9 @@ def _limited(axis: Axis, robx: Robx, table: DataTable, channel_axis: int, collec
 
     def row(datum: str) -> Assignment | None:
         found = sorted((r for name in names if (r := table.axis(datum, name))), key=lambda r: r.span.line)
-        if len(found) > 1 and found[0].value != found[-1].value:
-            first, last = (written_name(r.datum, False, r.index) for r in (found[0], found[-1]))
-            text = f"{first} in line {found[0].span.line} and {last} are the same axis; the last value is used"
+        if other := next((r for r in found if r.value != found[-1].value), None):
+            first, last = (written_name(r.datum, False, r.index) for r in (other, found[-1]))
+            text = f"{first} in line {other.span.line} and {last} are the same axis; the last value is used"
             collector.add("CB113", text, span=found[-1].span, parameter=last)
         return found[-1] if found else None
 
