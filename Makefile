@@ -29,7 +29,7 @@ bench: $(INSTALLED_BENCH)
 	$(BIN)/python -m tests.bench.displayed
 	$(BIN)/python docs/generate.py
 
-# Some 1300 of them, 2 to 6 s of a core each; where an hour does not do, each file has had its share.
+# Some 1600 of them; those that no test kills at once are judged in fresh processes, which takes most of the time.
 mutants: $(INSTALLED_TEST)
 	$(BIN)/python -m tests.mutants --minutes 60
 

@@ -45,21 +45,40 @@ def judge_held(words: tuple[str, ...], jobs: Sequence[Job], told: Told, until: f
         told: Called with job and outcome.
         until: Time by `time.monotonic` at which no further mutant begins.
     """
-    quiet_pytest(list(words), [_Loop(jobs, told, until)], "--capture=sys")
+    reading, writing = os.pipe()
+    child = os.fork()  # the package stays unknown to this process: what is judged anew must load it mutated
+    if child == 0:
+        try:
+            os.close(reading)
+            quiet_pytest(list(words), [_Loop(jobs, writing, until)], "--capture=sys")
+        finally:
+            os._exit(0)
+    os.close(writing)
+    with os.fdopen(reading) as lines:
+        for line in lines:
+            number, killer = json.loads(line)
+            told(jobs[number], Outcome("killed", killer))
+    os.waitpid(child, 0)
 
 
 @dataclass(eq=False)
 class _Loop:
-    """Pytest plugin: in place of the tests, the mutants, each in a fork that runs tests until one fails."""
+    """Pytest plugin: in place of the tests, the mutants, each in a fork that runs tests until one fails.
+
+    Attributes:
+        jobs: The mutants.
+        writing: Pipe for what was killed: number and test in a line of JSON.
+        until: Time at which no further mutant begins.
+        callers: Which tests call which functions.
+    """
 
     jobs: Sequence[Job]
-    told: Told
+    writing: int
     until: float
     callers: Callers = field(default_factory=dict)
 
     def pytest_runtestloop(self, session) -> bool:
         self.callers = _callers_of(session, {str(job.path) for job in self.jobs})
-        reading, writing = os.pipe()
         asked, asking = os.pipe()
         os.write(asking, b"".join(number.to_bytes(_WORD) for number in range(len(self.jobs))))
         os.close(asking)
@@ -67,20 +86,14 @@ class _Loop:
         for _ in range(os.cpu_count() or 1):
             child = os.fork()  # a process and no thread: what forks beside threads may wait for ever
             if child == 0:
-                self._work(session, iter(lambda: os.read(asked, _WORD), b""), writing)
+                self._work(session, iter(lambda: os.read(asked, _WORD), b""))
             children.append(child)
-        os.close(asked)
-        os.close(writing)
-        with os.fdopen(reading) as lines:
-            for line in lines:
-                number, killer = json.loads(line)
-                self.told(self.jobs[number], Outcome("killed", killer))
         for child in children:
             os.waitpid(child, 0)
         return True
 
-    def _work(self, session, numbers: Iterable[bytes], writing: int) -> NoReturn:
-        """Judge some of the jobs and end this process; what was killed goes through a pipe, a line each."""
+    def _work(self, session, numbers: Iterable[bytes]) -> NoReturn:
+        """Judge some of the jobs and end this process."""
         try:
             killers: defaultdict[Path, list[str]] = defaultdict(list)
             for word in numbers:
@@ -96,7 +109,7 @@ class _Loop:
                     if killer in known:
                         known.remove(killer)
                     known.append(killer)
-                    os.write(writing, f"{json.dumps([number, killer])}\n".encode())
+                    os.write(self.writing, f"{json.dumps([number, killer])}\n".encode())
         finally:
             os._exit(0)
 
