@@ -1,7 +1,8 @@
 """Run the mutants: `python -m tests.mutants [--minutes N] [part of a path …]`.
 
-Each mutant lives in a forked process in which one module is replaced; the tests that concern it run until the first
-failure, those first that killed others of the same file. A mutant that no test fails survives and is listed. The
+Each mutant lives in a forked process: first put into functions that are loaded already, where the tests that call them
+run first (`tests.mutants.held`); what no test fails there is judged anew in a process that loads the mutated module
+(`tests.mutants.forked`). The tests run until the first failure. A mutant that no test fails survives and is listed. The
 mutants of all files take turns, in an order that is random and always the same: where time ends, each file has had
 its share.
 """

@@ -56,7 +56,8 @@ def compare(kin: int, folder: Path, rng: np.random.Generator, vectors: int, conv
 
 
 def test_every_built_type_has_a_formula() -> None:
-    assert set(chainbuild.catalogue()) <= set(FORMULAS) | set(LOOPS) | {91, 98, 210}
+    table = {19}  # tests.hand.loops_table: its state has no formula but equations, compared in test_rod_table.py
+    assert set(chainbuild.catalogue()) <= set(FORMULAS) | set(LOOPS) | table | {91, 98, 210}
 
 
 @pytest.mark.parametrize("kin", sorted(FORMULAS))
