@@ -97,7 +97,7 @@ BAD = [
     Bad("tube_processing", "trafo[0].id 78", ("KIN_TYP 78 (tube processing)", "elsewhere"), 1),
     Bad("unknown_type_20", "trafo[0].id 20", ("KIN_TYP 20 is unknown", "permitted: KIN_TYP ", "45"), 1),
     Bad("type_wins_over_id", ARM + "trafo[0].type 20", ("KIN_TYP 20 is unknown",), 1),
-    Bad("three columns", "trafo[0].id 19", ("convention kin19_guide must be chosen", "radial_planes, centre_on_axis"), 1),
+    Bad("three columns", "trafo[0].id 19", ("kin19_guide must be chosen", "radial_planes, centre_on_axis"), 1),
     Bad("universal", "trafo[0].id 91", ("number_of_axes is 0", "trafo[0].number_of_axes", "3, 4, 5, 6"), 1),
     Bad("coupling", "trafo[0].id 210", ("no group is configured",), 1, alarm=292085),
     Bad(
