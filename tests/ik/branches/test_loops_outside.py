@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from chainbuild import Robot
+from chainbuild import IkOptions, Robot
 from chainbuild.errors import ChainbuildError
 from tests.hand.loops_cases import channel_list, random_hd, random_regular
 from tests.hand.loops_hand import LOOPS
@@ -157,3 +157,21 @@ def test_a_batch_takes_the_struts_alone_as_one_pose_does(tmp_path: Path) -> None
     T[1, 0, 0] = 3.0
     with pytest.raises(ChainbuildError, match="pose 1: "):
         delta.ik_batch(T)
+
+
+@pytest.mark.parametrize("name", ["tripod_kin12", "lambda_kin21", "tripod_table_kin209"])
+def test_the_damped_search_from_where_nothing_closes(name: str) -> None:
+    """It starts elsewhere or gives up; neither ends in what is no number."""
+    robot = Robot.load(name)
+    lower, upper = np.array([axis.range for axis in robot.axes]).T
+    apart = np.where(np.arange(len(lower)) % 2 == 0, lower, upper)
+    far = middle(robot)
+    far[0] += 4000.0
+    T = robot.fk(middle(robot))
+    for start in (apart, far):
+        for options in (None, IkOptions(max_restarts=0)):
+            found = robot.ik(T, start=start, solver="damped", options=options)
+            assert np.isfinite(found.axes).all()
+            assert not math.isnan(found.position_error + found.rotation_error)
+            assert found.success or found.reason
+        assert robot.ik(T, start=start).success
