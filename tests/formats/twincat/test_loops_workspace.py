@@ -70,7 +70,7 @@ def long_way(kin: int, hd: Hd) -> np.ndarray:
         T[2, 3] = 300.0 * math.sin(4.0 * np.pi * t) if kin != 37 else -480.0 + 60.0 * math.sin(4.0 * np.pi * t)
         return T, np.array([math.cos(angle), math.sin(angle), 0.0])
 
-    some = share[::9]
+    some = share[::27]
     edge = np.interp(share, some, [farthest(base, own, *middle_and_way(t)) for t in some])
     rows = []
     for t, far in zip(share.tolist(), edge.tolist(), strict=True):
@@ -95,7 +95,7 @@ def test_a_long_way_through_the_workspace_never_jumps(kin: int, tmp_path: Path) 
     assert np.abs(found[:, :3, 3] * 1000.0 - np.array(wanted)[:, :3, 3]).max() <= 1e-6
     assert np.abs(found[:, :3, :3] - np.array(wanted)[:, :3, :3]).max() <= 1e-9
     # Close to the edge at the outer turns: some strut or rod is nearly singular there, and none is passed.
-    losses = [{(loss.kind, loss.axes): loss.value for loss in losses_at(robot, row)} for row in way]
+    losses = [{(loss.kind, loss.axes): loss.value for loss in losses_at(robot, row)} for row in way[::3]]
     least = {key: np.array([one[key] for one in losses]) for key in losses[0]}
     assert min(np.abs(values).min() for values in least.values()) < 0.4
     for key, values in least.items():
@@ -108,9 +108,10 @@ def test_a_long_way_through_the_workspace_never_jumps(kin: int, tmp_path: Path) 
     steps = np.abs(np.diff(frames, axis=0)).max(axis=(1, 2, 3))
     assert steps.max() < 12.0 * steps.mean()
     assert len(np.unique(np.round(found[:, :2, 3], 2), axis=0)) > 300
-    back = robot.ik_path(found[::4], start=way[0])
+    some = slice(None, None, 4 if kin == 21 else 10)
+    back = robot.ik_path(found[some], start=way[0])
     assert all(status == "ok" for status in back.status)
-    assert max(differ(kin, one, axes) for one, axes in zip(back.axes, way[::4], strict=True)) < FOUND_AGAIN
+    assert max(differ(kin, one, axes) for one, axes in zip(back.axes, way[some], strict=True)) < FOUND_AGAIN
 
 
 @pytest.mark.parametrize("kin", TYPES)
