@@ -179,10 +179,8 @@ class LineMotion:
         """Return the axis values at shares of blocks, by Newton's method from the straight axes; limits are ignored."""
         x, straight, missed = self._from_straight(blocks, t)
         # Next to a singularity the straight axes may be too far, or lead to another branch: walk from the rows.
-        doubtful = (
-            missed | (np.abs(x - straight).max(axis=1, initial=0.0) > LARGEST_LINE_STEP) | self._crossed(x, blocks)
-        )
         missed |= self._crossed(x, blocks)
+        doubtful = missed | (np.abs(x - straight).max(axis=1, initial=0.0) > LARGEST_LINE_STEP)
         for end in (0, 1):
             if doubtful.any() and not self._fewer:
                 rows = np.flatnonzero(doubtful)
