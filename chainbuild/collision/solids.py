@@ -8,13 +8,13 @@ from typing import Any, Final, Literal
 
 import coal
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild import frames, tolerances
-from chainbuild.arrays import Matrix, Vector
+from chainbuild.arrays import Matrix
+from chainbuild.chain.bodies.body import Body, along
 from chainbuild.chain.bodies.geometry import Shape
 from chainbuild.chain.bodies.rods import LEVEL_LINKS
-from chainbuild.chain.bodies.shapes import Body, detail_bodies, link_bodies
+from chainbuild.chain.bodies.shapes import detail_bodies, link_bodies
 from chainbuild.chain.elements import Chain
 from chainbuild.errors import FileAccessError, FileContentError, Span
 
@@ -93,7 +93,7 @@ def _given(link: str, shape: Shape) -> Solid:
         start, end = np.array(shape.points[:3]), np.array(shape.points[3:])
         length = float(np.linalg.norm(end - start))
         make = coal.Capsule if shape.kind == "capsule" else coal.Cylinder
-        T = _along(end - start, (start + end) / 2)
+        T = along(end - start, (start + end) / 2)
         return _solid(link, shape.kind, T, (shape.radius, length), make(shape.radius, length))
     T = frames.f_frame(shape.place[:3], shape.place[3:])
     if shape.kind == "box":
@@ -143,10 +143,3 @@ def _solid(link: str, kind: Any, T: Matrix, size: tuple[float, ...], geometry: A
     centre = T[:3, :3] @ np.asarray(geometry.aabb_center) + T[:3, 3]
     reach = float(np.linalg.norm(centre)) + float(geometry.aabb_radius)
     return Solid(link, link, kind, T, reach, tuple(size), geometry)
-
-
-def _along(direction: Vector, centre: NDArray[np.float64]) -> Matrix:
-    """Return a frame whose z points along a direction other than zero, with its origin at `centre`."""
-    z = frames.unit(direction)
-    x = frames.unit(np.cross(np.eye(3)[int(np.argmin(np.abs(z)))], z))
-    return frames.transform(np.column_stack([x, np.cross(z, x), z]), centre)

@@ -7,7 +7,8 @@ from dataclasses import replace
 from html import escape
 from pathlib import PurePath
 
-from chainbuild.chain.bodies.shapes import BASE_COLOUR, TOOL_SIDE, WORKPIECE_SIDE, Colour, shown_limits
+from chainbuild.chain.bodies.body import BASE_COLOUR, TOOL_SIDE, WORKPIECE_SIDE, Colour
+from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.convention import UsedConvention
 from chainbuild.files import printable

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.bodies.shapes import Body, Colour, detail_bodies, link_bodies, machine_size
+from chainbuild.chain.bodies.body import Body, Colour
+from chainbuild.chain.bodies.shapes import detail_bodies, link_bodies, machine_size
 from chainbuild.chain.elements import BASE_LINK, FRAME_NAMES, Chain, Frame
 from chainbuild.chain.poses import link_placements
 from chainbuild.inspect.labels import Side, draw_label

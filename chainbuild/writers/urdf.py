@@ -13,16 +13,9 @@ from typing import TYPE_CHECKING, Final
 from chainbuild import tolerances
 from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.bodies.body import BASE_COLOUR, TOOL_COLOUR, WORKPIECE_SIDE, Body
 from chainbuild.chain.bodies.rods import rod_masters
-from chainbuild.chain.bodies.shapes import (
-    BASE_COLOUR,
-    TOOL_COLOUR,
-    WORKPIECE_SIDE,
-    Body,
-    detail_bodies,
-    link_bodies,
-    machine_size,
-)
+from chainbuild.chain.bodies.shapes import detail_bodies, link_bodies, machine_size
 from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint
 from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.files import angle_text, file_of, number_text, numbers_text, write_text

@@ -7,14 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chainbuild.chain.bodies.shapes import (
-    TOOL_SIDE,
-    WORKPIECE_SIDE,
-    detail_bodies,
-    link_bodies,
-    machine_size,
-    shown_limits,
-)
+from chainbuild.chain.bodies.body import TOOL_SIDE, WORKPIECE_SIDE
+from chainbuild.chain.bodies.shapes import detail_bodies, link_bodies, machine_size, shown_limits
 from chainbuild.chain.elements import Link
 from tests.kit.drawn_robots import ROBOTS, arm, gantry, scara, table
 

@@ -6,28 +6,27 @@ a cylinder (rotary) or box (linear) from joint to joint, as thick as looks right
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
 from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.bodies.body import (
+    BASE_COLOUR,
+    JOINT_COLOUR,
+    TOOL_COLOUR,
+    TOOL_SIDE,
+    WORKPIECE_SIDE,
+    Body,
+    Colour,
+    along,
+    rounded_body,
+)
 from chainbuild.chain.bodies.rods import CRANK, ROD_END, ROD_PIN, has_rods
 from chainbuild.chain.closing import strut_range
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint
 from chainbuild.chain.fold import drawn, drawn_bounds
-
-Colour = tuple[float, float, float]
-BodyKind = Literal["cylinder", "box", "sphere"]
-Part = Literal["link", "joint", "rail", "lever", "flange", "tool", "table"]
-
-# Red, green, blue in 0…1. Warm: what carries the tool. Cool: what carries the workpiece.
-BASE_COLOUR: Final[Colour] = (0.29, 0.32, 0.37)
-JOINT_COLOUR: Final[Colour] = (0.20, 0.22, 0.26)
-TOOL_COLOUR: Final[Colour] = (0.70, 0.73, 0.78)
-TOOL_SIDE: Final[tuple[Colour, Colour]] = ((0.95, 0.52, 0.13), (0.98, 0.69, 0.33))
-WORKPIECE_SIDE: Final[tuple[Colour, Colour]] = ((0.10, 0.55, 0.55), (0.33, 0.71, 0.69))
 
 # Radius of a link over the size of the machine: at the base and at the tip, where arms are slender.
 _STOUT: Final = 0.055
@@ -41,27 +40,6 @@ _ASSUMED_STROKE_SHARE: Final = 0.5
 _ASSUMED_TURN_DEG: Final = 180.0
 # More than one turn either way shows nothing new.
 _SHOWN_TURN_DEG: Final = 360.0
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Body:
-    """A primitive fixed to a link.
-
-    Attributes:
-        link: Name of the link that carries it.
-        part: What it stands for; "link" for the one body that every link has.
-        T_link_body: (4, 4) placement of its centre [m].
-        kind: "cylinder" (along its z), "box" or "sphere".
-        dimensions: (radius, length), (x, y, z) or (radius,) [m].
-        colour: Red, green, blue in 0…1.
-    """
-
-    link: str
-    part: Part
-    T_link_body: Matrix
-    kind: BodyKind
-    dimensions: tuple[float, ...]
-    colour: Colour
 
 
 def link_bodies(chain: Chain) -> tuple[Body, ...]:
@@ -190,17 +168,19 @@ class _Drawing:
         radius, end, colour = self.radius(link), self.end(link), self.colour(link)
         if link in self.floating:
             carries = any(frame.link == link and frame.name in self.loop_ends for frame in self.chain.frames)
-            return _body(link, "link", np.eye(4), "sphere", ((_HUB if carries else _SPECK) * radius,), colour)
+            return rounded_body(link, "link", np.eye(4), "sphere", ((_HUB if carries else _SPECK) * radius,), colour)
         length, linear = float(np.linalg.norm(end)), joint.kind == "prismatic"
         if length > 0.5 * radius:
-            T = _along(end, end / 2)
+            T = along(end, end / 2)
             if linear:
-                return _body(link, "link", T, "box", (2.4 * radius, 2.4 * radius, length), colour)
-            return _body(link, "link", T, "cylinder", (radius, length), colour)
+                return rounded_body(link, "link", T, "box", (2.4 * radius, 2.4 * radius, length), colour)
+            return rounded_body(link, "link", T, "cylinder", (radius, length), colour)
         if linear:
             edges = (2.4 * radius, 2.4 * radius, 2.8 * radius)
-            return _body(link, "link", _along(joint.direction), "box", edges, colour)
-        return _body(link, "link", frames.translation(*self._below_table(link)), "sphere", (1.25 * radius,), colour)
+            return rounded_body(link, "link", along(joint.direction), "box", edges, colour)
+        return rounded_body(
+            link, "link", frames.translation(*self._below_table(link)), "sphere", (1.25 * radius,), colour
+        )
 
     def _base_body(self) -> Body:
         """Return a bed under the table, a column up to the first rotary joint, or a foot at the origin."""
@@ -209,7 +189,7 @@ class _Drawing:
             if joint.child in self.workpiece_side and joint.child not in self.floating:
                 side = 6 * radius
                 T = frames.translation(*joint.T_parent_joint[:3, 3]) @ frames.translation(z=-3 * radius)
-                return _body(BASE_LINK, "link", T, "box", (side, side, radius), colour)
+                return rounded_body(BASE_LINK, "link", T, "box", (side, side, radius), colour)
         end = max(
             (joint.T_parent_joint[:3, 3] for joint in self.children[BASE_LINK] if joint.kind == "revolute"),
             key=lambda point: round(float(np.linalg.norm(point)), 9),
@@ -217,21 +197,21 @@ class _Drawing:
         )
         length = float(np.linalg.norm(end))
         if length > 0.5 * radius:
-            return _body(BASE_LINK, "link", _along(end, end / 2), "cylinder", (radius, length), colour)
+            return rounded_body(BASE_LINK, "link", along(end, end / 2), "cylinder", (radius, length), colour)
         foot = frames.translation(z=-0.4 * radius)
-        return _body(BASE_LINK, "link", foot, "cylinder", (1.5 * radius, 0.8 * radius), colour)
+        return rounded_body(BASE_LINK, "link", foot, "cylinder", (1.5 * radius, 0.8 * radius), colour)
 
     def joint_body(self, joint: Joint, n: int) -> Body:
         """Return the housing of a rotary joint or the rail of a linear one."""
         radius = self.radius(joint.child)
         if joint.kind == "revolute":
             dimensions = (1.12 * radius, 2.4 * radius)
-            T = _along(joint.direction, self._below_table(joint.child))
-            return _body(joint.child, "joint", T, "cylinder", dimensions, JOINT_COLOUR)
+            T = along(joint.direction, self._below_table(joint.child))
+            return rounded_body(joint.child, "joint", T, "cylinder", dimensions, JOINT_COLOUR)
         low, high = min(float(self.low[n]), 0.0), max(float(self.high[n]), 0.0)
-        T = joint.T_parent_joint @ _along(joint.direction, joint.direction * (low + high) / 2)
+        T = joint.T_parent_joint @ along(joint.direction, joint.direction * (low + high) / 2)
         edges = (0.9 * radius, 0.9 * radius, high - low + 2 * radius)
-        return _body(joint.parent, "rail", T, "box", edges, JOINT_COLOUR)
+        return rounded_body(joint.parent, "rail", T, "box", edges, JOINT_COLOUR)
 
     def _below_table(self, link: str) -> Vector:
         """Return where lumps of a link are centred [m]: its origin, but clear of the top of the table."""
@@ -246,7 +226,9 @@ class _Drawing:
         pin = self.chain.frame(ROD_PIN)
         end, radius = pin.T_link_frame[:3, 3], self.radius(f"{CRANK}_link")
         length = float(np.linalg.norm(end))
-        return [_body(pin.link, "lever", _along(end, end / 2), "cylinder", (radius, length), self.colour(pin.link))]
+        return [
+            rounded_body(pin.link, "lever", along(end, end / 2), "cylinder", (radius, length), self.colour(pin.link))
+        ]
 
     def platform_bodies(self) -> list[Body]:
         """Return the arms of a platform, from its middle to the pins of the rods."""
@@ -256,8 +238,8 @@ class _Drawing:
             length = float(np.linalg.norm(end))
             if frame.name in self.loop_ends and frame.link in self.platforms and length > 0.0:
                 size = _HUB * self.radius(frame.link), length
-                T = _along(end, end / 2)
-                bodies.append(_body(frame.link, "lever", T, "cylinder", size, self.colour(frame.link)))
+                T = along(end, end / 2)
+                bodies.append(rounded_body(frame.link, "lever", T, "cylinder", size, self.colour(frame.link)))
         return bodies
 
     def tip_bodies(self) -> list[Body]:
@@ -265,33 +247,20 @@ class _Drawing:
         flange, tool, workpiece = (chain.frame(name) for name in ("flange", "tool", "workpiece"))
         radius = self.radius(flange.link)
         disc = flange.T_link_frame @ frames.translation(z=-0.15 * radius)
-        bodies.append(_body(flange.link, "flange", disc, "cylinder", (0.9 * radius, 0.3 * radius), JOINT_COLOUR))
+        bodies.append(rounded_body(flange.link, "flange", disc, "cylinder", (0.9 * radius, 0.3 * radius), JOINT_COLOUR))
         if tool.link == flange.link:
             start, end = flange.T_link_frame[:3, 3], tool.T_link_frame[:3, 3]
             length = float(np.linalg.norm(end - start))
             if length > 0.05 * radius:
-                T = _along(end - start, (start + end) / 2)
-                bodies.append(_body(tool.link, "tool", T, "cylinder", (0.35 * radius, length), TOOL_COLOUR))
+                T = along(end - start, (start + end) / 2)
+                bodies.append(rounded_body(tool.link, "tool", T, "cylinder", (0.35 * radius, length), TOOL_COLOUR))
         if workpiece.link != BASE_LINK:
             radius = self.radius(workpiece.link)
             T = workpiece.T_link_frame @ frames.translation(z=-0.2 * radius)
             dimensions = (3 * radius, 0.4 * radius)
-            bodies.append(_body(workpiece.link, "table", T, "cylinder", dimensions, self.colour(workpiece.link)))
+            bodies.append(rounded_body(workpiece.link, "table", T, "cylinder", dimensions, self.colour(workpiece.link)))
         return bodies
-
-
-def _body(link: str, part: Part, T: Matrix, kind: BodyKind, size: tuple[float, ...], colour: Colour) -> Body:
-    # Micrometres are enough for a drawing, and keep written files free of the last bit of a square root.
-    return Body(link, part, T, kind, tuple(round(s, 6) for s in size), colour)
 
 
 def _length(T: Matrix) -> float:
     return float(np.linalg.norm(T[:3, 3]))
-
-
-def _along(direction: Vector, centre: Vector | None = None) -> Matrix:
-    """Return a frame whose z points along a direction other than zero, with its origin at `centre`."""
-    z = frames.unit(direction)
-    helper = np.eye(3)[int(np.argmin(np.abs(z.round(9))))]
-    x = frames.unit(np.cross(helper, z))
-    return frames.transform(np.column_stack([x, np.cross(z, x), z]), np.zeros(3) if centre is None else centre)

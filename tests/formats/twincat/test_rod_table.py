@@ -14,7 +14,8 @@ import pinocchio as pin
 import pytest
 
 import chainbuild
-from chainbuild.chain.bodies.shapes import TOOL_SIDE, WORKPIECE_SIDE, detail_bodies, link_bodies
+from chainbuild.chain.bodies.body import TOOL_SIDE, WORKPIECE_SIDE
+from chainbuild.chain.bodies.shapes import detail_bodies, link_bodies
 from chainbuild.chain.closing import LosingMap, RangingMap
 from chainbuild.convention import applying_to, conventions
 from chainbuild.errors import AxisValueError, ChainbuildError, ConventionError

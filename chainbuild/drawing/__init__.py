@@ -1,0 +1,8 @@
+"""Machines as one recognises them: from the topology of a chain to boxes, cylinders and balls, for people to look at.
+
+Machine data say where the axes are and nothing of castings; the bodies here are assumed by rule. Collision takes the
+skeleton of `chainbuild.chain.bodies` and what the overlay gives, never these.
+
+In reading order: `site` (what every rule looks up and builds with), `machine` (which rule draws what), `heads` and
+`tables` (machine tools), `arms` and `tracks` (robots), `parallel` (closed loops), `special` (lathes and the rest).
+"""

@@ -1,0 +1,47 @@
+"""Which rule draws a machine, by its topology."""
+
+from __future__ import annotations
+
+from typing import Final, Literal
+
+from chainbuild.chain.bodies.body import Body
+from chainbuild.chain.elements import Chain
+from chainbuild.drawing.arms import arm_bodies
+from chainbuild.drawing.heads import tool_side
+from chainbuild.drawing.parallel import parallel_bodies
+from chainbuild.drawing.site import Site
+from chainbuild.drawing.special import special_bodies
+from chainbuild.drawing.tables import workpiece_side
+
+Build = Literal["machine tool", "arm", "parallel", "special"]
+
+_ARM_TURNS: Final = 4  # rotary axes on the way to the tool: heads of machine tools have three at most
+_SPECIAL: Final = tuple(f"KIN_TYP {number}" for number in (13, 14, 36, 85, 202, 205))
+
+
+def drawn_bodies(chain: Chain) -> tuple[Body, ...]:
+    """Return the bodies that show a machine, several a link, in the order of its rules.
+
+    Args:
+        chain: The chain.
+    """
+    site = Site(chain)
+    build = build_of(site)
+    if build == "parallel":
+        return tuple(parallel_bodies(site))
+    if build == "special":
+        return tuple(special_bodies(site))
+    if build == "arm":
+        return (*arm_bodies(site), *workpiece_side(site))
+    return (*tool_side(site), *workpiece_side(site))
+
+
+def build_of(site: Site) -> Build:
+    """Return how a machine is built."""
+    chain = site.chain
+    if chain.loops:
+        return "parallel"
+    if chain.kinematic in _SPECIAL:
+        return "special"
+    turns = sum(joint.kind == "revolute" for joint in site.tool_path)
+    return "arm" if turns >= _ARM_TURNS or chain.dialect == "SINUMERIK ROBX" else "machine tool"

@@ -1,0 +1,11 @@
+"""Machines with closed loops: columns, carriages, rods and the platform."""
+
+from __future__ import annotations
+
+from chainbuild.chain.bodies.body import Body
+from chainbuild.drawing.site import Site
+
+
+def parallel_bodies(site: Site) -> list[Body]:
+    """Return the bodies of this side of the machine."""
+    raise NotImplementedError(site)

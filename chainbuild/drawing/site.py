@@ -1,0 +1,196 @@
+"""What the rules of a drawing look up and build with: the machine at home, upright, and its strokes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.bodies.body import (
+    BASE_COLOUR,
+    TOOL_SIDE,
+    WORKPIECE_SIDE,
+    Body,
+    Colour,
+    Origin,
+    Part,
+    along,
+    rounded_body,
+)  # fmt: skip
+from chainbuild.chain.bodies.shapes import machine_size, shown_limits
+from chainbuild.chain.elements import BASE_LINK, Chain, Joint
+from chainbuild.chain.fold import drawn as as_drawn
+from chainbuild.chain.fold import drawn_bounds, drawn_values
+from chainbuild.chain.poses import link_placements
+from chainbuild.frames import inverse, transform
+
+_SHORT: Final = 1e-6  # m: what is shorter cannot be seen, and has no direction
+
+
+class Site:
+    """A chain at home, stood upright: all places here are in the site's frame, z up, metres.
+
+    Home is every axis at 0, or at the limit next to it. Up is the workpiece's z at home, which is the base's z on most
+    machines.
+
+    Args:
+        chain: The chain.
+
+    Attributes:
+        chain: The chain.
+        size: Size of the machine [m]; see `machine_size`.
+        home: Axis values (n_axes,), mm and degrees.
+        joints: The joints as their recipe draws them, by name.
+        links: Placement (4, 4) of every link at home.
+        tool_path: Joints from the base to the tool, in order.
+        workpiece_path: Joints from the base to the workpiece, in order.
+        tip: Where the tool's tip is at home.
+        T_workpiece: (4, 4) workpiece frame at home.
+    """
+
+    def __init__(self, chain: Chain) -> None:
+        self.chain = chain
+        self.size = machine_size(chain)
+        low, high = shown_limits(chain)
+        self.home = np.clip(np.zeros(len(chain.axes)), low, high)
+        q = chain.axis_map.q(self.home)
+        placed = link_placements(chain, q)
+        workpiece = chain.frame("workpiece")
+        R = _upright((placed[workpiece.link] @ workpiece.T_link_frame)[:3, 2])
+        self._T_site_base = transform(R)
+        self.links = {name: self._T_site_base @ T for name, T in placed.items()}
+        drawn_joints = [as_drawn(joint) for joint in chain.joints]
+        self.joints = {joint.name: joint for joint in drawn_joints}
+        self._carrier = {joint.child: joint for joint in drawn_joints}
+        at_home = drawn_values(chain.joints, q)
+        lows, highs = drawn_bounds(chain.joints, *chain.axis_map.q_bounds(low, high))
+        self._range = {
+            joint.name: (float(a - here), float(b - here))
+            for joint, a, b, here in zip(drawn_joints, lows, highs, at_home, strict=True)
+        }
+        self.tool_path = self.path_to(chain.frame("tool").link)
+        self.workpiece_path = self.path_to(workpiece.link)
+        self.tip = self.frame("tool")[:3, 3]
+        self.T_workpiece = self.frame("workpiece")
+        self._below = {joint.child for joint in self.workpiece_path} - {joint.child for joint in self.tool_path}
+
+    def path_to(self, link: str) -> tuple[Joint, ...]:
+        """Return the joints from the base to a link, in order."""
+        path: list[Joint] = []
+        while link in self._carrier:
+            path.insert(0, self._carrier[link])
+            link = path[0].parent
+        return tuple(path)
+
+    def frame(self, name: str) -> Matrix:
+        """Return the placement (4, 4) of a frame at home."""
+        frame = self.chain.frame(name)
+        placed: Matrix = self.links[frame.link] @ frame.T_link_frame
+        return placed
+
+    def origin(self, joint: Joint) -> Vector:
+        """Return a point (3,) on the axis of a joint at home: where its child's origin is at drawn value 0."""
+        place: Vector = (self.links[joint.parent] @ joint.T_parent_joint)[:3, 3]
+        return place
+
+    def direction(self, joint: Joint) -> Vector:
+        """Return the direction (3,) in which a joint moves or turns at home, as a unit vector."""
+        turned: Vector = (self.links[joint.parent] @ joint.T_parent_joint)[:3, :3] @ joint.direction
+        return turned
+
+    def stroke(self, joint: Joint) -> tuple[float, float]:
+        """Return how far a joint moves from home against and along its direction, (≤ 0, ≥ 0) [m, rad]."""
+        low, high = self._range[joint.name]
+        return min(low, 0.0), max(high, 0.0)
+
+    def radius(self, link: str, default: float) -> float:
+        """Return the radius [m] that the overlay gives a link, else the default."""
+        given = next(entry.radius for entry in self.chain.links if entry.name == link)
+        return default if given is None else given
+
+    def colour(self, link: str, shade: int | None = None) -> Colour:
+        """Return the colour of a link by what it carries; neighbours differ.
+
+        Args:
+            link: The link.
+            shade: 0 or 1, for neighbours that the joints' count does not tell apart; None: by the count.
+        """
+        if link == BASE_LINK:
+            return BASE_COLOUR
+        pair = WORKPIECE_SIDE if link in self._below else TOOL_SIDE
+        return pair[(len(self.path_to(link)) - 1) % 2 if shade is None else shade]
+
+    def box(
+        self,
+        link: str,
+        part: Part,
+        low: ArrayLike,
+        high: ArrayLike,
+        R: Matrix | None = None,
+        *,
+        colour: Colour | None = None,
+        origin: Origin = "drawn",
+    ) -> Body:
+        """Return a box between two opposite corners (3,).
+
+        Args:
+            link: Link that carries it.
+            part: What it stands for.
+            low: One corner, in the site's frame turned by R.
+            high: The opposite corner, likewise.
+            R: (3, 3) turn of the box; None: along the site's axes.
+            colour: None: the link's.
+            origin: Where its measures come from.
+        """
+        a, b = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
+        turn = np.eye(3) if R is None else R
+        T = transform(turn, turn @ ((a + b) / 2))
+        edges = tuple(np.abs(b - a).tolist())
+        return self._body(link, part, T, "box", edges, colour, origin)
+
+    def cylinder(
+        self,
+        link: str,
+        part: Part,
+        start: ArrayLike,
+        end: ArrayLike,
+        radius: float,
+        *,
+        colour: Colour | None = None,
+        origin: Origin = "drawn",
+    ) -> Body:
+        """Return a cylinder about the line between two points (3,)."""
+        a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
+        length = float(np.linalg.norm(b - a))
+        T = along(b - a, (a + b) / 2) if length > _SHORT else transform(None, a)
+        return self._body(link, part, T, "cylinder", (radius, max(length, _SHORT)), colour, origin)
+
+    def ball(
+        self, link: str, part: Part, centre: ArrayLike, radius: float, *,
+        colour: Colour | None = None, origin: Origin = "drawn",
+    ) -> Body:  # fmt: skip
+        """Return a ball about a point (3,)."""
+        return self._body(
+            link, part, transform(None, np.asarray(centre, dtype=float)), "sphere", (radius,), colour, origin
+        )
+
+    def _body(
+        self, link: str, part: Part, T: Matrix, kind: str, size: Sequence[float], colour: Colour | None, origin: Origin
+    ) -> Body:
+        local = inverse(self.links[link]) @ T
+        shown = self.colour(link) if colour is None else colour
+        return rounded_body(link, part, local, kind, tuple(size), shown, origin)  # type: ignore[arg-type]
+
+
+def _upright(up: Vector) -> Matrix:
+    """Return the smallest turn (3, 3) that brings a direction to z; no turn for one that is z already."""
+    z = np.array([0.0, 0.0, 1.0])
+    cross, cosine = np.cross(up, z), float(up @ z)
+    if np.linalg.norm(cross) < _SHORT:
+        return np.eye(3) if cosine > 0.0 else np.diag([1.0, -1.0, -1.0])
+    K = np.array([[0.0, -cross[2], cross[1]], [cross[2], 0.0, -cross[0]], [-cross[1], cross[0], 0.0]])
+    turn: Matrix = np.eye(3) + K + K @ K / (1.0 + cosine)
+    return turn
