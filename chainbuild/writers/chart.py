@@ -4,18 +4,12 @@ from __future__ import annotations
 
 import base64
 import math
-import struct
 import xml.etree.ElementTree as ET
-import zlib
 from collections.abc import Sequence
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from chainbuild.files import printable_tree
-
-Pixels = NDArray[np.uint8]
+from chainbuild.painting.png import Pixels, png_bytes
 
 # Pixels of SVG: margins with room for labels and a legend, and the largest plot between them.
 _LEFT: Final = 70.0
@@ -177,16 +171,3 @@ def _round_values(low: float, high: float) -> list[float]:
     step = next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= raw * (1.0 - 1e-12))
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
     return [round(n * step, 12) + 0.0 for n in range(first, last + 1)]
-
-
-def png_bytes(pixels: Pixels) -> bytes:
-    """Return a PNG of pixels (rows from above, columns, RGBA)."""
-    height, width, _ = pixels.shape
-    rows = np.concatenate([np.zeros((height, 1), dtype=np.uint8), pixels.reshape(height, -1)], axis=1)
-
-    def chunk(name: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
-
-    header = struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)
-    body = zlib.compress(rows.tobytes(), 9)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", body) + chunk(b"IEND", b"")

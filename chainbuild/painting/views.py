@@ -1,0 +1,90 @@
+"""From where a machine is looked at: orthographic views with z up, and what of the world fills the picture."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from chainbuild.shown import fields_shown
+
+ViewName = Literal["iso", "front", "top", "right"]
+Triple = tuple[float, float, float]
+
+# Degrees: the operator stands at −Y; from his right, and low enough to see what hangs over a table.
+_TURN: Final = 32.0
+_RISE: Final = 26.0
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """An orthographic view.
+
+    Attributes:
+        right: Direction in the site that is to the right in the picture, a unit vector.
+        up: Direction that is upwards in the picture.
+        toward: Direction towards who looks.
+    """
+
+    __repr__ = fields_shown
+
+    right: Triple
+    up: Triple
+    toward: Triple
+
+
+def _iso() -> View:
+    ct, st = math.cos(math.radians(_TURN)), math.sin(math.radians(_TURN))
+    cr, sr = math.cos(math.radians(_RISE)), math.sin(math.radians(_RISE))
+    return View((ct, st, 0.0), (-sr * st, sr * ct, cr), (cr * st, -cr * ct, sr))
+
+
+# The signs of the plain ones are those of a drawing: from the front X to the right, from above Y upwards.
+VIEWS: Final[dict[ViewName, View]] = {
+    "iso": _iso(),
+    "front": View((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)),
+    "top": View((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+    "right": View((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """What of a view fills a picture.
+
+    Attributes:
+        left: Coordinate along `right` at the left border [m].
+        top: Coordinate along `up` at the upper border [m].
+        scale: Pixels per metre.
+        width: Pixels.
+        height: Pixels.
+    """
+
+    __repr__ = fields_shown
+
+    left: float
+    top: float
+    scale: float
+    width: int
+    height: int
+
+    def finer(self, times: int) -> Window:
+        """Return the same part of the view with more pixels."""
+        return Window(self.left, self.top, self.scale * times, self.width * times, self.height * times)
+
+
+def window_around(low: tuple[float, float], high: tuple[float, float], width: int, height: int, margin: int) -> Window:
+    """Return the window that shows a rectangle of a view in the middle of a picture.
+
+    Args:
+        low: Its lowest coordinates along `right` and `up` [m].
+        high: Its highest ones.
+        width: Pixels.
+        height: Pixels.
+        margin: Pixels left free on each side at least.
+    """
+    spans = [max(b - a, 1e-6) for a, b in zip(low, high, strict=True)]
+    scale = min((width - 2 * margin) / spans[0], (height - 2 * margin) / spans[1])
+    left = (low[0] + high[0] - width / scale) / 2.0
+    top = (low[1] + high[1] + height / scale) / 2.0
+    return Window(left, top, scale, width, height)
