@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -21,7 +22,9 @@ _REACH_SHARE: Final = 0.22  # of the distance from the last axis to the tip
 _OFFSET_SHARE: Final = 0.3  # of the smallest distance between two axes: yokes fit between them
 _THICK: Final = 0.09  # m: no thicker than that
 _THIN: Final = 0.012  # m: what would be thinner measures a head whose axes meet at the tip
+_TOWARDS: Final = np.array([0.5, -0.7, 0.5])  # direction from which pictures show a machine, roughly
 _UNKNOWN: Final = 0.05  # m: where nothing tells
+_STROKE_SHARE: Final = 0.08  # of the shortest slide, likewise
 _TOOL_SHARE: Final = 0.35  # of the way to the last axis, where no tool is named: the tool
 
 
@@ -58,10 +61,15 @@ def head_of(site: Site, joints: Sequence[Joint]) -> Head:
 def spindle_radius(site: Site, joints: Sequence[Joint]) -> float:
     """Return the radius [m] of the spindle: by the distances between rotary axes and from the last to the tip."""
     points = [site.origin(joint) for joint in joints if joint.kind == "revolute"]
-    shares = [_OFFSET_SHARE * float(np.linalg.norm(b - a)) for a, b in zip(points, points[1:], strict=False)]
+    shares = [_OFFSET_SHARE * float(np.linalg.norm(b - a)) for a, b in pairwise(points)]
     shares += [_REACH_SHARE * float(np.linalg.norm(site.tip - points[-1]))] if points else []
     known = [share for share in shares if share > _THIN]
-    return min(*known, _THICK) if known else _UNKNOWN
+    if known:
+        return min(*known, _THICK)
+    strokes = [
+        high - low for low, high in (site.stroke(joint) for joint in site.tool_path if joint.kind == "prismatic")
+    ]
+    return min(_UNKNOWN, *(_STROKE_SHARE * stroke for stroke in strokes))
 
 
 class _Drawing:
@@ -97,8 +105,9 @@ class _Drawing:
         self.add(site.cylinder(link, "tool", tip, nose, 0.3 * r, colour=TOOL_COLOUR, origin="data"))
         length = float((site.origin(last) - nose) @ back) if last is not None else 2.5 * r
         end = nose + back * (length if length > 1.2 * r else 3.0 * r)
-        self.add(site.cylinder(link, "spindle", nose, end, r))
-        self.add(site.cylinder(link, "flange", nose, nose + 0.35 * r * back, 0.7 * r, colour=JOINT_COLOUR))
+        step = nose + 0.35 * (end - nose)
+        self.add(site.cylinder(link, "flange", nose, step, 0.68 * r, colour=JOINT_COLOUR))
+        self.add(site.cylinder(link, "spindle", step, end, r))
         return end
 
     def _joint(self, joint: Joint) -> None:
@@ -155,14 +164,13 @@ class _Drawing:
         self.add(site.cylinder(joint.child, "joint", foot - side * along, foot + side * along, 0.6 * r,
                                colour=JOINT_COLOUR))  # fmt: skip
         R = upright_frame(along)
-        middle = R.T @ foot
         for sign in (-1.0, 1.0):
-            a = middle + np.array([sign * side, -0.85 * r, -0.85 * r])
-            b = middle + np.array([sign * (side + 0.5 * r), 0.85 * r, rise + 0.5 * r])
-            self.add(site.box(joint.parent, "cheek", a, b, R))
-        a = middle + np.array([-side - 0.5 * r, -0.85 * r, rise])
-        b = middle + np.array([side + 0.5 * r, 0.85 * r, rise + 0.55 * r])
-        self.add(site.box(joint.parent, "bridge", a, b, R))
+            a = [sign * side, -0.85 * r, -0.85 * r]
+            b = [sign * (side + 0.5 * r), 0.85 * r, rise + 0.5 * r]
+            self.add(site.box(joint.parent, "cheek", a, b, R, foot))
+        a = [-side - 0.5 * r, -0.85 * r, rise]
+        b = [side + 0.5 * r, 0.85 * r, rise + 0.55 * r]
+        self.add(site.box(joint.parent, "bridge", a, b, R, foot))
         self.half = max(self.half, side + 0.5 * r)
         self.top = foot + (rise + 0.55 * r) * R[:, 2]
 
@@ -176,35 +184,32 @@ class _Drawing:
         """Draw what holds the axle where the inner yoke reaches above it: a crossbar with ears."""
         site, r = self.site, self.r
         R = upright_frame(site.direction(joint))
-        middle = R.T @ foot
         over = float((self.top - foot) @ R[:, 2])
         for sign in (-1.0, 1.0):
-            a = middle + np.array([sign * (side - 0.25 * r), -0.5 * r, -0.5 * r])
-            b = middle + np.array([sign * (side - 0.02 * r), 0.5 * r, over])
-            self.add(site.box(joint.child, "cheek", a, b, R))
-        a = middle + np.array([-side, -0.5 * r, over - 0.4 * r])
-        b = middle + np.array([side, 0.5 * r, over])
-        self.add(site.box(joint.child, "bridge", a, b, R))
+            a = [sign * (side - 0.25 * r), -0.5 * r, -0.5 * r]
+            b = [sign * (side - 0.02 * r), 0.5 * r, over]
+            self.add(site.box(joint.child, "cheek", a, b, R, foot))
+        a = [-side, -0.5 * r, over - 0.4 * r]
+        b = [side, 0.5 * r, over]
+        self.add(site.box(joint.child, "bridge", a, b, R, foot))
 
     def _arc(self, joint: Joint, foot: Vector) -> None:
         """Draw a plate beside a spindle that swings about its tip, and the slide that runs on it."""
         site, r = self.site, self.r
         along = site.direction(joint)
-        R = upright_frame(along)
+        R = upright_frame(-along if along @ _TOWARDS > 0.0 else along)  # the plate behind, the spindle seen
         reach = float((self.top - foot) @ R[:, 2])
         low, high = site.stroke(joint)
         swing = min(max(-low, high), np.pi / 3)
         half = (reach + r) * float(np.sin(swing)) + r
-        middle = R.T @ foot
-        inner = np.array([1.0 * r, 0.0, 0.0])
-        self.add(site.box(joint.child, "carriage", middle + [0.5 * r, -0.7 * r, reach - 1.4 * r],
-                          middle + [1.3 * r, 0.7 * r, reach], R, colour=JOINT_COLOUR))  # fmt: skip
-        a = middle + inner + [0.3 * r, -half, (reach - 2.0 * r) * float(np.cos(swing))]
-        b = middle + inner + [0.9 * r, half, reach + 1.5 * r]
-        self.add(site.box(joint.parent, "cheek", a, b, R))
-        a = middle + [-0.9 * r, -0.9 * r, reach + 0.9 * r]
-        b = middle + [1.9 * r, 0.9 * r, reach + 1.5 * r]
-        self.add(site.box(joint.parent, "bridge", a, b, R))
+        a, b = [0.5 * r, -0.7 * r, reach - 1.4 * r], [1.3 * r, 0.7 * r, reach]
+        self.add(site.box(joint.child, "carriage", a, b, R, foot, colour=JOINT_COLOUR))
+        a = [1.3 * r, -half, (reach - 2.0 * r) * float(np.cos(swing))]
+        b = [1.9 * r, half, reach + 1.5 * r]
+        self.add(site.box(joint.parent, "cheek", a, b, R, foot))
+        a = [-0.9 * r, -0.9 * r, reach + 0.9 * r]
+        b = [1.9 * r, 0.9 * r, reach + 1.5 * r]
+        self.add(site.box(joint.parent, "bridge", a, b, R, foot))
         self.half = max(self.half, half)
         self.top = foot + (reach + 1.5 * r) * R[:, 2]
 
@@ -232,4 +237,6 @@ class _Drawing:
         a, b = start + (low - r) * along, start + (high + r) * along
         lifted = 0.5 * r * (UP if abs(along @ UP) < _LEVEL else np.zeros(3))
         self.add(site.cylinder(joint.parent, "guide", a + lifted, b + lifted, 0.7 * r))
-        self.top = max(a + lifted, b + lifted, key=lambda p: float(p[2])) if abs(along @ UP) > _LEVEL else start + 0.9 * r * UP
+        self.top = (
+            max(a + lifted, b + lifted, key=lambda p: float(p[2])) if abs(along @ UP) > _LEVEL else start + 0.9 * r * UP
+        )

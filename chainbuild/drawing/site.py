@@ -134,6 +134,7 @@ class Site:
         low: ArrayLike,
         high: ArrayLike,
         R: Matrix | None = None,
+        at: Vector | None = None,
         *,
         colour: Colour | None = None,
         origin: Origin = "drawn",
@@ -143,15 +144,16 @@ class Site:
         Args:
             link: Link that carries it.
             part: What it stands for.
-            low: One corner, in the site's frame turned by R.
+            low: One corner, along the axes of the box.
             high: The opposite corner, likewise.
-            R: (3, 3) turn of the box; None: along the site's axes.
+            R: (3, 3) axes of the box; None: the site's.
+            at: Point (3,) from which the corners count; None: the site's origin.
             colour: None: the link's.
             origin: Where its measures come from.
         """
         a, b = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
         turn = np.eye(3) if R is None else R
-        T = transform(turn, turn @ ((a + b) / 2))
+        T = transform(turn, turn @ ((a + b) / 2) + (0.0 if at is None else at))
         edges = tuple(np.abs(b - a).tolist())
         return self._body(link, part, T, "box", edges, colour, origin)
 

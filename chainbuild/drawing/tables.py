@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Vector
-from chainbuild.chain.bodies.body import JOINT_COLOUR, PART_COLOUR, Body
+from chainbuild.chain.bodies.body import JOINT_COLOUR, PART_COLOUR, Body, Part
 from chainbuild.chain.elements import BASE_LINK, Joint
 from chainbuild.drawing.site import UP, Site, upright_frame
 
@@ -19,6 +19,7 @@ _PLATE_SHARE: Final = 0.45  # radius of the plate over the shorter half stroke
 _BESIDE_SHARE: Final = 0.12  # likewise over the machine's size, where no slide tells
 _PART_WIDTH: Final = 0.7  # over the plate's radius
 _PART_HEIGHT: Final = 0.6  # over what the tip leaves above the plate: the tip never touches it at the lowest
+_GAP: Final = 1e-3  # m: a tip at rest stands this much above the plate
 _LEAST_ROOM: Final = 0.02  # m above the plate, below which there is no room for a part
 
 
@@ -39,11 +40,17 @@ class Table:
     bodies: list[Body] = field(default_factory=list)
 
 
+def leading_slides(path: Sequence[Joint]) -> tuple[Joint, ...]:
+    """Return the linear joints at the start of a path."""
+    count = next((n for n, joint in enumerate(path) if joint.kind != "prismatic"), len(path))
+    return tuple(path[:count])
+
+
 def plate_radius(site: Site) -> float:
     """Return the radius [m] of a plate that fits the strokes of a machine tool, or the size of a robot."""
     strokes = [
         (high - low) / 2
-        for joint in (*site.tool_path, *site.workpiece_path)
+        for joint in (*leading_slides(site.tool_path), *site.workpiece_path)
         if joint.kind == "prismatic" and abs(site.direction(joint) @ UP) < _UPRIGHT
         for low, high in (site.stroke(joint),)
     ]
@@ -54,13 +61,27 @@ def plate_radius(site: Site) -> float:
 
 
 def lowest_tip(site: Site) -> float:
-    """Return the height [m] of the tip at the lowest that the slides on its side and the workpiece's allow."""
-    low = float(site.tip[2])
-    for joint in site.tool_path:
-        if joint.kind == "prismatic":
-            rise = float(site.direction(joint) @ UP)
-            low += min(rise * value for value in site.stroke(joint))
-    return low
+    """Return the height [m] of the tip over the workpiece as it is at home, at the lowest that upright slides allow."""
+    return float(site.tip[2]) + sum(min(values) for values in _rises(site))
+
+
+def _rises(site: Site) -> list[tuple[float, float]]:
+    """Return by how much [m] each upright slide may lift the tip over the workpiece from home, down and up."""
+    found = []
+    for sign, path in ((1.0, site.tool_path), (-1.0, site.workpiece_path)):
+        for joint in path:
+            rise = sign * float(site.direction(joint) @ UP)
+            if joint.kind == "prismatic" and abs(rise) > _UPRIGHT:
+                low, high = sorted(rise * value for value in site.stroke(joint))
+                found.append((low, high))
+    return found
+
+
+def _plate_height(site: Site) -> float:
+    """Return the height [m] of the plate's top: the workpiece frame's, but below the tip at home and in the middle."""
+    middle = float(site.tip[2]) + sum((low + high) / 2 for low, high in _rises(site))
+    below = min(float(site.tip[2]), middle) - _GAP
+    return min(float(site.T_workpiece[2, 3]), below)
 
 
 def workpiece_side(site: Site) -> list[Body]:
@@ -92,11 +113,10 @@ class _Drawing:
     def __init__(self, site: Site, joints: Sequence[Joint]) -> None:
         self.site = site
         self.R = plate_radius(site)
-        self.work = site.T_workpiece[:3, 3]
         self.bodies: list[Body] = []
-        self.foot = self.work.copy()
+        self.top = _plate_height(site)
+        self.foot = np.array([*site.T_workpiece[:2, 3], self.top])
         self.half = np.full(2, self.R)
-        self.top = float(self.work[2])
         link = joints[-1].child
         last = joints[-1]
         if last.kind == "revolute" and abs(site.direction(last) @ UP) > _UPRIGHT:
@@ -120,22 +140,15 @@ class _Drawing:
         if room < _LEAST_ROOM:
             return
         half = np.array([_PART_WIDTH * self.R / 2, _PART_WIDTH * self.R / 2, 0.0])
-        self.bodies.append(
-            self.site.box(
-                link, "workpiece", self.foot - half, self.foot + half + height * UP, self._plate_turn(),
-                colour=PART_COLOUR,
-            )  # fmt: skip
-        )
-
-    def _plate_turn(self) -> None:
-        return None
+        part = self.site.box(link, "workpiece", -half, half + height * UP, at=self.foot, colour=PART_COLOUR)
+        self.bodies.append(part)
 
     def _joint(self, joint: Joint) -> None:
         along = self.site.direction(joint)
         rise = abs(float(along @ UP))
         if joint.kind == "prismatic":
             if rise > _UPRIGHT:
-                self._knee(joint)
+                self._lift(joint)
             else:
                 self._slide(joint, along)
         elif rise > _UPRIGHT:
@@ -165,22 +178,20 @@ class _Drawing:
         site, R = self.site, self.R
         Q = upright_frame(along)
         axis = self.site.origin(joint)
-        middle = Q.T @ (axis + along * float((self.foot - axis) @ along))
+        centre = axis + along * float((self.foot - axis) @ along)
         reach = float(self.half.max())
         under = float(self.foot[2] - axis[2])  # of the cradle's top, seen from the axis
         floor = under - 0.2 * R
         inner, outer = 1.08 * reach, 1.08 * reach + 0.22 * R
 
-        def box(link: str, part: str, x0: float, x1: float, y: float, z0: float, z1: float) -> None:
-            a, b = middle + [x0, -y, z0], middle + [x1, y, z1]
-            self.bodies.append(site.box(link, part, a, b, Q))  # type: ignore[arg-type]
+        def box(link: str, part: Part, x: tuple[float, float], y: float, z: tuple[float, float]) -> None:
+            self.bodies.append(site.box(link, part, (x[0], -y, z[0]), (x[1], y, z[1]), Q, centre))
 
-        box(joint.child, "cradle", -outer, outer, 0.55 * R, floor, under)
+        box(joint.child, "cradle", (-outer, outer), 0.55 * R, (floor, under))
         low, high = min(floor, -0.3 * R), max(under, 0.3 * R)
         for sign in (-1.0, 1.0):
-            box(joint.child, "cheek", sign * inner, sign * outer, 0.4 * R, low, high)
+            box(joint.child, "cheek", (sign * inner, sign * outer), 0.4 * R, (low, high))
         journal = outer + 0.25 * R
-        centre = Q @ middle
         for sign in (-1.0, 1.0):
             ends = centre + sign * outer * along, centre + sign * journal * along
             self.bodies.append(site.cylinder(joint.child, "joint", *ends, 0.18 * R, colour=JOINT_COLOUR))
@@ -188,9 +199,9 @@ class _Drawing:
         swept = float(np.hypot(across, max(abs(floor), abs(self.top - axis[2])))) + 0.06 * R
         end = journal + 0.3 * R
         for sign in (-1.0, 1.0):
-            box(joint.parent, "post", sign * (journal - 0.2 * R), sign * end, 0.42 * R, -swept - 0.2 * R, 0.38 * R)
-        box(joint.parent, "bed", -end, end, 0.6 * R, -swept - 0.3 * R, -swept)
-        self.foot = Q @ (middle - [0.0, 0.0, swept + 0.3 * R])
+            box(joint.parent, "post", (sign * (journal - 0.2 * R), sign * end), 0.42 * R, (-swept - 0.2 * R, 0.38 * R))
+        box(joint.parent, "bed", (-end, end), 0.6 * R, (-swept - 0.3 * R, -swept))
+        self.foot = centre - (swept + 0.3 * R) * Q[:, 2]
         self.half = np.abs(Q[:2, 0]) * end + np.abs(Q[:2, 1]) * max(across, 0.6 * R)
         self.top = float(axis[2]) + swept
 
@@ -202,7 +213,9 @@ class _Drawing:
         drop = max(float(axis[2] - self.foot[2]) / -float(down @ UP), 0.0)
         centre = axis + drop * down
         self.bodies.append(site.cylinder(joint.child, "neck", self.foot, centre + 0.2 * R * down, 0.5 * R))
-        self.bodies.append(site.cylinder(joint.child, "plate", centre + 0.2 * R * down, centre + 0.4 * R * down, 0.8 * R))
+        self.bodies.append(
+            site.cylinder(joint.child, "plate", centre + 0.2 * R * down, centre + 0.4 * R * down, 0.8 * R)
+        )
         end = centre + 1.1 * R * down
         self.bodies.append(site.cylinder(joint.parent, "housing", centre + 0.4 * R * down, end, 0.8 * R))
         foot = end - 0.6 * R * UP
@@ -216,27 +229,22 @@ class _Drawing:
         Q = upright_frame(along)
         low, high = site.stroke(joint)
         thick, half = 0.22 * R, 0.75 * R
-        middle = Q.T @ self.foot
-        a, b = middle + [-R, -1.05 * half, -thick], middle + [R, 1.05 * half, 0.0]
-        self.bodies.append(site.box(joint.child, "slide", a, b, Q))
-        a, b = middle + [low - R, -0.8 * half, -2.0 * thick], middle + [high + R, 0.8 * half, -thick]
-        self.bodies.append(site.box(joint.parent, "guide", a, b, Q))
-        self.foot = Q @ (middle + [(low + high) / 2, 0.0, -2.0 * thick])
+        a, b = (-R, -1.05 * half, -thick), (R, 1.05 * half, 0.0)
+        self.bodies.append(site.box(joint.child, "slide", a, b, Q, self.foot))
+        a, b = (low - R, -0.8 * half, -2.0 * thick), (high + R, 0.8 * half, -thick)
+        self.bodies.append(site.box(joint.parent, "guide", a, b, Q, self.foot))
+        self.foot = self.foot + Q @ np.array([(low + high) / 2, 0.0, -2.0 * thick])
         reach = np.abs(Q[:2, 0]) * ((high - low) / 2 + R) + np.abs(Q[:2, 1]) * half
         self.half = np.maximum(self.half, reach)
 
-    def _knee(self, joint: Joint) -> None:
-        """Draw a knee on the child and the column behind it, over the whole stroke, on the parent."""
+    def _lift(self, joint: Joint) -> None:
+        """Draw a pillar on the child and the sleeve on the parent that it rises from, over the whole stroke."""
         site, R = self.site, self.R
         rise = float(site.direction(joint) @ UP)
         low, high = sorted(rise * value for value in site.stroke(joint))
-        back = self.foot[1] + float(self.half[1]) + 0.3 * R
-        knee = np.array([self.foot[0], back, self.foot[2]])
-        a = np.array([self.foot[0] - 0.55 * R, self.foot[1] - 0.55 * R, self.foot[2] - 0.35 * R])
-        self.bodies.append(site.box(joint.child, "slide", a, knee + [0.55 * R, 0.0, 0.0]))
-        bottom = float(self.foot[2]) + low - 0.6 * R
-        a = np.array([knee[0] - 0.75 * R, back, bottom])
-        b = np.array([knee[0] + 0.75 * R, back + 0.7 * R, float(self.foot[2]) + high + 0.3 * R])
-        self.bodies.append(site.box(joint.parent, "column", a, b))
-        self.foot = np.array([knee[0], back + 0.35 * R, bottom])
-        self.half = np.maximum(self.half, 0.35 * R)
+        half = np.array([1.0, 1.0, 0.0]) * R
+        pillar = self.foot - (high - low + 0.3 * R) * UP
+        self.bodies.append(site.box(joint.child, "slide", pillar - 0.45 * half, self.foot + 0.45 * half))
+        top, bottom = self.foot + (low - 0.1 * R) * UP, self.foot + (2 * low - high - 0.4 * R) * UP
+        self.bodies.append(site.box(joint.parent, "column", bottom - 0.62 * half, top + 0.62 * half))
+        self.foot = bottom
