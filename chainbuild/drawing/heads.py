@@ -37,6 +37,7 @@ class Head:
         link: Link that carries the head.
         top: Point (3,) where it is fixed.
         half: Half of its width across any horizontal direction [m].
+        low: Height of its lowest point at home [m].
         bodies: Its bodies.
     """
 
@@ -44,6 +45,7 @@ class Head:
     link: str
     top: Vector
     half: float = 0.0
+    low: float = 0.0
     bodies: list[Body] = field(default_factory=list)
 
 
@@ -87,6 +89,7 @@ class _Drawing:
             self._joint(joint)
         self.head.link = joints[0].parent if joints else tool
         self.head.top, self.head.half = self.top, self.half
+        self.head.low = min(site.lowest(body) for body in self.head.bodies)
 
     def add(self, *bodies: Body) -> None:
         self.head.bodies.extend(bodies)
@@ -150,8 +153,9 @@ class _Drawing:
         axis, along = site.origin(joint), site.direction(joint)
         foot = axis + along * float((self.top - axis) @ along)
         reach = float(np.linalg.norm(self.top - foot))
-        low = float((foot - self.top) @ UP) < -0.6 * r and not self._is_inner(joint)
-        if low and reach > 1.2 * r:
+        beside = float(np.linalg.norm(np.cross(self.top - foot, UP)))
+        low = float((foot - self.top) @ UP) < -0.6 * r and beside < 0.3 * r
+        if low and reach > 1.2 * r and not self._is_inner(joint):
             self._arc(joint, foot)
             return
         side = max(self.half if self._is_inner(joint) else 1.0 * r, 1.0 * r) + 0.25 * r

@@ -13,13 +13,15 @@ from chainbuild.chain.bodies.body import PART_COLOUR, Body, Part
 from chainbuild.chain.elements import BASE_LINK, Joint
 from chainbuild.drawing.heads import Head, head_of
 from chainbuild.drawing.site import UP, Site
-from chainbuild.drawing.tables import Table, lowest_tip, pedestal, plate_radius, table_of
+from chainbuild.drawing.tables import Table, leading_slides, lowest, pedestal, plate_radius, table_of
 
 _UPRIGHT: Final = 0.94  # cosine: a steeper slide is a ram
 _BEAM_SHARE: Final = 0.04  # half of a beam's width over the longest stroke
 _ROOM_SHARE: Final = 0.55  # of the radius a plate would have, between bed and lowest tip: where the part stands
 _PART_WIDTH: Final = 0.7  # over the radius a plate would have
 _PART_HEIGHT: Final = 0.6  # over the room below the lowest tip
+_JACK: Final = 1.2  # height of a sleeve over the stroke of the pillar that rises from it
+_PILLAR: Final = 1.1  # and of the pillar, which must neither leave it nor reach the floor
 _BEHIND: Final = (-1.0, 1.0)  # side on which a beam runs, away from whoever looks: -x, +y
 
 
@@ -27,14 +29,8 @@ def machine_tool_bodies(site: Site) -> list[Body]:
     """Return the bodies of a machine tool: head, slides and what carries the workpiece."""
     slides = leading_slides(site.tool_path)
     head = head_of(site, site.tool_path[len(slides) :])
-    table = table_of(site) if site.workpiece_path else None
+    table = table_of(site, head.low) if site.workpiece_path else None
     return _Stand(site, slides, head, table).bodies
-
-
-def leading_slides(path: Sequence[Joint]) -> tuple[Joint, ...]:
-    """Return the linear joints at the start of a path."""
-    count = next((n for n, joint in enumerate(path) if joint.kind != "prismatic"), len(path))
-    return tuple(path[:count])
 
 
 @dataclass
@@ -77,6 +73,7 @@ class _Stand:
         self.beam = max(0.8 * self.r, _BEAM_SHARE * max(strokes, default=0.0))  # half of a beam's width
         self.R = plate_radius(site)
         self.floor = self._floor()
+        self.ground = self._ground(slides)
         cap = np.array([1.6 * self.r, 1.6 * self.r, 0.0])
         self.box, self.is_beam = _Box(head.top - cap, head.top + cap), False
         self.feet: list[_Box] = []
@@ -97,8 +94,21 @@ class _Stand:
             return float(self.table.foot[2]) - 0.35 * self.R
         return self._bed_top() - 0.5 * self.R
 
+    def _ground(self, slides: Sequence[Joint]) -> float:
+        """Return the height [m] on which rails lie: the floor, or what lifts all that stands on them."""
+        for n, joint in enumerate(slides):
+            if _rises(self.site, joint) and sum(not _rises(self.site, other) for other in slides[n:]) > 1:
+                low, high = self._rise(joint)
+                return self.floor + _JACK * (high - low) - low
+        return self.floor
+
+    def _rise(self, joint: Joint) -> tuple[float, float]:
+        """Return how far [m] an upright slide goes down and up from home."""
+        low, high = sorted(float(self.site.direction(joint) @ UP) * value for value in self.site.stroke(joint))
+        return low, high
+
     def _bed_top(self) -> float:
-        return lowest_tip(self.site) - max(_ROOM_SHARE * self.R, 4.0 * self.r)
+        return lowest(self.site, self.head.low) - max(_ROOM_SHARE * self.R, 4.0 * self.r)
 
     @property
     def _rail(self) -> float:
@@ -111,23 +121,25 @@ class _Stand:
             joint: Its joint.
             moves_on: Whether a level slide moves all of it: what stands then stands on rails.
         """
-        along, foot = self.site.direction(joint), self.floor + (self._rail if moves_on else 0.0)
+        along, foot = self.site.direction(joint), self.ground + (self._rail if moves_on else 0.0)
         if _rises(self.site, joint):
-            if self.is_beam:
+            if self.feet:
+                self._jacks(joint)
+            elif self.is_beam:
                 self._columns(joint, foot)
-            elif not self.feet:
+            else:
                 self._ram(joint)
         elif self.feet:
             self._rails(joint, along)
         elif self.is_beam:
-            self._end_posts(joint.child, self.floor + self._rail)
+            self._end_posts(joint.child, self.ground + self._rail)
             self._rails(joint, along)
         else:
             self._beam(joint, along)
 
     def _ram(self, joint: Joint) -> None:
         """Draw a ram over its stroke; what guides it begins above the head at the upper limit."""
-        low, high = sorted(float(self.site.direction(joint) @ UP) * value for value in self.site.stroke(joint))
+        low, high = self._rise(joint)
         bottom = float(self.box.low[2]) + high + 0.5 * self.r
         top = bottom + max(6.0 * self.r, 2.0 * self.beam)
         self.add(joint.child, "ram", self.box.between(2, self.box.low[2], top - low))
@@ -152,8 +164,17 @@ class _Stand:
         box = self.box.moved(along, low - room, high + room).side(
             1 - axis, _BEHIND[1 - axis], 2.0 * self.beam, outside=True
         )
+        box = box.between(axis, *self._beyond_table(axis, box))
         self.add(joint.parent, "beam", box)
         self.box, self.is_beam = box, True
+
+    def _beyond_table(self, axis: int, box: _Box) -> tuple[float, float]:
+        """Return the ends of a beam along an axis, so that posts under them stand beside the table."""
+        low, high = float(box.low[axis]), float(box.high[axis])
+        if self.table is None:
+            return low, high
+        middle, half = self.table.foot[axis], self.table.half[axis] + 3.0 * self.beam + 0.1 * self.R
+        return min(low, float(middle - half)), max(high, float(middle + half))
 
     def _end_posts(self, link: str, foot: float) -> None:
         """Draw posts under both ends of the beam, down to a height [m]."""
@@ -165,8 +186,7 @@ class _Stand:
 
     def _columns(self, joint: Joint, foot: float) -> None:
         """Draw columns at the ends of a beam that rises and falls."""
-        rise = float(self.site.direction(joint) @ UP)
-        high = max(rise * value for value in self.site.stroke(joint))
+        high = self._rise(joint)[1]
         axis = int(np.argmax((self.box.high - self.box.low)[:2]))
         for sign in (-1.0, 1.0):
             column = self.box.side(axis, sign, 2.4 * self.beam, outside=True)
@@ -174,12 +194,27 @@ class _Stand:
             self.add(joint.parent, "column", column)
             self.feet.append(column)
 
+    def _jacks(self, joint: Joint) -> None:
+        """Draw a pillar under both ends of every foot, in sleeves that they rise from, on the parent."""
+        low, high = self._rise(joint)
+        feet, self.feet = self.feet, []
+        for foot in feet:
+            axis = int(np.argmax((foot.high - foot.low)[:2]))
+            for sign in (-1.0, 1.0):
+                sleeve = foot.side(axis, sign, 2.0 * self.beam)
+                pillar = _Box(sleeve.low + 0.3 * self.beam, sleeve.high - 0.3 * self.beam)
+                self.add(joint.child, "slide", pillar.between(2, self.ground - _PILLAR * (high - low), self.ground))
+                sleeve = sleeve.between(2, self.floor, self.ground + low)
+                self.add(joint.parent, "column", sleeve)
+                self.feet.append(sleeve)
+        self.ground = self.floor
+
     def _rails(self, joint: Joint, along: Vector) -> None:
         """Draw rails on the floor under what stands, over the stroke, on the parent."""
         low, high = self.site.stroke(joint)
         feet, self.feet = self.feet, []
         for foot in feet:
-            rail = foot.moved(along, low, high).between(2, self.floor, self.floor + self._rail)
+            rail = foot.moved(along, low, high).between(2, self.ground, self.ground + self._rail)
             self.add(joint.parent, "guide", rail)
             self.feet.append(rail)
 
@@ -217,7 +252,7 @@ class _Stand:
             if not _rises(site, joint):
                 bed = bed.moved(site.direction(joint), *(0.6 * value for value in site.stroke(joint)))
         self.add(BASE_LINK, "pedestal", bed.between(2, self.floor, top))
-        half, room = _PART_WIDTH * R / 2, lowest_tip(site) - top
+        half, room = _PART_WIDTH * R / 2, lowest(site, self.head.low) - top
         part = _Box(at - half, at + half).between(2, top, top + _PART_HEIGHT * room)
         self.bodies.append(site.box(BASE_LINK, "workpiece", part.low, part.high, colour=PART_COLOUR))
 

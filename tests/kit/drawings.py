@@ -81,3 +81,11 @@ def islands(chain: Chain, bodies: Sequence[Body], axes: Vector, reach: float) ->
     for n, body in enumerate(bodies):
         groups.setdefault(root(n), []).append(f"{body.link} {body.part}")
     return sorted(groups.values(), key=len)
+
+
+def bare_links(chain: Chain, bodies: Sequence[Body]) -> list[str]:
+    """Return the links without any body, but those that only carry the freedoms of a platform."""
+    seen = {body.link for body in bodies}
+    axes = {axis.name for axis in chain.axes}
+    passive = {joint.child for joint in chain.joints if chain.loops and joint.name not in axes}
+    return [link.name for link in chain.links if link.name not in seen | passive]
