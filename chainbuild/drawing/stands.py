@@ -9,16 +9,16 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Vector
-from chainbuild.chain.bodies.body import PART_COLOUR, Body, Part
+from chainbuild.chain.bodies.body import Body, Part
+from chainbuild.chain.bodies.geometry import Side
 from chainbuild.chain.elements import BASE_LINK, Joint
 from chainbuild.drawing.heads import Head, head_of
 from chainbuild.drawing.site import UP, Site
-from chainbuild.drawing.tables import Table, leading_slides, lowest, pedestal, plate_radius, table_of
+from chainbuild.drawing.tables import Table, leading_slides, lowest, part_on, pedestal, plate_radius, table_of
 
 _UPRIGHT: Final = 0.94  # cosine: a steeper slide is a ram
 _BEAM_SHARE: Final = 0.04  # half of a beam's width over the longest stroke
 _ROOM_SHARE: Final = 0.55  # of the radius a plate would have, between bed and lowest tip: where the part stands
-_PART_WIDTH: Final = 0.7  # over the radius a plate would have
 _PART_HEIGHT: Final = 0.6  # over the room below the lowest tip
 _JACK: Final = 1.2  # height of a sleeve over the stroke of the pillar that rises from it
 _PILLAR: Final = 1.1  # and of the pillar, which must neither leave it nor reach the floor
@@ -72,6 +72,8 @@ class _Stand:
         strokes = [high - low for low, high in map(site.stroke, slides)]
         self.beam = max(0.8 * self.r, _BEAM_SHARE * max(strokes, default=0.0))  # half of a beam's width
         self.R = plate_radius(site)
+        self.style = site.chain.geometry.stand.style
+        self.behind, self.side = _behind(site.chain.geometry.stand.column)
         self.floor = self._floor()
         self.ground = self._ground(slides)
         cap = np.array([1.6 * self.r, 1.6 * self.r, 0.0])
@@ -81,7 +83,7 @@ class _Stand:
         for n, joint in enumerate(reversed(slides)):
             self._slide(joint, moves_on=any(not _rises(site, other) for other in slides[: len(slides) - n - 1]))
         if not self.feet:
-            self._end_posts(BASE_LINK, self.floor) if self.is_beam else self._column()
+            self._still()
         self._bed()
 
     def add(self, link: str, part: Part, box: _Box) -> None:
@@ -150,7 +152,7 @@ class _Stand:
         if self.box.high[2] - self.box.low[2] < self.r:  # a head without ram: the carriage sits on its top
             self.box = self.box.between(2, self.box.low[2], self.box.low[2] + max(4.0 * self.r, 2.0 * self.beam))
         else:
-            self.box = self.box.side(behind, _BEHIND[behind], 1.2 * self.r, outside=True)
+            self.box = self.box.side(behind, self.behind[behind], 1.2 * self.r, outside=True)
             side = 1 - behind
             self.box = self.box.between(side, self.box.low[side] - 0.8 * self.r, self.box.high[side] + 0.8 * self.r)
         self.add(link, "carriage", self.box)
@@ -159,14 +161,33 @@ class _Stand:
         """Draw the carriage on the child and the beam over its stroke, behind it, on the parent."""
         axis = int(np.argmax(np.abs(along)))
         self._carriage(joint.child, 1 - axis)
+        if self.style == "column":
+            self._arm(joint.child, 1 - axis)
         low, high = self.site.stroke(joint)
         room = self.head.half + 1.5 * self.r + 2.0 * self.beam  # for the head beside the posts, and the posts
-        box = self.box.moved(along, low - room, high + room).side(
-            1 - axis, _BEHIND[1 - axis], 2.0 * self.beam, outside=True
-        )
+        self._lay(joint.parent, self.box.moved(along, low - room, high + room), axis)
+
+    def _lay(self, link: str, reach: _Box, axis: int) -> None:
+        """Draw a beam along an axis behind what it has to reach, and hold that."""
+        box = reach.side(1 - axis, self.behind[1 - axis], 2.0 * self.beam, outside=True)
         box = box.between(axis, *self._beyond_table(axis, box))
-        self.add(joint.parent, "beam", box)
+        self.add(link, "beam", box)
         self.box, self.is_beam = box, True
+
+    def _arm(self, link: str, axis: int) -> None:
+        """Draw an arm from what is held to behind the table, and hold its end."""
+        sign = self.behind[axis]
+        if self.table is None:
+            far = float(self.site.tip[axis]) + sign * self.R
+        else:
+            far = float(self.table.foot[axis] + sign * self.table.half[axis])
+        face = max(
+            far * sign + 0.3 * self.R, float(max(sign * self.box.low[axis], sign * self.box.high[axis])) + self.r
+        )
+        near = self.box.high[axis] if sign > 0.0 else self.box.low[axis]
+        arm = self.box.between(axis, *sorted((float(near), sign * face)))
+        self.add(link, "beam", arm)
+        self.box = arm.side(axis, sign, self.r)
 
     def _beyond_table(self, axis: int, box: _Box) -> tuple[float, float]:
         """Return the ends of a beam along an axis, so that posts under them stand beside the table."""
@@ -177,12 +198,16 @@ class _Stand:
         return min(low, float(middle - half)), max(high, float(middle + half))
 
     def _end_posts(self, link: str, foot: float) -> None:
-        """Draw posts under both ends of the beam, down to a height [m]."""
+        """Draw what carries the beam, down to a height [m]: posts under both ends, or one column in the middle."""
         axis = int(np.argmax((self.box.high - self.box.low)[:2]))
-        for sign in (-1.0, 1.0):
-            post = self.box.side(axis, sign, 2.0 * self.beam).between(2, foot, self.box.low[2])
-            self.add(link, "post", post)
-            self.feet.append(post)
+        if self.style == "column":
+            middle, half = (self.box.low[axis] + self.box.high[axis]) / 2, 0.15 * (self.box.high - self.box.low)[axis]
+            posts = [self.box.between(axis, float(middle - half), float(middle + half))]
+        else:
+            posts = [self.box.side(axis, sign, 2.0 * self.beam) for sign in (-1.0, 1.0)]
+        for post in posts:
+            self.feet.append(post.between(2, foot, self.box.low[2]))
+            self.add(link, "column" if self.style == "column" else "post", self.feet[-1])
 
     def _columns(self, joint: Joint, foot: float) -> None:
         """Draw columns at the ends of a beam that rises and falls."""
@@ -218,17 +243,24 @@ class _Stand:
             self.add(joint.parent, "guide", rail)
             self.feet.append(rail)
 
-    def _column(self) -> None:
-        """Draw a column behind the table with an arm to the ram."""
-        self._carriage(BASE_LINK, 1)
-        far = self.site.tip[1] + self.R if self.table is None else self.table.foot[1] + self.table.half[1]
-        face = max(float(far) + 0.3 * self.R, float(self.box.high[1]) + self.r)
-        arm = self.box.between(1, self.box.high[1], face)
-        self.add(BASE_LINK, "beam", arm)
-        wide, centre = max(float(arm.high[0] - arm.low[0]) / 2, 0.5 * self.R), (arm.low[0] + arm.high[0]) / 2
-        deep = max(6.0 * self.r, self.R)
-        column = arm.between(0, centre - wide, centre + wide).between(1, face, face + deep)
-        self.add(BASE_LINK, "column", column.between(2, self.floor, arm.high[2]))
+    def _still(self) -> None:
+        """Draw what carries the last slide where the base does: posts, a portal, or a column with an arm to the ram."""
+        if self.is_beam:
+            self._end_posts(BASE_LINK, self.floor)
+            return
+        self._carriage(BASE_LINK, self.side)
+        if self.style == "portal":
+            room = self.head.half + 1.5 * self.r + 2.0 * self.beam
+            self._lay(BASE_LINK, self.box.moved(np.eye(3)[1 - self.side], -room, room), 1 - self.side)
+            self._end_posts(BASE_LINK, self.floor)
+            return
+        self._arm(BASE_LINK, self.side)
+        across, held = 1 - self.side, self.box
+        wide = max(float((held.high - held.low)[across]) / 2, 0.5 * self.R)
+        middle = float((held.low + held.high)[across]) / 2
+        column = held.side(self.side, self.behind[self.side], max(6.0 * self.r, self.R), outside=True)
+        column = column.between(across, middle - wide, middle + wide)
+        self.add(BASE_LINK, "column", column.between(2, self.floor, held.high[2]))
 
     def _bed(self) -> None:
         """Draw the slab everything stands on, and the pedestal of a table or the bed with the part."""
@@ -248,13 +280,21 @@ class _Stand:
         site, R, top = self.site, self.R, self._bed_top()
         at = np.array([*site.tip[:2], 0.0])
         bed = _Box(at - R, at + R)
-        for joint in leading_slides(site.tool_path):
+        for joint in leading_slides(site.tool_path) if site.chain.geometry.stand.table is None else ():
             if not _rises(site, joint):
                 bed = bed.moved(site.direction(joint), *(0.6 * value for value in site.stroke(joint)))
         self.add(BASE_LINK, "pedestal", bed.between(2, self.floor, top))
-        half, room = _PART_WIDTH * R / 2, lowest(site, self.head.low) - top
-        part = _Box(at - half, at + half).between(2, top, top + _PART_HEIGHT * room)
-        self.bodies.append(site.box(BASE_LINK, "workpiece", part.low, part.high, colour=PART_COLOUR))
+        room = lowest(site, self.head.low) - top
+        self.bodies += part_on(site, BASE_LINK, at + top * UP, R, _PART_HEIGHT * room)
+
+
+def _behind(column: Side | None) -> tuple[tuple[float, float], int]:
+    """Return the signs of the sides of x and y on which beams run, and the axis on whose side a column stands."""
+    signs, axis = list(_BEHIND), 1
+    if column is not None:
+        axis = "xy".index(column[1])
+        signs[axis] = 1.0 if column[0] == "+" else -1.0
+    return (signs[0], signs[1]), axis
 
 
 def _rises(site: Site, joint: Joint) -> bool:

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Vector
-from chainbuild.chain.bodies.body import JOINT_COLOUR, PART_COLOUR, Body, Part
+from chainbuild.chain.bodies.body import JOINT_COLOUR, PART_COLOUR, Body, Origin, Part
 from chainbuild.chain.elements import BASE_LINK, Joint
 from chainbuild.drawing.site import UP, Site, upright_frame
 
@@ -52,6 +52,9 @@ def _upwards(direction: Vector) -> Vector:
 
 def plate_radius(site: Site) -> float:
     """Return the radius [m] of a plate that fits the strokes of a machine tool, or the size of a robot."""
+    given = site.chain.geometry.stand.table
+    if given is not None:
+        return given / 2
     strokes = [
         (high - low) / 2
         for joint in (*leading_slides(site.tool_path), *site.workpiece_path)
@@ -105,6 +108,25 @@ def pedestal(site: Site, table: Table, floor: float) -> list[Body]:
     return [site.box(BASE_LINK, "pedestal", low - half, table.foot + half)]
 
 
+def part_on(site: Site, link: str, foot: Vector, radius: float, height: float) -> list[Body]:
+    """Return the part on a plate or bed: what the overlay says, else a block; none where there is no room.
+
+    Args:
+        site: The machine.
+        link: Link that carries it.
+        foot: Point (3,) on which it stands.
+        radius: Radius of the plate [m].
+        height: Height [m] that the lowest tip leaves.
+    """
+    given = site.chain.geometry.stand.part
+    edges = (_PART_WIDTH * radius, _PART_WIDTH * radius, height) if given is None else given
+    if min(edges) <= (_PART_HEIGHT * _LEAST_ROOM if given is None else 0.0):
+        return []
+    half = np.array([edges[0] / 2, edges[1] / 2, 0.0])
+    origin: Origin = "drawn" if given is None else "data"
+    return [site.box(link, "workpiece", -half, half + edges[2] * UP, at=foot, colour=PART_COLOUR, origin=origin)]
+
+
 def table_of(site: Site, tip: float) -> Table:
     """Return what carries the workpiece, from the plate down to the base.
 
@@ -148,12 +170,7 @@ class _Drawing:
 
     def _part(self, link: str) -> None:
         room = lowest(self.site, self.tip) - self.top
-        height = min(_PART_HEIGHT * room, 0.9 * self.R)
-        if room < _LEAST_ROOM:
-            return
-        half = np.array([_PART_WIDTH * self.R / 2, _PART_WIDTH * self.R / 2, 0.0])
-        part = self.site.box(link, "workpiece", -half, half + height * UP, at=self.foot, colour=PART_COLOUR)
-        self.bodies.append(part)
+        self.bodies += part_on(self.site, link, self.foot, self.R, min(_PART_HEIGHT * room, 0.9 * self.R))
 
     def _joint(self, joint: Joint) -> None:
         along = self.site.direction(joint)
