@@ -22,6 +22,7 @@ _REACH_SHARE: Final = 0.22  # of the distance from the last axis to the tip
 _OFFSET_SHARE: Final = 0.3  # of the smallest distance between two axes: yokes fit between them
 _THICK: Final = 0.09  # m: no thicker than that
 _THIN: Final = 0.012  # m: what would be thinner measures a head whose axes meet at the tip
+_STUB: Final = 0.3  # of the spindle's radius: a shorter tool cannot be seen, and is drawn longer
 _TOWARDS: Final = np.array([0.5, -0.7, 0.5])  # direction from which pictures show a machine, roughly
 _UNKNOWN: Final = 0.05  # m: where nothing tells
 _STROKE_SHARE: Final = 0.08  # of the shortest slide, likewise
@@ -103,7 +104,7 @@ class _Drawing:
         last = next((joint for joint in reversed(joints) if joint.kind == "revolute"), None)
         reach = float((site.origin(last) - tip) @ back) if last is not None else 0.0
         same = site.chain.frame("flange").link == link
-        if not same or np.linalg.norm(nose - tip) < 1e-3:
+        if not same or np.linalg.norm(nose - tip) < _STUB * r:
             nose = tip + back * (_TOOL_SHARE * reach if reach > 2.0 * r else 1.5 * r)
         self.add(site.cylinder(link, "tool", tip, nose, 0.3 * r, colour=TOOL_COLOUR, origin="data"))
         length = float((site.origin(last) - nose) @ back) if last is not None else 2.5 * r

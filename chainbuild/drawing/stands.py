@@ -19,6 +19,7 @@ from chainbuild.drawing.tables import Table, leading_slides, lowest, part_on, pe
 _UPRIGHT: Final = 0.94  # cosine: a steeper slide is a ram
 _BEAM_SHARE: Final = 0.04  # half of a beam's width over the longest stroke
 _ROOM_SHARE: Final = 0.55  # of the radius a plate would have, between bed and lowest tip: where the part stands
+_BED: Final = 0.6  # of the strokes that the bed fills
 _PART_HEIGHT: Final = 0.6  # over the room below the lowest tip
 _JACK: Final = 1.2  # height of a sleeve over the stroke of the pillar that rises from it
 _PILLAR: Final = 1.1  # and of the pillar, which must neither leave it nor reach the floor
@@ -178,7 +179,7 @@ class _Stand:
         """Draw an arm from what is held to behind the table, and hold its end."""
         sign = self.behind[axis]
         if self.table is None:
-            far = float(self.site.tip[axis]) + sign * self.R
+            far = float(self._bed_box().side(axis, sign, 0.0).low[axis])
         else:
             far = float(self.table.foot[axis] + sign * self.table.half[axis])
         face = max(
@@ -275,17 +276,22 @@ class _Stand:
         slab = _Box(self.around.low - margin, self.around.high + margin)
         self.add(BASE_LINK, "bed", slab.between(2, self.floor - max(0.2 * self.R, self.r), self.floor))
 
+    def _bed_box(self) -> _Box:
+        """Return the bed where the tip reaches, without its heights."""
+        at = np.array([*self.site.tip[:2], 0.0])
+        bed = _Box(at - self.R, at + self.R)
+        for joint in leading_slides(self.site.tool_path) if self.site.chain.geometry.stand.table is None else ():
+            if not _rises(self.site, joint):
+                bed = bed.moved(self.site.direction(joint), *(_BED * value for value in self.site.stroke(joint)))
+        return bed
+
     def _part(self) -> None:
         """Draw a bed where the tip reaches, and the part on it under the tip."""
-        site, R, top = self.site, self.R, self._bed_top()
-        at = np.array([*site.tip[:2], 0.0])
-        bed = _Box(at - R, at + R)
-        for joint in leading_slides(site.tool_path) if site.chain.geometry.stand.table is None else ():
-            if not _rises(site, joint):
-                bed = bed.moved(site.direction(joint), *(0.6 * value for value in site.stroke(joint)))
-        self.add(BASE_LINK, "pedestal", bed.between(2, self.floor, top))
-        room = lowest(site, self.head.low) - top
-        self.bodies += part_on(site, BASE_LINK, at + top * UP, R, _PART_HEIGHT * room)
+        top = self._bed_top()
+        self.add(BASE_LINK, "pedestal", self._bed_box().between(2, self.floor, top))
+        room = lowest(self.site, self.head.low) - top
+        at = np.array([*self.site.tip[:2], top])
+        self.bodies += part_on(self.site, BASE_LINK, at, self.R, _PART_HEIGHT * room)
 
 
 def _behind(column: Side | None) -> tuple[tuple[float, float], int]:
