@@ -14,6 +14,10 @@ from chainbuild.chain.bodies.body import Body
 from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.elements import Chain
 from chainbuild.chain.poses import link_placements
+from chainbuild.drawing.machine import drawn_bodies
+
+ALLOWED = 5e-4  # m: bodies that touch, rounded to micrometres and measured by an iteration
+REACH = 1e-3  # m: what is nearer hangs together
 
 
 def solid(body: Body) -> Any:
@@ -89,3 +93,20 @@ def bare_links(chain: Chain, bodies: Sequence[Body]) -> list[str]:
     axes = {axis.name for axis in chain.axes}
     passive = {joint.child for joint in chain.joints if chain.loops and joint.name not in axes}
     return [link.name for link in chain.links if link.name not in seen | passive]
+
+
+def check_laws(chain: Chain) -> None:
+    """Check the laws that hold for the drawing of every machine."""
+    bodies = drawn_bodies(chain)
+    home, middle = home_and_middle(chain)
+    for axes in (home, middle):
+        assert overlaps(chain, bodies, axes, ALLOWED) == []
+    assert len(islands(chain, bodies, home, REACH)) == 1
+    assert bare_links(chain, bodies) == []
+    assert all(is_sound(body) for body in bodies)
+
+
+def is_sound(body: Body) -> bool:
+    """Return whether a body has a size and a place, and says where both come from."""
+    finite = np.isfinite(body.T_link_body).all() and np.isfinite(body.dimensions).all()
+    return bool(finite and min(body.dimensions) > 0.0 and body.origin in ("data", "drawn"))
