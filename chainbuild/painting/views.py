@@ -9,7 +9,7 @@ from typing import Final, Literal
 from chainbuild.shown import fields_shown
 
 ViewName = Literal["iso", "front", "top", "right"]
-Triple = tuple[float, float, float]
+Arrow = tuple[float, float, float]
 
 # Degrees: the operator stands at −Y; from his right, and low enough to see what hangs over a table.
 _TURN: Final = 32.0
@@ -21,16 +21,16 @@ class View:
     """An orthographic view.
 
     Attributes:
-        right: Direction in the site that is to the right in the picture, a unit vector.
-        up: Direction that is upwards in the picture.
-        toward: Direction towards who looks.
+        right: Arrow in the site that is to the right in the picture, a unit vector.
+        up: Arrow that is upwards in the picture.
+        toward: Arrow towards who looks.
     """
 
     __repr__ = fields_shown
 
-    right: Triple
-    up: Triple
-    toward: Triple
+    right: Arrow
+    up: Arrow
+    toward: Arrow
 
 
 def _iso() -> View:
