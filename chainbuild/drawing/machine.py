@@ -7,10 +7,10 @@ from typing import Final, Literal
 from chainbuild.chain.bodies.body import Body
 from chainbuild.chain.elements import Chain
 from chainbuild.drawing.arms import arm_bodies
-from chainbuild.drawing.heads import tool_side
 from chainbuild.drawing.parallel import parallel_bodies
 from chainbuild.drawing.site import Site
 from chainbuild.drawing.special import special_bodies
+from chainbuild.drawing.stands import machine_tool_bodies
 from chainbuild.drawing.tables import workpiece_side
 
 Build = Literal["machine tool", "arm", "parallel", "special"]
@@ -33,7 +33,7 @@ def drawn_bodies(chain: Chain) -> tuple[Body, ...]:
         return tuple(special_bodies(site))
     if build == "arm":
         return (*arm_bodies(site), *workpiece_side(site))
-    return (*tool_side(site), *workpiece_side(site))
+    return tuple(machine_tool_bodies(site))
 
 
 def build_of(site: Site) -> Build:
