@@ -22,12 +22,16 @@ _TOOL: Final = 0.35  # of the way from the tip to what carries it, where the dat
 _SHORT: Final = 1e-6  # m: shorter tools cannot be seen
 
 
-def tips(site: Site) -> Matrix:
+def tips(site: Site, name: str = "tool") -> Matrix:
     """Return where the tip gets (n, 3): each axis of the tool at its lower end, at home, at its upper end.
 
     What the closed loops do not reach is left out; home is always there.
+
+    Args:
+        site: The machine.
+        name: Frame that is looked at.
     """
-    chain, frame = site.chain, site.chain.frame("tool")
+    chain, frame = site.chain, site.chain.frame(name)
     low, high = shown_limits(chain)
     choices = [
         (home, a, b) if axis.carries == "tool" else (home,)
@@ -102,9 +106,7 @@ def tool_bodies(site: Site, carrier: ArrayLike, radius: float) -> list[Body]:
     link, start = site.chain.frame("tool").link, tool_start(site, carrier)
     bodies = []
     if np.linalg.norm(start - site.tip) > _SHORT:
-        bodies.append(
-            site.cylinder(link, "tool", start, site.tip, 0.4 * radius, colour=TOOL_COLOUR, origin="data")
-        )
+        bodies.append(site.cylinder(link, "tool", start, site.tip, 0.4 * radius, colour=TOOL_COLOUR, origin="data"))
     if np.linalg.norm(np.asarray(carrier) - start) > _SHORT:
         bodies.append(site.cylinder(link, "spindle", start, carrier, radius, colour=JOINT_COLOUR))
     return bodies

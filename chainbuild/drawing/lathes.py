@@ -9,19 +9,19 @@ import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies.body import JOINT_COLOUR, PART_COLOUR, Body
-from chainbuild.chain.elements import BASE_LINK, Joint
+from chainbuild.chain.elements import BASE_LINK
 from chainbuild.drawing.bed import bed_height, extent_of, lowest_point, part_block, tips, tool_bodies
-from chainbuild.drawing.site import Site
+from chainbuild.drawing.site import UP, Site
 from chainbuild.frames import rot_z
 from chainbuild.shown import fields_shown
 
 _SPINDLE: Final = 0.06  # of the machine's extent: radius of the spindle or turret in the head
-_TURNING: Final = 0.015  # m: a tip that stays as far from the workpiece's axis turns it from outside
+_TURNING: Final = 0.015  # m: a level tool that stays as far from the workpiece's axis turns it from outside
 _OUTSIDE: Final = 0.6  # of that way: radius of the part, so that no position touches it
 _FACE: Final = 0.4  # of the largest way from the axis: radius of a part that is worked on from above
 _GAP: Final = 0.01  # m: between the lowest tip or turret and what is below it
-_SLENDER: Final = 7.0  # length over radius of a turned part: longer ones need a tailstock
-_CHUCK: Final = 1.9  # radius of the chuck over that of the part
+_SLENDER: Final = 9.0  # length over radius of a turned part: longer ones need a tailstock
+_CHUCK: Final = 1.9  # radius of the chuck over that of the part, and over that of the spindle at least
 _JAW: Final = 0.25  # width and height of a jaw over the radius of the chuck
 _JAWS: Final = 3  # as most chucks have
 _HEADSTOCK: Final = 1.1  # half the width of the headstock, and its height, over the radius of the chuck
@@ -58,27 +58,27 @@ def lathe_bodies(site: Site) -> list[Body]:
     r = _SPINDLE * extent_of(site)
     head, foot = _head(site, r)
     hangs = float(site.tip[2]) - lowest_point(site, head)
-    stock, below = _headstock(site, float(tips(site)[:, 2].min()) - hangs)
-    return [*head, *_ram(site, foot, r, below), *stock]
+    stock, below = _headstock(site, float(tips(site)[:, 2].min()) - hangs, r)
+    return [*head, *_ram(site, foot, float(foot[2]), r, below), *stock]
 
 
 def disc_bodies(site: Site) -> list[Body]:
     """Return an eccentric disc on a ram before a column, and the part on the bed."""
     r, joint = _SPINDLE * extent_of(site), site.tool_path[-1]
     flange, centre, axis = site.frame("flange")[:3, 3], site.origin(joint), site.direction(joint)
-    away = axis if float(axis @ site.frame("tool")[:3, 2]) > 0.0 else -axis
+    away = axis if float(axis @ site.tool_direction) > 0.0 else -axis
     front = centre + ((flange - centre) @ away) * away
     back = front + r * away
     radius = max(_DISC * float(np.linalg.norm(flange - front)), 2.0 * r)
     upright = abs(float(away[2])) > 0.5
-    foot = back if upright else back + _RAM * r * (away - np.array([0.0, 0.0, 1.0]))
+    foot = back if upright else back + _RAM * r * (away - UP)
     lowest = float(tips(site)[:, 2].min())
     bed = bed_height(site, lowest if upright else min(lowest, float(centre[2]) + _drop(site) - radius))
     place = np.array([*site.tip[:2], bed])
     return [
         site.cylinder(joint.child, "plate", front, back, radius),
         *tool_bodies(site, flange + r * away, r),
-        *_ram(site, foot, r, _Below(bed, centre, radius)),
+        *_ram(site, foot, float(foot[2] if upright else centre[2] + radius), r, _Below(bed, centre, radius)),
         *part_block(site, BASE_LINK, place, 2.0 * r, lowest - bed),
     ]
 
@@ -105,15 +105,15 @@ def _head(site: Site, r: float) -> tuple[list[Body], Vector]:
     return [turret, *tool_bodies(site, (x, y, z), 0.6 * half)], foot
 
 
-def _headstock(site: Site, low: float) -> tuple[list[Body], _Below]:
+def _headstock(site: Site, low: float, r: float) -> tuple[list[Body], _Below]:
     """Return part, chuck and headstock below a height [m] that tool and turret never leave downwards."""
     joint = site.workpiece_path[-1]
     x, y, _ = site.origin(joint)
     places = tips(site)
-    ways = np.hypot(places[:, 0] - x, places[:, 1] - y)
-    turned = bool(ways.min() > _TURNING)
+    ways = _ways(places[:, :2], tips(site, "flange")[:, :2], np.array([x, y]))
+    turned = site.tool_path[-1].kind == "revolute" and bool(ways.min() > _TURNING)
     radius = float(_OUTSIDE * ways.min() if turned else _FACE * ways.max())
-    chuck = _CHUCK * radius
+    chuck = _CHUCK * max(radius, r)
     jaw, wide = _JAW * chuck, _HEADSTOCK * chuck
     face = low - _GAP - (jaw if turned else radius)
     top = face + min(_SLENDER * radius, float(np.ptp(places[:, 2])) + 2.0 * radius) if turned else low - _GAP
@@ -133,14 +133,30 @@ def _headstock(site: Site, low: float) -> tuple[list[Body], _Below]:
     return bodies, _Below(floor, np.array([x, y, floor]), wide)
 
 
-def _ram(site: Site, foot: Vector, r: float, below: _Below) -> list[Body]:
-    """Return the ram over its foot (3,), the saddle that holds it, and the column behind with its guide and bed."""
+def _ways(tip: Matrix, flange: Matrix, axis: Matrix) -> Matrix:
+    """Return how near (n,) tools from a flange to a tip (n, 2) come to an upright axis, seen from above [m]."""
+    along, away = tip - flange, axis - flange
+    square = np.maximum((along**2).sum(axis=1), 1e-12)
+    share = np.clip((along * away).sum(axis=1) / square, 0.0, 1.0)
+    return np.asarray(np.linalg.norm(away - share[:, None] * along, axis=1))
+
+
+def _ram(site: Site, foot: Vector, over: float, r: float, below: _Below) -> list[Body]:
+    """Return the ram, the saddle that holds it, and the column behind with its guide and bed.
+
+    Args:
+        site: The machine.
+        foot: Middle of the ram's underside (3,).
+        over: z at home of what moves with the ram and stays below the saddle [m].
+        r: Radius of the spindle [m].
+        below: What the column stands behind.
+    """
     cross, slide = site.tool_path[:2]
     R = _facing(site.direction(cross))
     x, y, z = R.T @ foot
     middle, half = R.T @ below.middle, _RAM * r
     rises = [float(site.direction(slide)[2]) * end for end in site.stroke(slide)]
-    low, high = float(z) + max(rises) + 0.5 * r, float(z) + max(rises) + (0.5 + _SADDLE) * r
+    low, high = over + max(rises) + 0.5 * r, over + max(rises) + (0.5 + _SADDLE) * r
     face = max(y + half + (1.5 + _RAIL) * r, middle[1] + below.half + _GAP)
     wide = 1.8 * half
     runs = [float(site.direction(cross) @ R[:, 0]) * end for end in site.stroke(cross)]
@@ -159,7 +175,7 @@ def _ram(site: Site, foot: Vector, r: float, below: _Below) -> list[Body]:
 
 def _facing(d: Vector) -> Matrix:
     """Return the frame of a cross slide: along it, backwards from who works at it, up."""
-    back = np.cross([0.0, 0.0, 1.0], d)
+    back = np.cross(UP, d)
     if back[1] < 0.0:
         d, back = -d, -back
-    return np.column_stack([d, back, [0.0, 0.0, 1.0]])
+    return np.column_stack([d, back, UP])

@@ -9,9 +9,9 @@ import numpy as np
 from chainbuild.chain.bodies.body import TOOL_SIDE, WORKPIECE_SIDE, Body
 from chainbuild.chain.elements import BASE_LINK
 from chainbuild.drawing.bed import bed_height, lowest_point, part_block, tips
-from chainbuild.drawing.closed.columns import carriages_low, column_bodies, column_reach
+from chainbuild.drawing.closed.columns import column_bodies, column_reach, under_arms
 from chainbuild.drawing.closed.delta import delta_bodies
-from chainbuild.drawing.closed.platform import bridge_bodies, table_platform, tool_platform
+from chainbuild.drawing.closed.platform import bridge_bodies, table_guide, table_platform, tool_platform
 from chainbuild.drawing.closed.scissors import scissor_bodies
 from chainbuild.drawing.closed.struts import Arm, arms_of, platform_of, rod_bodies, round_foot
 from chainbuild.drawing.site import Site
@@ -33,7 +33,7 @@ def parallel_bodies(site: Site) -> list[Body]:
     bodies = [body for arm in arms for body in rod_bodies(site, arm, TOOL_SIDE[1])]
     bodies += tool_platform(site, platform, arms)
     if site.workpiece_path:
-        below = workpiece_side(site)
+        below = _turning_table(site)
         floor = lowest_point(site, below)
     else:
         floor, below = _fixed_table(site, arms)
@@ -51,15 +51,27 @@ def _fixed_table(site: Site, arms: list[Arm]) -> tuple[float, list[Body]]:
     part = part_block(site, BASE_LINK, (x, y, top), _PART * site.size, lowest - top)
     if arms[0].joint.kind == "revolute":
         return top, part
-    floor = min(top - _TABLE * site.size, carriages_low(site, arms))
+    floor = min(top - _TABLE * site.size, under_arms(site, arms)) if not arms[0].hangs else top - _TABLE * site.size
     radius = _TABLE_WIDTH * min(float(np.linalg.norm(arm.start[:2] - (x, y))) for arm in arms)
     return floor, [site.cylinder(BASE_LINK, "table", (x, y, floor), (x, y, top), radius), *part]
 
 
+def _turning_table(site: Site) -> list[Body]:
+    """Return a table on rotary axes, with the part: the struts tell how much room the tool leaves."""
+    table = workpiece_side(site)
+    room = float(tips(site)[:, 2].min() - site.T_workpiece[2, 3])
+    known = any(body.part == "workpiece" for body in table)
+    link = site.workpiece_path[-1].child
+    part = part_block(site, link, site.T_workpiece[:3, 3], _PART * site.size, room)
+    return table if known else [*table, *part]
+
+
 def _under_a_bridge(site: Site, platform: str, arms: list[Arm]) -> list[Body]:
     """Return a table on rods under a tool on crossed slides."""
-    floor = carriages_low(site, arms)
+    floor = under_arms(site, arms)
+    guide = table_guide(site, arms, floor)
     return [
+        *guide,
         *(body for arm in arms for body in rod_bodies(site, arm, WORKPIECE_SIDE[1])),
         *column_bodies(site, arms, floor, WORKPIECE_SIDE[0]),
         *table_platform(site, platform, arms),

@@ -11,9 +11,8 @@ from chainbuild.chain.bodies.body import JOINT_COLOUR, Body
 from chainbuild.chain.elements import BASE_LINK
 from chainbuild.drawing.bed import bed_height, part_block, tips, tool_bodies
 from chainbuild.drawing.lathes import disc_bodies, lathe_bodies
-from chainbuild.drawing.site import Site
+from chainbuild.drawing.site import UP, Site
 
-_UP: Final = np.array([0.0, 0.0, 1.0])
 _ARM: Final = 0.16  # half the width of a SCARA's arms over the length of the shorter one
 _ARM_HEIGHT: Final = 2.0  # their height over half their width
 _FOOT: Final = 2.2  # half the width of the foot over half that of the arms
@@ -67,7 +66,7 @@ def _level_arm(site: Site, link: str, a: Vector, b: Vector, heights: tuple[float
     """Return a level arm with round ends from one upright axis to the next."""
     along = (b - a) * (1.0, 1.0, 0.0)
     length = float(np.linalg.norm(along))
-    R = np.column_stack([along / length, np.cross(_UP, along / length), _UP])
+    R = np.column_stack([along / length, np.cross(UP, along / length), UP])
     x, y, _ = R.T @ a
     low, high = heights
     return [
@@ -81,10 +80,10 @@ def _lever(site: Site) -> list[Body]:
     """Return a slide with a forked tower, and the lever that swings in the fork."""
     slide, joint = site.tool_path
     d, pivot, tip = site.direction(slide), site.origin(joint), site.tip
-    back = np.cross(_UP, d)
+    back = np.cross(UP, d)
     if float((tip - pivot) @ d) < 0.0:
         d, back = -d, -back
-    R = np.column_stack([d, back, _UP])
+    R = np.column_stack([d, back, UP])
     length = float(np.linalg.norm(tip - pivot))
     w = site.radius(joint.child, _LEVER * length)
     lowest = float(tips(site)[:, 2].min())
@@ -100,16 +99,14 @@ def _lever(site: Site) -> list[Body]:
     lever = turned.T @ pivot
     place = R @ (right + 0.7 * width, y, bed)
     return [
-        site.box(joint.child, "lever", lever - w, lever + (_TIP * length, w, w), turned, origin="data"),
+        site.box(joint.child, "lever", lever - w, lever + np.array([_TIP * length, w, w]), turned, origin="data"),
         site.cylinder(joint.child, "joint", pivot - wide * back, pivot + wide * back, 1.6 * w, colour=JOINT_COLOUR),
         *tool_bodies(site, pivot + _TIP * length * along, 0.7 * w),
         site.box(slide.child, "cheek", (x - 2.0 * w, y - wide, deck), (x + 2.0 * w, y - gap, z + 2.0 * w), R),
         site.box(slide.child, "cheek", (x - 2.0 * w, y + gap, deck), (x + 2.0 * w, y + wide, z + 2.0 * w), R),
         site.box(slide.child, "carriage", (x - half, y - 1.3 * wide, low), (x + half, y + 1.3 * wide, deck), R),
         site.box(BASE_LINK, "guide", (left, y - wide, bed), (right, y + wide, low), R, colour=JOINT_COLOUR),
-        site.box(
-            BASE_LINK, "bed", (left - w, y - 2.0 * wide, bed - w), (right + 1.4 * width, y + 2.0 * wide, bed), R
-        ),
+        site.box(BASE_LINK, "bed", (left - w, y - 2.0 * wide, bed - w), (right + 1.4 * width, y + 2.0 * wide, bed), R),
         *part_block(site, BASE_LINK, place, width, lowest - bed),
     ]
 

@@ -9,10 +9,11 @@ import numpy as np
 from chainbuild.arrays import Vector
 from chainbuild.chain.bodies.body import JOINT_COLOUR, Body, Colour
 from chainbuild.chain.elements import BASE_LINK
-from chainbuild.drawing.closed.struts import BALL, CHEEK, GAP, UP, Arm
-from chainbuild.drawing.site import Site
+from chainbuild.drawing.closed.struts import BALL, CHEEK, GAP, Arm
+from chainbuild.drawing.site import UP, Site
 
 # In radii of a rod, away from its pin.
+_LUG: Final = 1.4  # half the height of the fork that holds the pin
 _FRONT: Final = 2.6  # front of the carriage: clear of the ball
 _BACK: Final = 5.0  # its back, on the guide
 _GUIDE: Final = 6.0  # back of the guide, front of the column
@@ -38,9 +39,14 @@ def column_bodies(site: Site, arms: list[Arm], floor: float, colour: Colour) -> 
     return bodies
 
 
-def carriages_low(site: Site, arms: list[Arm]) -> float:
-    """Return the z [m] of a floor under the lowest place of every carriage."""
-    return min(float(arm.at(0.0, 0.0, _heights(site, arm)[0] - _FOOT)[2]) for arm in arms)
+def under_arms(site: Site, arms: list[Arm]) -> float:
+    """Return the z [m] of a floor under every carriage and rod, however low all go together."""
+    lowest = []
+    for arm in arms:
+        low = _heights(site, arm)[0]
+        rod = min(float(arm.end[2] - arm.start[2]) / arm.radius, 0.0)
+        lowest.append(float(arm.at(0.0, 0.0, low + rod - _FOOT)[2]))
+    return min(lowest)
 
 
 def column_reach(site: Site, arms: list[Arm]) -> float:
@@ -52,13 +58,13 @@ def column_reach(site: Site, arms: list[Arm]) -> float:
 
 def _column(site: Site, arm: Arm, floor: float, top: float, colour: Colour) -> list[Body]:
     link, (low, high) = arm.joint.child, _heights(site, arm)
-    bottom, rise = (-GAP, _RISE) if arm.hangs else (-_RISE, GAP)
+    bottom, rise = (-_LUG, _RISE) if arm.hangs else (-_RISE, _LUG)
     foot, head = ((z - float(arm.start[2])) / arm.radius for z in (floor, top))
     wide, slim = _HALF_WIDTH, 0.5 * _HALF_WIDTH
     return [
         arm.box(site, link, "carriage", (_FRONT, -wide, bottom), (_BACK, wide, rise), colour=colour),
-        arm.box(site, link, "cheek", (-BALL, -CHEEK, -GAP), (_FRONT, -GAP, GAP), colour=colour),
-        arm.box(site, link, "cheek", (-BALL, GAP, -GAP), (_FRONT, CHEEK, GAP), colour=colour),
+        arm.box(site, link, "cheek", (-BALL, -CHEEK, -_LUG), (_FRONT, -GAP, _LUG), colour=colour),
+        arm.box(site, link, "cheek", (-BALL, GAP, -_LUG), (_FRONT, CHEEK, _LUG), colour=colour),
         arm.box(site, BASE_LINK, "guide", (_BACK, -slim, low), (_GUIDE, slim, high), colour=JOINT_COLOUR),
         arm.box(site, BASE_LINK, "column", (_GUIDE, -wide, foot), (_COLUMN, wide, head)),
     ]
@@ -68,7 +74,7 @@ def _heights(site: Site, arm: Arm) -> tuple[float, float]:
     """Return how far the carriage of an arm reaches down and up from home over its stroke, in radii of its rod."""
     upwards = float(site.direction(arm.joint)[2])
     ends = [upwards * end / arm.radius for end in site.stroke(arm.joint)]
-    below, above = (GAP, _RISE) if arm.hangs else (_RISE, GAP)
+    below, above = (_LUG, _RISE) if arm.hangs else (_RISE, _LUG)
     return min(ends) - below, max(ends) + above
 
 

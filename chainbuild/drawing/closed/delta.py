@@ -9,18 +9,18 @@ import numpy as np
 from chainbuild.chain.bodies.body import JOINT_COLOUR, TOOL_SIDE, Body
 from chainbuild.chain.elements import BASE_LINK
 from chainbuild.drawing.closed.columns import beam
-from chainbuild.drawing.closed.struts import CHEEK, GAP, UP, Arm, round_foot
-from chainbuild.drawing.site import Site
+from chainbuild.drawing.closed.struts import CHEEK, GAP, Arm, round_foot
+from chainbuild.drawing.site import UP, Site
 
 # In radii of a rod.
 _MOTOR: Final = 3.5  # a motor, and how far the plate is above its axis
 _MOTOR_LENGTH: Final = 11.0
 _BEARING: Final = 2.5  # on the other side of the lever
 _HUB: Final = 2.6  # of the lever
-_LEVER: Final = 1.5  # half its height
+_LEVER: Final = 1.4  # half its height
 _WEB: Final = 4.0  # the web between its two bars ends before the elbow: there the rod swings
 _PLATE: Final = 3.0  # its thickness
-_POSTS: Final = 10.0  # from the stretched levers to the posts
+_POSTS: Final = 6.0  # from the stretched levers to the posts
 
 
 def delta_bodies(site: Site, arms: list[Arm], floor: float) -> list[Body]:
@@ -82,7 +82,5 @@ def _gallows(site: Site, arms: list[Arm], floor: float) -> list[Body]:
         end = R @ (place, y, under)
         bodies.append(beam(site, middle, end, under, r))
         half = 2.5 * r
-        bodies.append(
-            site.box(BASE_LINK, "post", (place - half, y - half, floor), (place + half, y + half, under), R)
-        )
+        bodies.append(site.box(BASE_LINK, "post", (place - half, y - half, floor), (place + half, y + half, under), R))
     return [*bodies, round_foot(site, floor, outer + _POSTS * r, arms[0])]

@@ -57,6 +57,30 @@ def table_platform(site: Site, platform: str, arms: list[Arm]) -> list[Body]:
     ]
 
 
+def table_guide(site: Site, arms: list[Arm], floor: float) -> list[Body]:
+    """Return the links that keep a table from turning, and the post from which they start; none on most machines.
+
+    Args:
+        site: The machine.
+        arms: The arms that move the table.
+        floor: z of the floor [m].
+    """
+    chain, r = site.chain, arms[0].radius
+    rods = {arm.rod for arm in arms}
+    ends = {name for loop in chain.loops for name in (loop.frame_a, loop.frame_b)}
+    platform = chain.frame("workpiece").link
+    frames = [frame for frame in chain.frames if frame.name in ends and frame.link not in (*rods, platform)]
+    bodies = []
+    for frame in frames:
+        start, end = site.links[frame.link][:3, 3], site.frame(frame.name)[:3, 3]
+        bodies.append(site.cylinder(frame.link, "lever", start, end, 0.5 * r, colour=WORKPIECE_SIDE[1], origin="data"))
+        bodies.append(site.ball(frame.link, "joint", end, 0.7 * r, colour=JOINT_COLOUR))
+        carrier = site.path_to(frame.link)[-1].parent
+        if carrier != platform:
+            bodies.append(site.cylinder(carrier, "post", (*start[:2], floor), start, 2.0 * r, colour=WORKPIECE_SIDE[0]))
+    return bodies
+
+
 def bridge_bodies(site: Site, floor: float, clear: float) -> list[Body]:
     """Return a bridge on posts that carries the tool on two crossed slides, and the bed on which it stands.
 

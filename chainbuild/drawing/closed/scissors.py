@@ -14,7 +14,7 @@ from chainbuild.arrays import Vector
 from chainbuild.chain.bodies.body import JOINT_COLOUR, Body, Part
 from chainbuild.chain.elements import BASE_LINK, Joint
 from chainbuild.drawing.bed import bed_height, part_block, tips, tool_bodies
-from chainbuild.drawing.site import Site
+from chainbuild.drawing.site import UP, Site
 from chainbuild.shown import fields_shown
 
 _ROD: Final = 0.022  # radius of a rod over the length of the longest: it carries the ram alone
@@ -100,7 +100,7 @@ def _beam(site: Site, link: str, part: Part, a: Vector, b: Vector, half: float) 
     """Return a level beam of square section from one place to another (3,)."""
     length = float(np.linalg.norm(b - a))
     along = (b - a) / length
-    R = np.column_stack([along, np.cross([0.0, 0.0, 1.0], along), [0.0, 0.0, 1.0]])
+    R = np.column_stack([along, np.cross(UP, along), UP])
     x, y, z = R.T @ a
     return site.box(link, part, (x, y - half, z - half), (x + length, y + half, z + half), R)
 
@@ -130,10 +130,10 @@ def _ram(site: Site, ram: Joint, plane: float, r: float) -> list[Body]:
 def _gantry(site: Site, slides: tuple[_Slide, _Slide], plane: float, bed: float, r: float) -> list[Body]:
     """Return carriages, the guides on which they ride, the beam under these, its legs and the bed."""
     d = site.direction(slides[0].joint)
-    across = np.cross([0.0, 0.0, 1.0], d)
+    across = np.cross(UP, d)
     if float((site.tip - slides[0].foot) @ across) < 0.0:
         d, across = -d, -across
-    R = np.column_stack([d, across, [0.0, 0.0, 1.0]])
+    R = np.column_stack([d, across, UP])
     half, (top, under, guide, beam) = _CARRIAGE * r, (plane + z * r for z in (_TOP, _UNDER, _GUIDE, _BEAM))
     bodies, ends = [], []
     for slide in slides:

@@ -14,16 +14,15 @@ import numpy as np
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies.body import JOINT_COLOUR, Body, Colour, Origin, Part
 from chainbuild.chain.elements import BASE_LINK, Chain, Joint
-from chainbuild.drawing.site import Site
+from chainbuild.drawing.site import UP, Site
 from chainbuild.shown import fields_shown
 
 Place = tuple[float, float, float]
 
-UP: Final = np.array([0.0, 0.0, 1.0])
 # In radii of a rod.
 BALL: Final = 1.6  # a joint's ball is thicker than the rod
-GAP: Final = 2.0  # half the fork that holds a pin: the ball fits, and the rod may lean by 20°
-CHEEK: Final = 2.8  # half its outer width
+GAP: Final = 2.3  # half the fork that holds a pin: the ball fits, and the rod may lean by 30°
+CHEEK: Final = 3.1  # half its outer width
 
 _ROD: Final = 0.016  # radius over length of a rod: slim, but to be seen in a small picture
 _ROD_AT_PIN: Final = 0.2  # of the way from a platform's middle to its pins: balls beside one another stay apart
@@ -96,9 +95,7 @@ def _arm(site: Site, path: tuple[Joint, ...], end: Vector, middle: Vector) -> Ar
     if float((end - start) @ out) > 0.0:
         out, hinge = -out, -hinge
     default = min(_ROD * float(np.linalg.norm(end - start)), _ROD_AT_PIN * float(np.linalg.norm((end - middle)[:2])))
-    return Arm(
-        path[0], path[1].child, rod, start, end, np.column_stack([out, hinge, UP]), site.radius(rod, default)
-    )
+    return Arm(path[0], path[1].child, rod, start, end, np.column_stack([out, hinge, UP]), site.radius(rod, default))
 
 
 def rod_bodies(site: Site, arm: Arm, colour: Colour) -> list[Body]:
