@@ -36,7 +36,12 @@ class View:
 def _iso() -> View:
     ct, st = math.cos(math.radians(_TURN)), math.sin(math.radians(_TURN))
     cr, sr = math.cos(math.radians(_RISE)), math.sin(math.radians(_RISE))
-    return View((ct, st, 0.0), (-sr * st, sr * ct, cr), (cr * st, -cr * ct, sr))
+    return View(_short(ct, st, 0.0), _short(-sr * st, sr * ct, cr), _short(cr * st, -cr * ct, sr))
+
+
+def _short(x: float, y: float, z: float) -> Arrow:
+    """Return a direction without the last bits of its cosines, in which processors differ."""
+    return round(x, 12), round(y, 12), round(z, 12)
 
 
 # The signs of the plain ones are those of a drawing: from the front X to the right, from above Y upwards.
