@@ -23,10 +23,6 @@ HIDDEN: Final = 4  # where another body covers it, whose outline is there
 _SIDES: Final = 32  # of a cylinder: its outline is exact, and a flat side is off by 0.5 % of its radius
 _RINGS: Final = 6  # of half a ball
 _EDGE_ON: Final = 1e-7  # cosine: a face that is seen under less shows nothing
-_GRID: Final = 1e-6  # m: where a body is, is rounded to it
-_FINE: Final = 1e-9  # likewise its directions
-_OFF_HALF: Final = 0.4871  # rounds up from here: a half, where data may well lie, would be up to the last bit
-
 SIDE_FACE: Final = 2  # number of the round face of a cylinder or ball; flat ones are 2 · axis, + 1 on its positive side
 
 
@@ -75,12 +71,12 @@ def hull_of(placed: PlacedBody, view: View) -> Hull:
     """Return a body as a hull.
 
     Args:
-        placed: The body; its place is rounded to micrometres.
+        placed: The body.
         view: From where one looks.
     """
     T = placed.T.tolist()
-    centre = _rounded((T[0][3], T[1][3], T[2][3]), _GRID)
-    x, y, z = (_unit(_rounded((T[0][n], T[1][n], T[2][n]), _FINE)) for n in range(3))
+    centre = T[0][3], T[1][3], T[2][3]
+    x, y, z = ((T[0][n], T[1][n], T[2][n]) for n in range(3))
     size = placed.body.dimensions
     if placed.body.kind == "box":
         return _box(centre, (x, y, z), size, view.toward)
@@ -162,11 +158,6 @@ def _turned(k: int, sides: int) -> tuple[float, float]:
     """Return cosine and sine of k steps of a turn, exact on the axes, the last bits of others rounded away."""
     angle = 2.0 * math.pi * (k % sides) / sides
     return round(math.cos(angle), 12), round(math.sin(angle), 12)
-
-
-def _rounded(vector: Sequence[float], grid: float) -> Point:
-    x, y, z = (math.floor(part / grid + _OFF_HALF) * grid for part in vector)
-    return x, y, z
 
 
 def _unit(vector: Point) -> Point:

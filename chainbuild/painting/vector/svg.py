@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from typing import Final
 
 from chainbuild.chain.bodies.body import Body, Colour
+from chainbuild.files import printable_tree
 from chainbuild.painting.colours import GAIN, GROUND_COLOUR, INK_COLOUR, LIGHT, MIDDLE, hex_colour, lit
+from chainbuild.painting.marks import HALO, Marks
 from chainbuild.painting.stage import PlacedBody
 from chainbuild.painting.vector.facets import CONTACT, CREASE, OUTLINE, SIDE_FACE, Facet, Hull, dot, hull_of
 from chainbuild.painting.vector.hiding import seen_pieces
@@ -49,6 +51,29 @@ class Sheet:
             brush.fill(parent, number, pieces)
         brush.draw_lines(parent)
 
+    def mark(self, marks: Marks) -> None:
+        """Draw lines, then texts."""
+        ground = hex_colour(GROUND_COLOUR)
+        parent = ET.SubElement(self.root, "g", {"fill": "none", "stroke-linejoin": "round", "stroke-linecap": "round"})
+        for stroke in marks.strokes:
+            data = path_data(stroke.spots) or _dot(stroke.spots[0])
+            if stroke.halo:
+                width = number_of(stroke.width + 2.0 * HALO)
+                ET.SubElement(
+                    parent, "path", {"d": data, "stroke": ground, "stroke-width": width, "stroke-opacity": ".85"}
+                )
+            ink = {"stroke": hex_colour(stroke.colour), "stroke-width": number_of(stroke.width)}
+            ET.SubElement(parent, "path", {"d": data, **ink})
+        for caption in marks.captions:
+            place = {"x": number_of(caption.x), "y": number_of(caption.y), "text-anchor": "middle"}
+            halo = {"stroke": ground, "stroke-width": number_of(2.0 * HALO), "paint-order": "stroke"}
+            font = {"font-size": number_of(caption.size), "fill": hex_colour(caption.colour)}
+            ET.SubElement(self.root, "text", {**place, **halo, **font, "stroke-linejoin": "round"}).text = caption.text
+
+    def text(self) -> str:
+        """Return the SVG."""
+        return ET.tostring(printable_tree(self.root), encoding="unicode") + "\n"
+
 
 class _Brush:
     """Paints what is seen of bodies into an SVG."""
@@ -63,8 +88,13 @@ class _Brush:
 
     def fill(self, parent: ET.Element, number: int, pieces: Sequence[Facet]) -> None:
         """Paint the faces of a body, and keep their lines."""
+        view, window = self._view, self._window
         for face in sorted({piece.face for piece in pieces}):
-            flat = [([self._place(p) for p in piece.points], piece.edges) for piece in pieces if piece.face == face]
+            flat = [
+                ([window.spot(view, point) for point in piece.points], piece.edges)
+                for piece in pieces
+                if piece.face == face
+            ]
             edges = border(flat)
             data = "".join(path_data(chain) for chain in chained((a, b) for a, b, _ in edges))
             if data:
@@ -104,17 +134,10 @@ class _Brush:
         if _is_flat(body, face):
             return hex_colour(self._colour(number, face))
         if number not in self._fills:
-            name = f"g{len(self._fills)}"
+            name = f"g{len(self._definitions)}"
             self._fills[number] = f"url(#{name})"
             (self._across if body.kind == "cylinder" else self._around)(name, number)
         return self._fills[number]
-
-    def _place(self, point: Sequence[float]) -> tuple[float, float]:
-        view, window = self._view, self._window
-        return (
-            (dot(point, view.right) - window.left) * window.scale,
-            (window.top - dot(point, view.up)) * window.scale,
-        )
 
     def _across(self, name: str, number: int) -> None:
         """Define the gradient across a cylinder, from one outline to the other."""
@@ -122,7 +145,8 @@ class _Brush:
         x, y, _ = hull.axes
         radius = body.dimensions[0]
         begin, end = (
-            self._place([c + sign * radius * d for c, d in zip(hull.centre, x, strict=True)]) for sign in (-1.0, 1.0)
+            self._window.spot(self._view, [c + sign * radius * d for c, d in zip(hull.centre, x, strict=True)])
+            for sign in (-1.0, 1.0)
         )
         ends = {"x1": number_of(begin[0]), "y1": number_of(begin[1]), "x2": number_of(end[0]), "y2": number_of(end[1])}
         gradient = ET.SubElement(
@@ -137,7 +161,7 @@ class _Brush:
         """Define the gradient of a ball, from where the light falls straight on it."""
         body, hull = self._placed[number].body, self._hulls[number]
         radius = body.dimensions[0] * self._window.scale
-        u, v = self._place(hull.centre)
+        u, v = self._window.spot(self._view, hull.centre)
         across = (LIGHT[0] ** 2 + LIGHT[1] ** 2) ** 0.5
         circle = {"cx": u + LIGHT[0] * radius, "cy": v - LIGHT[1] * radius, "r": (1.0 + across) * radius}
         places = {key: number_of(value) for key, value in circle.items()}
@@ -174,6 +198,11 @@ def path_data(spots: Sequence[Spot]) -> str:
         words.append(_pair(here[0] - x, here[1] - y))
         x, y = here
     return f"M{_pair(*tenths[0])}l{' '.join(words).replace(' -', '-')}{'z' if closed else ''}"
+
+
+def _dot(spot: Spot) -> str:
+    """Return a line without length, which round ends make a dot."""
+    return f"M{number_of(spot[0])} {number_of(spot[1])}h0"
 
 
 def _pair(x: int, y: int) -> str:
