@@ -27,14 +27,16 @@ from chainbuild.chain.fold import drawn_bounds, drawn_values
 from chainbuild.chain.poses import link_placements
 from chainbuild.frames import inverse, transform
 
+UP: Final = np.array([0.0, 0.0, 1.0])
+_DIGITS: Final = 6  # decimals of a direction: of axes that are equally near, z is first
 _SHORT: Final = 1e-6  # m: what is shorter cannot be seen, and has no direction
 
 
 class Site:
     """A chain at home, stood upright: all places here are in the site's frame, z up, metres.
 
-    Home is every axis at 0, or at the limit next to it. Up is the workpiece's z at home, which is the base's z on most
-    machines.
+    Home is every axis at 0, or at the limit next to it. Up is the base's axis nearest to the workpiece's z at home: its
+    own z on most machines.
 
     Args:
         chain: The chain.
@@ -48,6 +50,7 @@ class Site:
         tool_path: Joints from the base to the tool, in order.
         workpiece_path: Joints from the base to the workpiece, in order.
         tip: Where the tool's tip is at home.
+        tool_direction: Unit vector (3,) of the tool frame's z at home: from the tip to the holder on machine tools.
         T_workpiece: (4, 4) workpiece frame at home.
     """
 
@@ -73,7 +76,9 @@ class Site:
         }
         self.tool_path = self.path_to(chain.frame("tool").link)
         self.workpiece_path = self.path_to(workpiece.link)
-        self.tip = self.frame("tool")[:3, 3]
+        tool = self.frame("tool")
+        self.tip: Vector = tool[:3, 3]
+        self.tool_direction: Vector = tool[:3, 2]
         self.T_workpiece = self.frame("workpiece")
         self._below = {joint.child for joint in self.workpiece_path} - {joint.child for joint in self.tool_path}
 
@@ -130,6 +135,7 @@ class Site:
         low: ArrayLike,
         high: ArrayLike,
         R: Matrix | None = None,
+        at: Vector | None = None,
         *,
         colour: Colour | None = None,
         origin: Origin = "drawn",
@@ -139,15 +145,16 @@ class Site:
         Args:
             link: Link that carries it.
             part: What it stands for.
-            low: One corner, in the site's frame turned by R.
+            low: One corner, along the axes of the box.
             high: The opposite corner, likewise.
-            R: (3, 3) turn of the box; None: along the site's axes.
+            R: (3, 3) axes of the box; None: the site's.
+            at: Point (3,) from which the corners count; None: the site's origin.
             colour: None: the link's.
             origin: Where its measures come from.
         """
         a, b = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
         turn = np.eye(3) if R is None else R
-        T = transform(turn, turn @ ((a + b) / 2))
+        T = transform(turn, turn @ ((a + b) / 2) + (0.0 if at is None else at))
         edges = tuple(np.abs(b - a).tolist())
         return self._body(link, part, T, "box", edges, colour, origin)
 
@@ -177,6 +184,16 @@ class Site:
             link, part, transform(None, np.asarray(centre, dtype=float)), "sphere", (radius,), colour, origin
         )
 
+    def lowest(self, body: Body) -> float:
+        """Return the height [m] of the lowest point of a body at home."""
+        T = self.links[body.link] @ body.T_link_body
+        rise, size = np.abs(T[2, :3]), body.dimensions
+        if body.kind == "box":
+            return float(T[2, 3] - rise @ np.array(size) / 2)
+        if body.kind == "sphere":
+            return float(T[2, 3]) - size[0]
+        return float(T[2, 3] - size[0] * np.hypot(rise[0], rise[1]) - rise[2] * size[1] / 2)
+
     def _body(
         self, link: str, part: Part, T: Matrix, kind: str, size: Sequence[float], colour: Colour | None, origin: Origin
     ) -> Body:
@@ -185,12 +202,21 @@ class Site:
         return rounded_body(link, part, local, kind, tuple(size), shown, origin)  # type: ignore[arg-type]
 
 
+def upright_frame(direction: Vector) -> Matrix:
+    """Return axes (3, 3) whose x is a direction, and whose z is as upright as that leaves it.
+
+    Args:
+        direction: A unit vector (3,) that is not upright.
+    """
+    y = np.cross(UP, direction)
+    y = y / np.linalg.norm(y)
+    return np.column_stack([direction, y, np.cross(direction, y)])
+
+
 def _upright(up: Vector) -> Matrix:
-    """Return the smallest turn (3, 3) that brings a direction to z; no turn for one that is z already."""
-    z = np.array([0.0, 0.0, 1.0])
-    cross, cosine = np.cross(up, z), float(up @ z)
-    if np.linalg.norm(cross) < _SHORT:
-        return np.eye(3) if cosine > 0.0 else np.diag([1.0, -1.0, -1.0])
-    K = np.array([[0.0, -cross[2], cross[1]], [cross[2], 0.0, -cross[0]], [-cross[1], cross[0], 0.0]])
-    turn: Matrix = np.eye(3) + K + K @ K / (1.0 + cosine)
-    return turn
+    """Return the quarter turns (3, 3) that bring the base's axis nearest to a direction to z."""
+    n = int(np.argmax(np.abs(up[[2, 1, 0]]).round(_DIGITS)))
+    axis = (2, 1, 0)[n]
+    turn = np.eye(3)[[(axis + 1) % 3, (axis + 2) % 3, axis]]
+    flipped: Matrix = turn if up[axis] > 0.0 else np.diag([1.0, -1.0, -1.0]) @ turn
+    return flipped
