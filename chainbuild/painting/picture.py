@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Literal, get_args
+from typing import TYPE_CHECKING, Final, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,18 +25,16 @@ from chainbuild.painting.raster.pixels import painted
 from chainbuild.painting.raster.png import png_bytes
 from chainbuild.painting.stage import Stage, framed
 from chainbuild.painting.vector.svg import Sheet
-from chainbuild.painting.views import VIEWS, View, ViewName, Window
+from chainbuild.painting.views import VIEWS, PictureView, View, ViewName, Window
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
     from chainbuild.painting.overlay.measures import Dimension
 
-PictureView = Literal["iso", "front", "top", "right", "sheet"]
-
 _SIZE: Final = (960, 720)  # pixels of a picture
 _PANE: Final = (640, 480)  # of each of the four on a sheet
 _MARGIN: Final = 36  # pixels around the machine
-_LABELLED: Final = 72  # likewise with room for names
+_LABELLED: Final = 52  # likewise with room for names
 _TITLE: Final = 15.0  # pixels of text: the name of a view
 # What stands where on a sheet: above the front what is seen from above, beside it what is seen from the right.
 _SHEET: Final[tuple[tuple[ViewName, int, int], ...]] = (("top", 0, 0), ("iso", 1, 0), ("front", 0, 1), ("right", 1, 1))

@@ -10,6 +10,7 @@ from typing import Final, Literal
 from chainbuild.shown import fields_shown
 
 ViewName = Literal["iso", "front", "top", "right"]
+PictureView = Literal["iso", "front", "top", "right", "sheet"]
 Arrow = tuple[float, float, float]
 
 # Degrees: the operator stands at −Y; from his right, and low enough to see what hangs over a table.

@@ -82,7 +82,7 @@ def dimensions(
         if moved is not None:
             places, link, end, step = moved
             start = end - step * (datum.value / _STEP_MM)
-            found.append(Dimension(datum, f"{_short(datum, given)} = {_value(datum)}", places, link, start, end))
+            found.append(Dimension(datum, _label(datum, given), places, link, start, end))
     return tuple(found)
 
 
@@ -106,12 +106,8 @@ def _moved(here: Chain, there: Chain) -> Iterator[tuple[str, str, Vector, Vector
             yield name, link, T[:3, 3], step
 
 
-def _short(datum: Datum, data: Sequence[Datum]) -> str:
-    """Return a name for a drawing: the symbol where it is the only one, else the name in the file."""
-    if datum.symbol.startswith("HD") and [one.symbol for one in data].count(datum.symbol) == 1:
-        return datum.symbol
-    return datum.name.removeprefix(_PREFIX)
-
-
-def _value(datum: Datum) -> str:
-    return f"{datum.value:.10g} {datum.unit}".replace("-", "−")
+def _label(datum: Datum, data: Sequence[Datum]) -> str:
+    """Return a text for a drawing: the symbol where it is the only one, else the name in the file, value and unit."""
+    lone = datum.symbol.startswith("HD") and [one.symbol for one in data].count(datum.symbol) == 1
+    name = datum.symbol if lone else datum.name.removeprefix(_PREFIX).removesuffix("_mm")
+    return f"{name} = {datum.value:.10g} {datum.unit}".replace("-", "−")
