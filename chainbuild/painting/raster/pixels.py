@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from chainbuild.painting.colours import GROUND_COLOUR, INK_COLOUR
 from chainbuild.painting.raster.png import Pixels
-from chainbuild.painting.raster.sight import Buffers, render
+from chainbuild.painting.raster.sight import Buffers, Plane, render
 from chainbuild.painting.stage import PlacedBody
 from chainbuild.painting.views import View, Window
 
@@ -30,15 +30,30 @@ def painted(solids: Sequence[PlacedBody], view: View, window: Window) -> Pixels:
     """
     fine = window.finer(_SAMPLES)
     buffers = render(solids, view, fine)
-    colours = np.array([*(solid.body.colour for solid in solids), GROUND_COLOUR], dtype=np.float32)
     ink = _ink(buffers, _STEP * window.height / window.scale)
-    shade = buffers.shade[..., None]
-    plain = colours[np.maximum(buffers.bodies, -1)]
-    lit = np.where(shade > 1.0, 1.0 - (1.0 - plain) * (2.0 - shade), plain * shade)
-    lit += (np.array(INK_COLOUR, dtype=np.float32) - lit) * ink[..., None]
-    joined = lit.reshape(window.height, _SAMPLES, window.width, _SAMPLES, 3).mean(axis=(1, 3))
-    result: Pixels = (255.0 * np.clip(joined, 0.0, 1.0) + 0.5).astype(np.uint8)
+    # Most of a picture is ground: only the rest is worked on.
+    drawn = np.flatnonzero((buffers.face >= 0) | (ink > 0.0))
+    numbers, share = buffers.bodies.ravel()[drawn], ink.ravel()[drawn]
+    shade = buffers.shade.ravel()[drawn]
+    dark, pale = np.minimum(shade, 1.0), np.maximum(shade - 1.0, 0.0)
+    result = np.empty((window.height, window.width, 3), dtype=np.uint8)
+    for channel, (ground, black) in enumerate(zip(GROUND_COLOUR, INK_COLOUR, strict=True)):
+        palette = np.array([*(placed.body.colour[channel] for placed in solids), ground], dtype=np.float32)
+        light = palette[numbers] * dark
+        light += (1.0 - light) * pale
+        light += (np.float32(black) - light) * share
+        plane = np.full(fine.height * fine.width, ground, dtype=np.float32)
+        plane[drawn] = light
+        result[..., channel] = (255.0 * _joined(plane.reshape(fine.height, fine.width)) + 0.5).astype(np.uint8)
     return result
+
+
+def _joined(plane: Plane) -> Plane:
+    """Return the means of the samples of each pixel."""
+    upper, lower = plane[::_SAMPLES], plane[1::_SAMPLES]
+    across = upper + lower
+    joined: Plane = (across[:, ::_SAMPLES] + across[:, 1::_SAMPLES]) / np.float32(_SAMPLES * _SAMPLES)
+    return joined
 
 
 def _ink(buffers: Buffers, step: float) -> NDArray[np.float32]:

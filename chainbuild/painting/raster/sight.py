@@ -12,13 +12,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild.arrays import Integers
 from chainbuild.painting.colours import GAIN, LIGHT, MIDDLE
 from chainbuild.painting.stage import PlacedBody, coordinate, framed, half_span
 from chainbuild.painting.views import View, Window
 from chainbuild.shown import fields_shown
 
 Plane = NDArray[np.floating[Any]]
+Numbers = NDArray[np.int32]
 
 _NEARER: Final = 2e-5  # m: where faces lie in each other, the first body stays
 _EDGE_ON: Final = 1e-7  # cosine below which the line of sight runs along a face
@@ -39,11 +39,11 @@ class Buffers:
     __repr__ = fields_shown
 
     depth: Plane
-    face: Integers
+    face: Numbers
     shade: Plane
 
     @property
-    def bodies(self) -> Integers:
+    def bodies(self) -> Numbers:
         """(rows, columns) number of the body that each pixel shows, `NOTHING` where there is none."""
         return self.face // _FACES
 
@@ -132,7 +132,7 @@ def render(solids: Sequence[PlacedBody], view: View, window: Window) -> Buffers:
     """
     shape = window.height, window.width
     buffers = Buffers(
-        np.full(shape, -np.inf, dtype=np.float32), np.full(shape, -1, dtype=np.int64), np.ones(shape, dtype=np.float32)
+        np.full(shape, -np.inf, dtype=np.float32), np.full(shape, -1, dtype=np.int32), np.ones(shape, dtype=np.float32)
     )
     for number, solid in enumerate(solids):
         sight = _Sight(solid, view, window)
@@ -149,7 +149,7 @@ def _draw(buffers: Buffers, number: int, solid: PlacedBody, sight: _Sight) -> No
         spans = [sight.round((0, 1, 2), size[0])]
     else:
         spans = [sight.round((0, 1), size[0]), sight.slab(2, size[1] / 2.0)]
-    near, far, side = spans[0][0], spans[0][1], np.zeros(spans[0][0].shape, dtype=np.int64)
+    near, far, side = spans[0][0], spans[0][1], np.zeros(spans[0][0].shape, dtype=np.int32)
     for n, (a, b) in enumerate(spans[1:], start=1):
         side[a < near] = n
         near, far = np.minimum(near, a), np.maximum(far, b)
@@ -163,7 +163,7 @@ def _draw(buffers: Buffers, number: int, solid: PlacedBody, sight: _Sight) -> No
     buffers.shade[place][seen] = MIDDLE + GAIN * _cosines(solid, sight, near, side, seen)
 
 
-def _cosines(solid: PlacedBody, sight: _Sight, near: Plane, side: Integers, seen: NDArray[np.bool_]) -> Plane:
+def _cosines(solid: PlacedBody, sight: _Sight, near: Plane, side: Numbers, seen: NDArray[np.bool_]) -> Plane:
     """Return the cosine to the light where the lines of sight meet a body."""
     kind, size = solid.body.kind, solid.body.dimensions
     signs = [1.0 if part > 0.0 else -1.0 for part in sight.toward]
@@ -181,7 +181,7 @@ def _cosines(solid: PlacedBody, sight: _Sight, near: Plane, side: Integers, seen
 _COARSE: Final = (480, 360)  # pixels: what cannot be seen there is hidden or too small
 
 
-def body_pixels(solids: Sequence[PlacedBody], view: View) -> Integers:
+def body_pixels(solids: Sequence[PlacedBody], view: View) -> Numbers:
     """Return which body every pixel of a small picture shows (rows, columns), `NOTHING` where there is none.
 
     Args:
