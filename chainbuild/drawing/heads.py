@@ -22,6 +22,7 @@ _REACH_SHARE: Final = 0.22  # of the distance from the last axis to the tip
 _OFFSET_SHARE: Final = 0.3  # of the smallest distance between two axes: yokes fit between them
 _THICK: Final = 0.09  # m: no thicker than that
 _THIN: Final = 0.012  # m: what would be thinner measures a head whose axes meet at the tip
+_STUB: Final = 0.3  # of the spindle's radius: a shorter tool cannot be seen, and is drawn longer
 _TOWARDS: Final = np.array([0.5, -0.7, 0.5])  # direction from which pictures show a machine, roughly
 _UNKNOWN: Final = 0.05  # m: where nothing tells
 _STROKE_SHARE: Final = 0.08  # of the shortest slide, likewise
@@ -37,6 +38,7 @@ class Head:
         link: Link that carries the head.
         top: Point (3,) where it is fixed.
         half: Half of its width across any horizontal direction [m].
+        low: Height of its lowest point at home [m].
         bodies: Its bodies.
     """
 
@@ -44,6 +46,7 @@ class Head:
     link: str
     top: Vector
     half: float = 0.0
+    low: float = 0.0
     bodies: list[Body] = field(default_factory=list)
 
 
@@ -87,6 +90,7 @@ class _Drawing:
             self._joint(joint)
         self.head.link = joints[0].parent if joints else tool
         self.head.top, self.head.half = self.top, self.half
+        self.head.low = min(site.lowest(body) for body in self.head.bodies)
 
     def add(self, *bodies: Body) -> None:
         self.head.bodies.extend(bodies)
@@ -100,7 +104,7 @@ class _Drawing:
         last = next((joint for joint in reversed(joints) if joint.kind == "revolute"), None)
         reach = float((site.origin(last) - tip) @ back) if last is not None else 0.0
         same = site.chain.frame("flange").link == link
-        if not same or np.linalg.norm(nose - tip) < 1e-3:
+        if not same or np.linalg.norm(nose - tip) < _STUB * r:
             nose = tip + back * (_TOOL_SHARE * reach if reach > 2.0 * r else 1.5 * r)
         self.add(site.cylinder(link, "tool", tip, nose, 0.3 * r, colour=TOOL_COLOUR, origin="data"))
         length = float((site.origin(last) - nose) @ back) if last is not None else 2.5 * r
@@ -150,8 +154,9 @@ class _Drawing:
         axis, along = site.origin(joint), site.direction(joint)
         foot = axis + along * float((self.top - axis) @ along)
         reach = float(np.linalg.norm(self.top - foot))
-        low = float((foot - self.top) @ UP) < -0.6 * r and not self._is_inner(joint)
-        if low and reach > 1.2 * r:
+        beside = float(np.linalg.norm(np.cross(self.top - foot, UP)))
+        low = float((foot - self.top) @ UP) < -0.6 * r and beside < 0.3 * r
+        if low and reach > 1.2 * r and not self._is_inner(joint):
             self._arc(joint, foot)
             return
         side = max(self.half if self._is_inner(joint) else 1.0 * r, 1.0 * r) + 0.25 * r

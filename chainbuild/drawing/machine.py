@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final, Literal
 
 from chainbuild.chain.bodies.body import Body
 from chainbuild.chain.elements import Chain
 from chainbuild.drawing.arms import arm_bodies
+from chainbuild.drawing.given import with_given
 from chainbuild.drawing.parallel import parallel_bodies
 from chainbuild.drawing.site import Site
 from chainbuild.drawing.special import special_bodies
@@ -16,24 +18,19 @@ from chainbuild.drawing.tables import workpiece_side
 Build = Literal["machine tool", "arm", "parallel", "special"]
 
 _ARM_TURNS: Final = 4  # rotary axes on the way to the tool: heads of machine tools have three at most
+_RULES: Final[dict[Build, Callable[[Site], list[Body]]]] = {
+    "machine tool": machine_tool_bodies,
+    "arm": lambda site: [*arm_bodies(site), *workpiece_side(site)],
+    "parallel": parallel_bodies,
+    "special": special_bodies,
+}
 _SPECIAL: Final = tuple(f"KIN_TYP {number}" for number in (13, 14, 36, 85, 202, 205))
 
 
 def drawn_bodies(chain: Chain) -> tuple[Body, ...]:
-    """Return the bodies that show a machine, several a link, in the order of its rules.
-
-    Args:
-        chain: The chain.
-    """
+    """Return the bodies that show a machine, several a link: by the rule of its build, and what the overlay gives."""
     site = Site(chain)
-    build = build_of(site)
-    if build == "parallel":
-        return tuple(parallel_bodies(site))
-    if build == "special":
-        return tuple(special_bodies(site))
-    if build == "arm":
-        return (*arm_bodies(site), *workpiece_side(site))
-    return tuple(machine_tool_bodies(site))
+    return tuple(with_given(site, _RULES[build_of(site)](site)))
 
 
 def build_of(site: Site) -> Build:

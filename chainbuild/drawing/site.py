@@ -28,14 +28,15 @@ from chainbuild.chain.poses import link_placements
 from chainbuild.frames import inverse, transform
 
 UP: Final = np.array([0.0, 0.0, 1.0])
+_DIGITS: Final = 6  # decimals of a direction: of axes that are equally near, z is first
 _SHORT: Final = 1e-6  # m: what is shorter cannot be seen, and has no direction
 
 
 class Site:
     """A chain at home, stood upright: all places here are in the site's frame, z up, metres.
 
-    Home is every axis at 0, or at the limit next to it. Up is the workpiece's z at home, which is the base's z on most
-    machines.
+    Home is every axis at 0, or at the limit next to it. Up is the base's axis nearest to the workpiece's z at home: its
+    own z on most machines.
 
     Args:
         chain: The chain.
@@ -183,6 +184,16 @@ class Site:
             link, part, transform(None, np.asarray(centre, dtype=float)), "sphere", (radius,), colour, origin
         )
 
+    def lowest(self, body: Body) -> float:
+        """Return the height [m] of the lowest point of a body at home."""
+        T = self.links[body.link] @ body.T_link_body
+        rise, size = np.abs(T[2, :3]), body.dimensions
+        if body.kind == "box":
+            return float(T[2, 3] - rise @ np.array(size) / 2)
+        if body.kind == "sphere":
+            return float(T[2, 3]) - size[0]
+        return float(T[2, 3] - size[0] * np.hypot(rise[0], rise[1]) - rise[2] * size[1] / 2)
+
     def _body(
         self, link: str, part: Part, T: Matrix, kind: str, size: Sequence[float], colour: Colour | None, origin: Origin
     ) -> Body:
@@ -203,10 +214,9 @@ def upright_frame(direction: Vector) -> Matrix:
 
 
 def _upright(up: Vector) -> Matrix:
-    """Return the smallest turn (3, 3) that brings a direction to z; no turn for one that is z already."""
-    cross, cosine = np.cross(up, UP), float(up @ UP)
-    if np.linalg.norm(cross) < _SHORT:
-        return np.eye(3) if cosine > 0.0 else np.diag([1.0, -1.0, -1.0])
-    K = np.array([[0.0, -cross[2], cross[1]], [cross[2], 0.0, -cross[0]], [-cross[1], cross[0], 0.0]])
-    turn: Matrix = np.eye(3) + K + K @ K / (1.0 + cosine)
-    return turn
+    """Return the quarter turns (3, 3) that bring the base's axis nearest to a direction to z."""
+    n = int(np.argmax(np.abs(up[[2, 1, 0]]).round(_DIGITS)))
+    axis = (2, 1, 0)[n]
+    turn = np.eye(3)[[(axis + 1) % 3, (axis + 2) % 3, axis]]
+    flipped: Matrix = turn if up[axis] > 0.0 else np.diag([1.0, -1.0, -1.0]) @ turn
+    return flipped

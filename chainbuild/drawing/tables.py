@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Vector
-from chainbuild.chain.bodies.body import JOINT_COLOUR, PART_COLOUR, Body, Part
+from chainbuild.chain.bodies.body import JOINT_COLOUR, PART_COLOUR, Body, Origin, Part
 from chainbuild.chain.elements import BASE_LINK, Joint
 from chainbuild.drawing.site import UP, Site, upright_frame
 
@@ -46,8 +46,15 @@ def leading_slides(path: Sequence[Joint]) -> tuple[Joint, ...]:
     return tuple(path[:count])
 
 
+def _upwards(direction: Vector) -> Vector:
+    return direction if direction @ UP > 0.0 else -direction
+
+
 def plate_radius(site: Site) -> float:
     """Return the radius [m] of a plate that fits the strokes of a machine tool, or the size of a robot."""
+    given = site.chain.geometry.stand.table
+    if given is not None:
+        return given / 2
     strokes = [
         (high - low) / 2
         for joint in (*leading_slides(site.tool_path), *site.workpiece_path)
@@ -60,9 +67,9 @@ def plate_radius(site: Site) -> float:
     return _PLATE_SHARE * min(strokes)
 
 
-def lowest_tip(site: Site) -> float:
-    """Return the height [m] of the tip over the workpiece as it is at home, at the lowest that upright slides allow."""
-    return float(site.tip[2]) + sum(min(values) for values in _rises(site))
+def lowest(site: Site, height: float) -> float:
+    """Return how low [m] something at a height beside the tip at home gets, by upright slides, over the workpiece."""
+    return height + sum(low for low, _ in _rises(site))
 
 
 def _rises(site: Site) -> list[tuple[float, float]]:
@@ -77,18 +84,17 @@ def _rises(site: Site) -> list[tuple[float, float]]:
     return found
 
 
-def _plate_height(site: Site) -> float:
+def _plate_height(site: Site, tip: float) -> float:
     """Return the height [m] of the plate's top: the workpiece frame's, but below the tip at home and in the middle."""
-    middle = float(site.tip[2]) + sum((low + high) / 2 for low, high in _rises(site))
-    below = min(float(site.tip[2]), middle) - _GAP
-    return min(float(site.T_workpiece[2, 3]), below)
+    middle = tip + sum((low + high) / 2 for low, high in _rises(site))
+    return min(float(site.T_workpiece[2, 3]), min(tip, middle) - _GAP)
 
 
 def workpiece_side(site: Site) -> list[Body]:
     """Return what carries the workpiece beside a robot, down to the floor; nothing where the base does."""
     if not site.workpiece_path:
         return []
-    table = table_of(site)
+    table = table_of(site, float(site.tip[2]))
     floor = min(0.0, float(table.foot[2]) - 0.1 * table.radius)
     return [*table.bodies, *pedestal(site, table, floor)]
 
@@ -102,46 +108,69 @@ def pedestal(site: Site, table: Table, floor: float) -> list[Body]:
     return [site.box(BASE_LINK, "pedestal", low - half, table.foot + half)]
 
 
-def table_of(site: Site) -> Table:
-    """Return what carries the workpiece, from the plate down to the base."""
-    return _Drawing(site, site.workpiece_path).table
+def part_on(site: Site, link: str, foot: Vector, radius: float, height: float) -> list[Body]:
+    """Return the part on a plate or bed: what the overlay says, else a block; none where there is no room.
+
+    Args:
+        site: The machine.
+        link: Link that carries it.
+        foot: Point (3,) on which it stands.
+        radius: Radius of the plate [m].
+        height: Height [m] that the lowest tip leaves.
+    """
+    given = site.chain.geometry.stand.part
+    edges = (_PART_WIDTH * radius, _PART_WIDTH * radius, height) if given is None else given
+    if min(edges) <= (_PART_HEIGHT * _LEAST_ROOM if given is None else 0.0):
+        return []
+    half = np.array([edges[0] / 2, edges[1] / 2, 0.0])
+    origin: Origin = "drawn" if given is None else "data"
+    return [site.box(link, "workpiece", -half, half + edges[2] * UP, at=foot, colour=PART_COLOUR, origin=origin)]
+
+
+def table_of(site: Site, tip: float) -> Table:
+    """Return what carries the workpiece, from the plate down to the base.
+
+    Args:
+        site: The machine.
+        tip: Height [m] of the lowest point of head and tool at home.
+    """
+    return _Drawing(site, site.workpiece_path, tip).table
 
 
 class _Drawing:
     """Builds a table downwards. `foot` is the middle of what the part drawn last stands on."""
 
-    def __init__(self, site: Site, joints: Sequence[Joint]) -> None:
-        self.site = site
+    def __init__(self, site: Site, joints: Sequence[Joint], tip: float) -> None:
+        self.site, self.tip = site, tip
         self.R = plate_radius(site)
         self.bodies: list[Body] = []
-        self.top = _plate_height(site)
+        self.top = _plate_height(site, tip)
         self.foot = np.array([*site.T_workpiece[:2, 3], self.top])
         self.half = np.full(2, self.R)
-        link = joints[-1].child
         last = joints[-1]
+        normal = UP
         if last.kind == "revolute" and abs(site.direction(last) @ UP) > _UPRIGHT:
+            normal = _upwards(site.direction(last))
             self.foot = self._on_axis(last, self.top)
-        thick = 0.16 * self.R
-        plate = self.foot - thick * UP
-        self.bodies.append(site.cylinder(link, "table", plate, self.foot, self.R, origin="data"))
-        self._part(link)
+        elif last.kind == "revolute":
+            normal = upright_frame(site.direction(last))[:, 2]
+        plate = self.foot - 0.16 * self.R * normal
+        self.bodies.append(site.cylinder(last.child, "table", plate, self.foot, self.R, origin="data"))
+        self._part(last.child)
         self.foot = plate
         for joint in reversed(joints):
             self._joint(joint)
         self.table = Table(self.R, self.foot, self.half, self.bodies)
 
     def _on_axis(self, joint: Joint, height: float) -> Vector:
-        axis = self.site.origin(joint)
-        return np.array([axis[0], axis[1], height])
+        """Return the point (3,) of an axis at a height [m]."""
+        axis, along = self.site.origin(joint), self.site.direction(joint)
+        point: Vector = axis + along * ((height - axis[2]) / along[2])
+        return point
 
     def _part(self, link: str) -> None:
-        room = lowest_tip(self.site) - self.top
-        height = min(_PART_HEIGHT * room, 0.9 * self.R)
-        if room < _LEAST_ROOM:
-            return
-        half = np.array([_PART_WIDTH * self.R / 2, _PART_WIDTH * self.R / 2, 0.0])
-        part = self.site.box(link, "workpiece", -half, half + height * UP, at=self.foot, colour=PART_COLOUR)
-        self.bodies.append(part)
+        room = lowest(self.site, self.tip) - self.top
+        self.bodies += part_on(self.site, link, self.foot, self.R, min(_PART_HEIGHT * room, 0.9 * self.R))
 
     def _joint(self, joint: Joint) -> None:
         along = self.site.direction(joint)
@@ -161,17 +190,18 @@ class _Drawing:
     def _housing(self, joint: Joint) -> None:
         """Draw the housing of an upright axis on the parent; the child is a plate, or gets one."""
         site, R = self.site, self.R
-        start = self._on_axis(joint, float(self.foot[2]))
+        up, start = _upwards(site.direction(joint)), self._on_axis(joint, float(self.foot[2]))
         if any(body.link == joint.child and body.part == "table" for body in self.bodies):
             radius, height = 0.75 * R, 0.35 * R
         else:
             radius, height = 1.05 * float(self.half.max()), 0.3 * R
-            plate = start - 0.16 * R * UP
+            plate = start - 0.16 * R * up
             self.bodies.append(site.cylinder(joint.child, "plate", plate, start, radius))
             start = plate
-        end = start - height * UP
+        end = start - height * up
         self.bodies.append(site.cylinder(joint.parent, "housing", end, start, 0.85 * radius))
-        self.foot, self.half = end, np.maximum(self.half, radius)
+        self.half = np.maximum(self.half, radius) + np.abs((end - self.foot)[:2])
+        self.foot = end
 
     def _cradle(self, joint: Joint, along: Vector) -> None:
         """Draw a cradle with cheeks up to the axis on the child, bearings and foot on the parent."""
@@ -179,15 +209,16 @@ class _Drawing:
         Q = upright_frame(along)
         axis = self.site.origin(joint)
         centre = axis + along * float((self.foot - axis) @ along)
-        reach = float(self.half.max())
-        under = float(self.foot[2] - axis[2])  # of the cradle's top, seen from the axis
+        reach, off = float(self.half.max()), float((self.foot - centre) @ Q[:, 1])
+        under = float((self.foot - centre) @ Q[:, 2])  # of the cradle's top, seen from the axis
         floor = under - 0.2 * R
         inner, outer = 1.08 * reach, 1.08 * reach + 0.22 * R
 
         def box(link: str, part: Part, x: tuple[float, float], y: float, z: tuple[float, float]) -> None:
             self.bodies.append(site.box(link, part, (x[0], -y, z[0]), (x[1], y, z[1]), Q, centre))
 
-        box(joint.child, "cradle", (-outer, outer), 0.55 * R, (floor, under))
+        across = abs(off) + 0.55 * R
+        box(joint.child, "cradle", (-outer, outer), across, (floor, under))
         low, high = min(floor, -0.3 * R), max(under, 0.3 * R)
         for sign in (-1.0, 1.0):
             box(joint.child, "cheek", (sign * inner, sign * outer), 0.4 * R, (low, high))
@@ -195,14 +226,14 @@ class _Drawing:
         for sign in (-1.0, 1.0):
             ends = centre + sign * outer * along, centre + sign * journal * along
             self.bodies.append(site.cylinder(joint.child, "joint", *ends, 0.18 * R, colour=JOINT_COLOUR))
-        across = max(reach, 0.55 * R)
+        across = abs(off) + reach
         swept = float(np.hypot(across, max(abs(floor), abs(self.top - axis[2])))) + 0.06 * R
         end = journal + 0.3 * R
         for sign in (-1.0, 1.0):
             box(joint.parent, "post", (sign * (journal - 0.2 * R), sign * end), 0.42 * R, (-swept - 0.2 * R, 0.38 * R))
         box(joint.parent, "bed", (-end, end), 0.6 * R, (-swept - 0.3 * R, -swept))
         self.foot = centre - (swept + 0.3 * R) * Q[:, 2]
-        self.half = np.abs(Q[:2, 0]) * end + np.abs(Q[:2, 1]) * max(across, 0.6 * R)
+        self.half = np.abs(Q[:2, 0]) * end + np.abs(Q[:2, 1]) * (across + 0.1 * R)
         self.top = float(axis[2]) + swept
 
     def _slanted(self, joint: Joint, along: Vector) -> None:

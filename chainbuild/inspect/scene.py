@@ -12,9 +12,10 @@ from numpy.typing import ArrayLike
 from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies.body import Body, Colour
-from chainbuild.chain.bodies.shapes import detail_bodies, link_bodies, machine_size
+from chainbuild.chain.bodies.shapes import machine_size
 from chainbuild.chain.elements import BASE_LINK, FRAME_NAMES, Chain, Frame
 from chainbuild.chain.poses import link_placements
+from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.inspect.labels import Side, draw_label
 from chainbuild.inspect.sweep import FRAMES_PER_SECOND, joint_transforms
 
@@ -43,7 +44,7 @@ class Scene:
         self.robot = robot
         chain = robot.chain
         self.size = machine_size(chain)
-        self.bodies = (*link_bodies(chain), *detail_bodies(chain))
+        self.bodies = drawn_bodies(chain)
         self._paths = _link_paths(chain)
 
     def draw(self, axes: ArrayLike) -> None:

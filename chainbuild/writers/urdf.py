@@ -15,8 +15,9 @@ from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.bodies.body import BASE_COLOUR, TOOL_COLOUR, WORKPIECE_SIDE, Body
 from chainbuild.chain.bodies.rods import rod_masters
-from chainbuild.chain.bodies.shapes import detail_bodies, link_bodies, machine_size
+from chainbuild.chain.bodies.shapes import detail_bodies, machine_size, skeleton_bodies
 from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint
+from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.files import angle_text, file_of, number_text, numbers_text, write_text
 from chainbuild.frames import inverse, translation, urdf_rpy
@@ -32,8 +33,9 @@ __all__ = ["urdf_limitations", "urdf_text", "write_urdf"]
 # Machine data hold no drive data. Readers demand the numbers, and 0 would stop a simulated joint.
 _DEFAULT_SPEED: Final = {"revolute": math.pi, "prismatic": 1.0}  # rad/s, m/s
 _DEFAULT_EFFORT: Final = {"revolute": 1000.0, "prismatic": 10_000.0}  # N·m, N
-# Which drawn detail is the body of which tip, and the size of the mark if there is none.
-_TIPS: Final = {"flange": "flange", "tool": "tool", "table": "workpiece"}
+# Which part of the skeleton is the solid body of which tip, and the colour and size of the mark that shows a tip.
+_TIPS: Final = {"tool": "tool", "table": "workpiece"}
+_MARKS: Final = {"tool": TOOL_COLOUR, "workpiece": WORKPIECE_SIDE[0]}
 _MARK_SHARE: Final = 0.01  # of the machine's size: seen, and in nobody's way
 
 
@@ -67,8 +69,9 @@ def urdf_text(robot: Mechanism) -> str:
     chain = robot.chain
     root = ET.Element("robot", name=chain.name)
     root.append(ET.Comment(f"\n{notes.header(chain)}\n"))
-    for body in link_bodies(chain):
-        _add_link(root, body.link, body)
+    shown, solid = _by_link(drawn_bodies(chain)), _by_link(skeleton_bodies(chain))
+    for link in chain.links:
+        _add_link(root, link.name, shown.get(link.name, ()), solid[link.name])
     lower, upper = robot.model.lowerPositionLimit, robot.model.upperPositionLimit
     masters = rod_masters(chain)
     for n, (joint, speed) in enumerate(zip(chain.joints, joint_speeds(chain), strict=True)):
@@ -108,14 +111,26 @@ def _bound(joint: Joint, value: float, sign: float) -> float:
     return sign * m_from_mm(tolerances.ASSUMED_LINEAR_LIMIT_MM)
 
 
-def _add_link(root: ET.Element, name: str, body: Body) -> None:
+def _by_link(bodies: Iterable[Body]) -> dict[str, list[Body]]:
+    """Return bodies by their link."""
+    found: dict[str, list[Body]] = {}
+    for body in bodies:
+        found.setdefault(body.link, []).append(body)
+    return found
+
+
+def _add_link(root: ET.Element, name: str, shown: Iterable[Body], solid: Iterable[Body]) -> None:
+    """Write a link: the bodies to look at, and those that count in collisions."""
     link = ET.SubElement(root, "link", name=name)
-    visual = ET.SubElement(link, "visual")
-    _add_body(visual, body)
-    # One material per link: some readers do not support colours defined elsewhere.
-    material = ET.SubElement(visual, "material", name=f"{name}_colour")
-    ET.SubElement(material, "color", rgba=numbers_text((*body.colour, 1.0)))
-    _add_body(ET.SubElement(link, "collision"), body)
+    for n, body in enumerate(shown, 1):
+        visual = ET.SubElement(link, "visual")
+        _add_body(visual, body)
+        # One material a body and link: some readers do not support colours defined elsewhere.
+        colour = f"{name}_colour" if n == 1 else f"{name}_colour{n}"
+        material = ET.SubElement(visual, "material", name=colour)
+        ET.SubElement(material, "color", rgba=numbers_text((*body.colour, 1.0)))
+    for body in solid:
+        _add_body(ET.SubElement(link, "collision"), body)
 
 
 def _add_body(parent: ET.Element, body: Body) -> None:
@@ -157,27 +172,24 @@ def _add_joint(root: ET.Element, joint: Joint, lower: float, upper: float, speed
 def _add_tips(root: ET.Element, chain: Chain) -> None:
     """Write the frames as links on fixed joints; frame `base` is the root link itself."""
     links = {link.name for link in chain.links}
-    drawn = {_TIPS[body.part]: body for body in detail_bodies(chain) if body.part in _TIPS}
+    solid = {_TIPS[body.part]: body for body in detail_bodies(chain) if body.part in _TIPS}
+    size = _MARK_SHARE * machine_size(chain)
     for frame in chain.frames:
         if frame.name == BASE_LINK:
             continue
         if frame.name in links:
             raise ChainError(f"frame {frame.name} has the name of a link: a URDF needs different names")
-        _add_link(root, frame.name, _tip_body(chain, frame, drawn.get(frame.name)))
+        mark = Body(frame.name, "joint", translation(), "sphere", (size,), _MARKS.get(frame.name, BASE_COLOUR))
+        body = solid.get(frame.name)
+        own = [_in_frame(body, frame)] if body is not None and body.link == frame.link else []
+        _add_link(root, frame.name, (mark,), own)
         element = ET.SubElement(root, "joint", name=f"{frame.name}_fixed", type="fixed")
         _add_connection(element, frame.T_link_frame, frame.link, frame.name)
 
 
-def _tip_body(chain: Chain, frame: Frame, drawn: Body | None) -> Body:
-    """Return the body of a tip in its own frame: the drawn one, else a small mark."""
-    if drawn is not None and drawn.link == frame.link:
-        return replace(drawn, link=frame.name, T_link_body=inverse(frame.T_link_frame) @ drawn.T_link_body)
-    size = _MARK_SHARE * machine_size(chain)
-    if frame.name == "workpiece":
-        plate = (8.0 * size, 8.0 * size, 0.5 * size)
-        return Body(frame.name, "table", translation(z=-0.25 * size), "box", plate, WORKPIECE_SIDE[0])
-    colour = TOOL_COLOUR if frame.name == "tool" else BASE_COLOUR
-    return Body(frame.name, "tool", translation(), "sphere", (size,), colour)
+def _in_frame(body: Body, frame: Frame) -> Body:
+    """Return a body of the frame's link as one of the frame's own link."""
+    return replace(body, link=frame.name, T_link_body=inverse(frame.T_link_frame) @ body.T_link_body)
 
 
 def _as_written(angle: float) -> float:

@@ -14,6 +14,10 @@ from chainbuild.chain.bodies.body import Body
 from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.elements import Chain
 from chainbuild.chain.poses import link_placements
+from chainbuild.drawing.machine import drawn_bodies
+
+ALLOWED = 5e-4  # m: bodies that touch, rounded to micrometres and measured by an iteration
+REACH = 1e-3  # m: what is nearer hangs together
 
 
 def solid(body: Body) -> Any:
@@ -100,3 +104,36 @@ def corners(chain: Chain) -> list[Vector]:
     choices = [sorted({a, b, c}) for a, b, c in zip(low, high, home, strict=True)]
     found = [np.array(axes) for axes in itertools.product(*choices)]
     return [axes for axes in found if np.isfinite(chain.axis_map.q(axes)).all()]
+
+
+def bare_links(chain: Chain, bodies: Sequence[Body]) -> list[str]:
+    """Return the links without any body, but those that only carry the freedoms of a platform."""
+    seen = {body.link for body in bodies}
+    axes = {axis.name for axis in chain.axes}
+    passive = {joint.child for joint in chain.joints if chain.loops and joint.name not in axes}
+    return [link.name for link in chain.links if link.name not in seen | passive]
+
+
+def check_laws(chain: Chain) -> None:
+    """Check the laws that hold for the drawing of every machine."""
+    bodies = drawn_bodies(chain)
+    home, middle = home_and_middle(chain)
+    for axes in (home, middle):
+        assert overlaps(chain, bodies, axes, ALLOWED) == []
+    assert len(islands(chain, bodies, home, REACH)) == 1
+    assert bare_links(chain, bodies) == []
+    assert all(is_sound(body) for body in bodies)
+
+
+def is_sound(body: Body) -> bool:
+    """Return whether a body has a size and a place, and says where both come from."""
+    finite = np.isfinite(body.T_link_body).all() and np.isfinite(body.dimensions).all()
+    return bool(finite and min(body.dimensions) > 0.0 and body.origin in ("data", "drawn"))
+
+
+def nearest(chain: Chain, bodies: Sequence[Body], part: str, other: str, axes: Vector) -> list[float]:
+    """Return for each body of a part its distance [m] to the nearest body of another part."""
+    placed = list(zip(bodies, placements(chain, bodies, axes), strict=True))
+    return [
+        min(gap(a, A, b, B) for b, B in placed if b.part == other and b is not a) for a, A in placed if a.part == part
+    ]

@@ -60,9 +60,10 @@ def rounded_body(
 ) -> Body:
     """Return a body with its measures rounded to micrometres.
 
-    That is enough for a drawing, and keeps written files free of the last bit of a square root.
+    That is enough for a drawing, and keeps written files free of the last bit of a square root; nanometres first, or
+    half of a length given to the micrometre would fall with its last bit.
     """
-    return Body(link, part, T, kind, tuple(round(s, 6) for s in size), colour, origin)
+    return Body(link, part, T, kind, tuple(round(round(s, 9), 6) for s in size), colour, origin)
 
 
 def along(direction: Vector, centre: Vector | None = None) -> Matrix:

@@ -11,6 +11,8 @@ from chainbuild.shown import fields_shown
 
 ShapeKind = Literal["capsule", "sphere", "box", "cylinder", "hull", "mesh"]
 Numbers = tuple[float, ...]
+Style = Literal["portal", "column"]
+Side = Literal["+x", "-x", "+y", "-y"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +60,25 @@ class RodData:
 
 
 @dataclass(frozen=True, slots=True)
+class Stand:
+    """How a machine tool is built where its data leave it open. It changes drawings alone.
+
+    Attributes:
+        style: "portal": a beam on end posts; "column": one column behind the table; None: by the slides.
+        column: Side on which beams and columns stand, as seen from the workpiece; None: +y, -x where a beam runs in y.
+        table: Diameter of the plate, or width of the bed [m]; None: by the strokes.
+        part: Edges of the part along x, y, z [m], an edge of 0: no part; None: by the table and the lowest tip.
+    """
+
+    __repr__ = fields_shown
+
+    style: Style | None = None
+    column: Side | None = None
+    table: float | None = None
+    part: Numbers | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Geometry:
     """The overlay's table `[geometry]`.
 
@@ -67,6 +88,7 @@ class Geometry:
         rods: Whether the parallelogram's rods are links of the chain. They add joints.
         rod_data: Their dimensions, also for analyses that add them for themselves.
         ignore: Pairs of links whose collision does not count.
+        stand: How a machine tool is drawn.
     """
 
     __repr__ = fields_shown
@@ -76,6 +98,7 @@ class Geometry:
     rods: bool = False
     rod_data: RodData = RodData()
     ignore: tuple[tuple[str, str], ...] = ()
+    stand: Stand = Stand()
 
     @property
     def links(self) -> tuple[str, ...]:

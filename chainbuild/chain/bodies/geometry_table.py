@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Final
+from typing import Final, get_args
 
-from chainbuild.chain.bodies.geometry import Geometry, Numbers, RodData, Shape, ShapeKind
+from chainbuild.chain.bodies.geometry import Geometry, Numbers, RodData, Shape, ShapeKind, Side, Stand, Style
 from chainbuild.errors import ChainbuildError
 from chainbuild.units import m_from_mm
 
@@ -14,7 +14,10 @@ from chainbuild.units import m_from_mm
 Refuse = Callable[[str, str], ChainbuildError]
 
 _ROD_KEYS: Final = ("crank_mm", "crank_angle_deg", "rod_radius_mm", "rod_sideways_mm")
-_KEYS: Final = ("radii_mm", "shapes", "rods", *_ROD_KEYS, "ignore")
+_STAND_KEYS: Final = ("style", "column", "table_mm", "part_mm")
+_KEYS: Final = ("radii_mm", "shapes", "rods", *_ROD_KEYS, "ignore", *_STAND_KEYS)
+_STYLES: Final = get_args(Style)
+_SIDES: Final = get_args(Side)
 _SHAPE_COUNTS: Final[Mapping[ShapeKind, int]] = {"capsule": 6, "cylinder": 6, "sphere": 3, "box": 3}
 _FILE_KINDS: Final[tuple[ShapeKind, ...]] = ("hull", "mesh")
 _MESH_UNIT: Final = 0.001  # meshes of machines are drawn in mm
@@ -44,6 +47,7 @@ def geometry_from_table(table: Mapping[str, object], folder: Path, refuse: Refus
         rods=rods,
         rod_data=reader.rods(table),
         ignore=reader.pairs(table.get("ignore", [])),
+        stand=reader.stand(table),
     )
 
 
@@ -85,6 +89,22 @@ class _Reader:
             angle_deg=self.number("crank_angle_deg", angle),
             radius=None if radius is None else self.length("rod_radius_mm", radius),
             sideways=m_from_mm(self.number("rod_sideways_mm", table.get("rod_sideways_mm", 0.0))),
+        )
+
+    def stand(self, table: Mapping[str, object]) -> Stand:
+        style, column, plate, part = (table.get(key) for key in _STAND_KEYS)
+        if style not in (None, *_STYLES):
+            raise self.refuse("style", f"one of {', '.join(_STYLES)}")
+        if column not in (None, *_SIDES):
+            raise self.refuse("column", f"one of {', '.join(_SIDES)}")
+        edges = None if part is None else tuple(m_from_mm(edge) for edge in self.numbers("part_mm", part, 3))
+        if edges is not None and min(edges) < 0.0:
+            raise self.refuse("part_mm", "three edges of at least 0 in mm")
+        return Stand(
+            style=style,  # type: ignore[arg-type]
+            column=column,  # type: ignore[arg-type]
+            table=None if plate is None else self.length("table_mm", plate),
+            part=edges,
         )
 
     def pairs(self, value: object) -> tuple[tuple[str, str], ...]:

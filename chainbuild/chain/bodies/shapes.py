@@ -56,6 +56,11 @@ def detail_bodies(chain: Chain) -> tuple[Body, ...]:
     return (*bodies, *drawing.lever_bodies(), *drawing.platform_bodies(), *drawing.tip_bodies())
 
 
+def skeleton_bodies(chain: Chain) -> tuple[Body, ...]:
+    """Return what is solid of links alone: one body a link, and the levers. Tool and table belong to the tips."""
+    return (*link_bodies(chain), *(body for body in detail_bodies(chain) if body.part == "lever"))
+
+
 def machine_size(chain: Chain) -> float:
     """Return the size [m] that drawings are scaled by: the longest arm, or a share of the longest known stroke."""
     reach = {BASE_LINK: 0.0}
