@@ -61,7 +61,7 @@ def _scara(site: Site) -> list[Body]:
     return [
         site.box(BASE_LINK, "bed", *table),
         site.box(BASE_LINK, "foot", (x - foot, y - foot, bed), (x + foot, y + foot, bed + w)),
-        _upright(site, BASE_LINK, "column", (a, bed, first), _SHOULDER * w),
+        _upright(site, BASE_LINK, "column", (a, bed + w, first), _SHOULDER * w),
         *_level_arm(site, shoulder.child, (a, b), (first, second), w),
         *_level_arm(site, elbow.child, (b, c), (second, over), w),
         _upright(site, elbow.child, "housing", motor, _MOTOR[0] * w),
