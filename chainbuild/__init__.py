@@ -139,6 +139,9 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.kinematics.limits import Limits as Limits
     from chainbuild.kinematics.mechanism import Mechanism as Mechanism
     from chainbuild.machines import shipped as shipped
+    from chainbuild.painting.overlay.measures import Dimension as Dimension
+    from chainbuild.painting.overlay.measures import dimensions as dimensions
+    from chainbuild.painting.picture import picture as picture
     from chainbuild.progress import Progress as Progress
     from chainbuild.robot import Robot as Robot
     from chainbuild.tables.recording import Recording as Recording
@@ -214,6 +217,8 @@ _HOMES = {
     "chainbuild.kinematics.limits": "Limits",
     "chainbuild.kinematics.mechanism": "Mechanism",
     "chainbuild.machines": "shipped",
+    "chainbuild.painting.overlay.measures": "Dimension dimensions",
+    "chainbuild.painting.picture": "picture",
     "chainbuild.progress": "Progress",
     "chainbuild.robot": "Robot",
     "chainbuild.tables.recording": "Recording read_recording",

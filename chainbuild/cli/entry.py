@@ -32,6 +32,7 @@ from chainbuild.cli.ik import ik
 from chainbuild.cli.info import info
 from chainbuild.cli.inspect import inspect
 from chainbuild.cli.limits import limits
+from chainbuild.cli.picture import picture
 from chainbuild.cli.process import INTERRUPTED, signals, standard_streams
 from chainbuild.cli.singularity import singularity
 from chainbuild.cli.types import types
@@ -60,6 +61,7 @@ _COMMANDS = (
     urdf,
     as_universal,
     inspect,
+    picture,
     singularity,
     collide,
     limits,

@@ -1,4 +1,7 @@
-"""The bodies of a machine at axis values, placed in the site: z up."""
+"""A machine at axis values, stood upright: its bodies and frames in the site, z up, metres.
+
+Every place is rounded here, so that the last bits of matrix products, in which processors differ, never reach a file.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +9,27 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from chainbuild.arrays import Matrix, Vector
+import numpy as np
+from numpy.typing import ArrayLike
+
+from chainbuild.arrays import Matrix
 from chainbuild.chain.bodies.body import Body
-from chainbuild.chain.bodies.shapes import detail_bodies, link_bodies
-from chainbuild.chain.elements import Chain
+from chainbuild.chain.elements import BASE_LINK
 from chainbuild.chain.poses import link_placements
 from chainbuild.drawing.machine import drawn_bodies
-from chainbuild.painting.views import Triple, View, Window, window_around
+from chainbuild.drawing.shown import shown_chain
+from chainbuild.drawing.site import Site
+from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.painting.views import Arrow, View, Window, window_around
 from chainbuild.shown import fields_shown
+
+_GRID: Final = 1e-6  # m: places are rounded to it
+_FINE: Final = 1e-9  # likewise directions
+_OFF_HALF: Final = 0.4871  # rounds up from here: a half, where data may well lie, would be up to the last bit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Solid:
+class PlacedBody:
     """A body placed in the site.
 
     Attributes:
@@ -31,57 +43,106 @@ class Solid:
     T: Matrix
 
 
-def placed_bodies(chain: Chain, q: Vector, T_site_base: Matrix, bodies: Iterable[Body] | None = None) -> list[Solid]:
-    """Return the bodies of a machine at joint values (n_q,), SI, in the site.
+class Stage:
+    """A machine at axis values, in its site.
 
     Args:
-        chain: The chain.
-        q: Joint values.
-        T_site_base: (4, 4) base in the site.
-        bodies: What to place; None: what the rules of drawing give.
+        robot: The machine.
+        axes: Axis values (n_axes,), mm and degrees; None: home, every axis at 0 or at the limit next to it.
+        bodies: What is shown; None: what the rules of drawing give.
+
+    Raises:
+        AxisValueError: wrong count or not finite.
+        ChainbuildError: the machine has no pose there.
+
+    Attributes:
+        axes: The axis values.
+        size: Size of the machine [m].
+        bodies: What is shown; the number of a body is its place here.
     """
-    placed = link_placements(chain, q)
-    return [
-        Solid(body, T_site_base @ placed[body.link] @ body.T_link_body)
-        for body in (shown_bodies(chain) if bodies is None else bodies)
-    ]
+
+    def __init__(self, robot: Mechanism, axes: ArrayLike | None = None, bodies: Iterable[Body] | None = None) -> None:
+        chain, site = shown_chain(robot.chain), Site(robot.chain)
+        self._robot = robot
+        self.axes = site.home if axes is None else robot.axis_values(axes)
+        self.size = site.size
+        robot.q(self.axes)  # raises where the machine has no pose
+        placed = link_placements(chain, chain.axis_map.q(self.axes))
+        self._links = {name: site.links[BASE_LINK] @ T for name, T in placed.items()}
+        self.bodies = tuple(
+            PlacedBody(body, snapped(self._links[body.link] @ body.T_link_body))
+            for body in (drawn_bodies(chain) if bodies is None else bodies)
+        )
+
+    def place(self, link: str, T_link: Matrix) -> Matrix:
+        """Return a frame of a link (4, 4) in the site."""
+        return snapped(self._links[link] @ T_link)
+
+    def frame(self, name: str) -> Matrix:
+        """Return a frame of the chain (4, 4) in the site."""
+        frame = self._robot.chain.frame(name)
+        return self.place(frame.link, frame.T_link_frame)
+
+    def trace(self, rows: Matrix) -> Matrix:
+        """Return where the tool is (n, 3), as a mark on the workpiece, at rows of axis values (n, n_axes).
+
+        Raises:
+            ChainbuildError: the machine has no pose in some row.
+        """
+        poses = self._robot.fk_batch(rows)
+        T = self.frame("workpiece")
+        points = np.einsum("ij,nj->ni", T[:3, :3], poses[:, :3, 3]) + T[:3, 3]
+        rounded: Matrix = np.floor(points / _GRID + _OFF_HALF) * _GRID
+        return rounded
 
 
-def shown_bodies(chain: Chain) -> tuple[Body, ...]:
-    """Return the bodies that a picture shows."""
-    try:
-        return drawn_bodies(chain)
-    except NotImplementedError:
-        return (*link_bodies(chain), *detail_bodies(chain))
+def snapped(T: Matrix) -> Matrix:
+    """Return a placement (4, 4) rounded to micrometres, and its directions to 1e-9."""
+    result = T.copy()
+    result[:3, :3] = np.floor(T[:3, :3] / _FINE + _OFF_HALF) * _FINE
+    result[:3, 3] = np.floor(T[:3, 3] / _GRID + _OFF_HALF) * _GRID
+    return result
 
 
-def along(vector: Sequence[float] | Vector, direction: Triple) -> float:
+def coordinate(vector: Sequence[float] | Matrix, direction: Arrow) -> float:
     """Return the coordinate of a vector (3,) along a direction."""
     x, y, z = (float(part) for part in vector)
     return x * direction[0] + y * direction[1] + z * direction[2]
 
 
-def reach(solid: Solid, direction: Triple) -> float:
+def half_span(placed: PlacedBody, direction: Arrow) -> float:
     """Return how far [m] a body extends from its centre in a direction, given as a unit vector."""
-    a, b, c = (along(solid.T[:3, n], direction) for n in range(3))
-    size = solid.body.dimensions
-    if solid.body.kind == "box":
+    a, b, c = (coordinate(placed.T[:3, n], direction) for n in range(3))
+    size = placed.body.dimensions
+    if placed.body.kind == "box":
         return (abs(a) * size[0] + abs(b) * size[1] + abs(c) * size[2]) / 2.0
-    if solid.body.kind == "sphere":
+    if placed.body.kind == "sphere":
         return size[0]
-    return float(size[0] * max(a * a + b * b, 0.0) ** 0.5 + abs(c) * size[1] / 2.0)
+    return float(size[0] * (a * a + b * b) ** 0.5 + abs(c) * size[1] / 2.0)
 
 
-def extent(solids: Sequence[Solid], direction: Triple) -> tuple[float, float]:
-    """Return the lowest and the highest coordinate [m] of bodies along a direction."""
-    spans = [(along(solid.T[:3, 3], direction), reach(solid, direction)) for solid in solids]
+def extent(
+    bodies: Sequence[PlacedBody], direction: Arrow, points: Sequence[Sequence[float]] = ()
+) -> tuple[float, float]:
+    """Return the lowest and the highest coordinate [m] of bodies and points along a direction."""
+    spans = [(coordinate(placed.T[:3, 3], direction), half_span(placed, direction)) for placed in bodies]
+    spans += [(coordinate(point, direction), 0.0) for point in points]
     return min(middle - half for middle, half in spans), max(middle + half for middle, half in spans)
 
 
-_MARGIN_SHARE: Final = 0.05  # of the picture's shorter side
+def framed(
+    bodies: Sequence[PlacedBody], view: View, width: int, height: int, margin: int = 36,
+    points: Sequence[Sequence[float]] = (),
+) -> Window:  # fmt: skip
+    """Return the window that shows bodies and points as large as they fit.
 
-
-def framed(solids: Sequence[Solid], view: View, width: int, height: int) -> Window:
-    """Return the window that shows bodies as large as they fit."""
-    (left, right), (low, high) = extent(solids, view.right), extent(solids, view.up)
-    return window_around((left, low), (right, high), width, height, round(_MARGIN_SHARE * min(width, height)))
+    Args:
+        bodies: The bodies.
+        view: From where one looks.
+        width: Pixels.
+        height: Pixels.
+        margin: Pixels left free on each side at least.
+        points: Places (3,) that are to be seen, too [m].
+    """
+    (left, right), (low, high) = extent(bodies, view.right, points), extent(bodies, view.up, points)
+    return window_around((left, low), (right, high), width, height, margin)

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
 from chainbuild.shown import fields_shown
 
 ViewName = Literal["iso", "front", "top", "right"]
-Triple = tuple[float, float, float]
+PictureView = Literal["iso", "front", "top", "right", "sheet"]
+Arrow = tuple[float, float, float]
 
 # Degrees: the operator stands at −Y; from his right, and low enough to see what hangs over a table.
 _TURN: Final = 32.0
@@ -21,22 +23,27 @@ class View:
     """An orthographic view.
 
     Attributes:
-        right: Direction in the site that is to the right in the picture, a unit vector.
-        up: Direction that is upwards in the picture.
-        toward: Direction towards who looks.
+        right: Arrow in the site that is to the right in the picture, a unit vector.
+        up: Arrow that is upwards in the picture.
+        toward: Arrow towards who looks.
     """
 
     __repr__ = fields_shown
 
-    right: Triple
-    up: Triple
-    toward: Triple
+    right: Arrow
+    up: Arrow
+    toward: Arrow
 
 
 def _iso() -> View:
     ct, st = math.cos(math.radians(_TURN)), math.sin(math.radians(_TURN))
     cr, sr = math.cos(math.radians(_RISE)), math.sin(math.radians(_RISE))
-    return View((ct, st, 0.0), (-sr * st, sr * ct, cr), (cr * st, -cr * ct, sr))
+    return View(_short(ct, st, 0.0), _short(-sr * st, sr * ct, cr), _short(cr * st, -cr * ct, sr))
+
+
+def _short(x: float, y: float, z: float) -> Arrow:
+    """Return a direction without the last bits of its cosines, in which processors differ."""
+    return round(x, 12), round(y, 12), round(z, 12)
 
 
 # The signs of the plain ones are those of a drawing: from the front X to the right, from above Y upwards.
@@ -67,6 +74,22 @@ class Window:
     scale: float
     width: int
     height: int
+
+    def spot(self, view: View, point: Sequence[float]) -> tuple[float, float]:
+        """Return where a point (3,) of the site is seen, in pixels from the upper left corner."""
+        x, y, z = point[0], point[1], point[2]
+        u = x * view.right[0] + y * view.right[1] + z * view.right[2]
+        v = x * view.up[0] + y * view.up[1] + z * view.up[2]
+        return (u - self.left) * self.scale, (self.top - v) * self.scale
+
+    def rescaled(self, scale: float) -> Window:
+        """Return a window of the same size and middle with another scale."""
+        less = (1.0 / self.scale - 1.0 / scale) / 2.0
+        return Window(self.left + less * self.width, self.top - less * self.height, scale, self.width, self.height)
+
+    def moved(self, x: int, y: int) -> Window:
+        """Return the same part of the view further right and down, within a larger picture."""
+        return Window(self.left - x / self.scale, self.top + y / self.scale, self.scale, self.width, self.height)
 
     def finer(self, times: int) -> Window:
         """Return the same part of the view with more pixels."""

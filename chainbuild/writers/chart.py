@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from chainbuild.files import printable_tree
-from chainbuild.painting.png import Pixels, png_bytes
+from chainbuild.painting.raster.png import Pixels, png_bytes
 
 # Pixels of SVG: margins with room for labels and a legend, and the largest plot between them.
 _LEFT: Final = 70.0

@@ -8,22 +8,19 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild.chain.bodies.body import Colour
-from chainbuild.painting.png import Pixels
-from chainbuild.painting.raster import Buffers, render
-from chainbuild.painting.stage import Solid
+from chainbuild.painting.colours import GROUND_COLOUR, INK_COLOUR
+from chainbuild.painting.raster.png import Pixels
+from chainbuild.painting.raster.sight import Buffers, Plane, render
+from chainbuild.painting.stage import PlacedBody
 from chainbuild.painting.views import View, Window
 
-GROUND: Final[Colour] = (0.975, 0.98, 0.985)
-INK: Final[Colour] = (0.16, 0.18, 0.21)
-
-SAMPLES: Final = 2  # a pixel and direction: edges without steps
+_SAMPLES: Final = 2  # a pixel and direction: edges without steps
 _OUTLINE: Final = 0.80  # share of ink where a body ends before what is far behind it or nothing
 _CREASE: Final = 0.30  # likewise where two faces meet
 _STEP: Final = 0.006  # of the picture's height [m]: a jump in depth that ends a body
 
 
-def painted(solids: Sequence[Solid], view: View, window: Window) -> Pixels:
+def painted(solids: Sequence[PlacedBody], view: View, window: Window) -> Pixels:
     """Return the pixels (rows from above, columns, RGB) of a window.
 
     Args:
@@ -31,17 +28,32 @@ def painted(solids: Sequence[Solid], view: View, window: Window) -> Pixels:
         view: From where one looks.
         window: What of it fills the picture.
     """
-    fine = window.finer(SAMPLES)
+    fine = window.finer(_SAMPLES)
     buffers = render(solids, view, fine)
-    colours = np.array([*(solid.body.colour for solid in solids), GROUND], dtype=np.float32)
     ink = _ink(buffers, _STEP * window.height / window.scale)
-    shade = buffers.shade[..., None]
-    plain = colours[np.maximum(buffers.bodies, -1)]
-    lit = np.where(shade > 1.0, 1.0 - (1.0 - plain) * (2.0 - shade), plain * shade)
-    lit += (np.array(INK, dtype=np.float32) - lit) * ink[..., None]
-    joined = lit.reshape(window.height, SAMPLES, window.width, SAMPLES, 3).mean(axis=(1, 3))
-    result: Pixels = (255.0 * np.clip(joined, 0.0, 1.0) + 0.5).astype(np.uint8)
+    # Most of a picture is ground: only the rest is worked on.
+    drawn = np.flatnonzero((buffers.face >= 0) | (ink > 0.0))
+    numbers, share = buffers.bodies.ravel()[drawn], ink.ravel()[drawn]
+    shade = buffers.shade.ravel()[drawn]
+    dark, pale = np.minimum(shade, 1.0), np.maximum(shade - 1.0, 0.0)
+    result = np.empty((window.height, window.width, 3), dtype=np.uint8)
+    for channel, (ground, black) in enumerate(zip(GROUND_COLOUR, INK_COLOUR, strict=True)):
+        palette = np.array([*(placed.body.colour[channel] for placed in solids), ground], dtype=np.float32)
+        light = palette[numbers] * dark
+        light += (1.0 - light) * pale
+        light += (np.float32(black) - light) * share
+        plane = np.full(fine.height * fine.width, ground, dtype=np.float32)
+        plane[drawn] = light
+        result[..., channel] = (255.0 * _joined(plane.reshape(fine.height, fine.width)) + 0.5).astype(np.uint8)
     return result
+
+
+def _joined(plane: Plane) -> Plane:
+    """Return the means of the samples of each pixel."""
+    upper, lower = plane[::_SAMPLES], plane[1::_SAMPLES]
+    across = upper + lower
+    joined: Plane = (across[:, ::_SAMPLES] + across[:, 1::_SAMPLES]) / np.float32(_SAMPLES * _SAMPLES)
+    return joined
 
 
 def _ink(buffers: Buffers, step: float) -> NDArray[np.float32]:

@@ -12,22 +12,18 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild.arrays import Integers
-from chainbuild.painting.stage import Solid, along, framed, reach
+from chainbuild.painting.colours import GAIN, LIGHT, MIDDLE
+from chainbuild.painting.stage import PlacedBody, coordinate, framed, half_span
 from chainbuild.painting.views import View, Window
 from chainbuild.shown import fields_shown
 
 Plane = NDArray[np.floating[Any]]
+Numbers = NDArray[np.int32]
 
 _NEARER: Final = 2e-5  # m: where faces lie in each other, the first body stays
 _EDGE_ON: Final = 1e-7  # cosine below which the line of sight runs along a face
 _FACES: Final = 8  # faces a body has at most, rounded up
 NOTHING: Final = -1  # number of the body where there is none
-
-# Light from above, left and before whoever looks; a box shows three shades.
-_LIGHT: Final = (-0.36, 0.74, 0.57)
-_MIDDLE: Final = 0.80  # of a colour, where the light passes by
-_GAIN: Final = 0.32  # more of it towards the light, less of it away from it; above 1 the colour pales
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,11 +39,11 @@ class Buffers:
     __repr__ = fields_shown
 
     depth: Plane
-    face: Integers
+    face: Numbers
     shade: Plane
 
     @property
-    def bodies(self) -> Integers:
+    def bodies(self) -> Numbers:
         """(rows, columns) number of the body that each pixel shows, `NOTHING` where there is none."""
         return self.face // _FACES
 
@@ -61,10 +57,10 @@ class _Sight:
         window: What fills the picture.
     """
 
-    def __init__(self, solid: Solid, view: View, window: Window) -> None:
+    def __init__(self, solid: PlacedBody, view: View, window: Window) -> None:
         T, s = solid.T, window.scale
-        u, v = along(T[:3, 3], view.right), along(T[:3, 3], view.up)
-        du, dv = reach(solid, view.right), reach(solid, view.up)
+        u, v = coordinate(T[:3, 3], view.right), coordinate(T[:3, 3], view.up)
+        du, dv = half_span(solid, view.right), half_span(solid, view.up)
         first = max(int((u - du - window.left) * s - 1), 0), max(int((window.top - v - dv) * s - 1), 0)
         last = (
             min(int((u + du - window.left) * s + 2), window.width),
@@ -75,11 +71,11 @@ class _Sight:
         rows = window.top - (np.arange(first[1], last[1]) + 0.5) / s - v
         self._u = columns[None, :].astype(np.float32)
         self._v = rows[:, None].astype(np.float32)
-        self.depth = along(T[:3, 3], view.toward)
+        self.depth = coordinate(T[:3, 3], view.toward)
         axes = [T[:3, n] for n in range(3)]
-        self.right = [along(axis, view.right) for axis in axes]
-        self.up = [along(axis, view.up) for axis in axes]
-        self.toward = [along(axis, view.toward) for axis in axes]
+        self.right = [coordinate(axis, view.right) for axis in axes]
+        self.up = [coordinate(axis, view.up) for axis in axes]
+        self.toward = [coordinate(axis, view.toward) for axis in axes]
 
     @property
     def empty(self) -> bool:
@@ -94,7 +90,7 @@ class _Sight:
         """Return where the lines enter (nearest to who looks) and leave what is within ±half along axis n."""
         t, here = self.toward[n], self.at(n)
         if abs(t) < _EDGE_ON:
-            return _all_or_nothing(np.abs(here) <= half)
+            return _all_or_nothing(np.asarray(np.abs(here) <= half))
         a, b = (half - here) / np.float32(t), (-half - here) / np.float32(t)
         return (a, b) if t > 0.0 else (b, a)
 
@@ -104,21 +100,20 @@ class _Sight:
         points = [self.at(n) for n in axes]
         across = sum(point * point for point in points) - np.float32(radius * radius)
         if square < _EDGE_ON:
-            return _all_or_nothing(across <= 0.0)
+            return _all_or_nothing(np.asarray(across <= 0.0))
         half = sum(point * np.float32(self.toward[n]) for n, point in zip(axes, points, strict=True))
         inner = half * half - np.float32(square) * across
         root = np.sqrt(np.maximum(inner, 0.0))
         near = np.where(inner >= 0.0, (root - half) / np.float32(square), np.float32(-np.inf))
         return near, (-root - half) / np.float32(square)
 
-    def lit(self, normal: Sequence[Plane | float]) -> Plane | float:
+    def lit(self, normal: Sequence[Plane | float]) -> Plane:
         """Return the cosine between a normal, in the frame of the body, and the light."""
         x, y, z = normal
         a, b, c = (
-            np.float32(_LIGHT[0] * self.right[n] + _LIGHT[1] * self.up[n] + _LIGHT[2] * self.toward[n])
-            for n in range(3)
+            np.float32(LIGHT[0] * self.right[n] + LIGHT[1] * self.up[n] + LIGHT[2] * self.toward[n]) for n in range(3)
         )
-        return x * a + y * b + z * c
+        return np.asarray(x * a + y * b + z * c)
 
 
 def _all_or_nothing(inside: NDArray[np.bool_]) -> tuple[Plane, Plane]:
@@ -127,7 +122,7 @@ def _all_or_nothing(inside: NDArray[np.bool_]) -> tuple[Plane, Plane]:
     return near, -near
 
 
-def render(solids: Sequence[Solid], view: View, window: Window) -> Buffers:
+def render(solids: Sequence[PlacedBody], view: View, window: Window) -> Buffers:
     """Return what every pixel of a window shows.
 
     Args:
@@ -137,7 +132,7 @@ def render(solids: Sequence[Solid], view: View, window: Window) -> Buffers:
     """
     shape = window.height, window.width
     buffers = Buffers(
-        np.full(shape, -np.inf, dtype=np.float32), np.full(shape, -1, dtype=np.int64), np.ones(shape, dtype=np.float32)
+        np.full(shape, -np.inf, dtype=np.float32), np.full(shape, -1, dtype=np.int32), np.ones(shape, dtype=np.float32)
     )
     for number, solid in enumerate(solids):
         sight = _Sight(solid, view, window)
@@ -146,7 +141,7 @@ def render(solids: Sequence[Solid], view: View, window: Window) -> Buffers:
     return buffers
 
 
-def _draw(buffers: Buffers, number: int, solid: Solid, sight: _Sight) -> None:
+def _draw(buffers: Buffers, number: int, solid: PlacedBody, sight: _Sight) -> None:
     size = solid.body.dimensions
     if solid.body.kind == "box":
         spans = [sight.slab(n, size[n] / 2.0) for n in range(3)]
@@ -154,7 +149,7 @@ def _draw(buffers: Buffers, number: int, solid: Solid, sight: _Sight) -> None:
         spans = [sight.round((0, 1, 2), size[0])]
     else:
         spans = [sight.round((0, 1), size[0]), sight.slab(2, size[1] / 2.0)]
-    near, far, side = spans[0][0], spans[0][1], np.zeros(spans[0][0].shape, dtype=np.int64)
+    near, far, side = spans[0][0], spans[0][1], np.zeros(spans[0][0].shape, dtype=np.int32)
     for n, (a, b) in enumerate(spans[1:], start=1):
         side[a < near] = n
         near, far = np.minimum(near, a), np.maximum(far, b)
@@ -165,10 +160,10 @@ def _draw(buffers: Buffers, number: int, solid: Solid, sight: _Sight) -> None:
     near, side = near[seen], side[seen]
     buffers.depth[place][seen] = near + np.float32(sight.depth)
     buffers.face[place][seen] = number * _FACES + side
-    buffers.shade[place][seen] = _MIDDLE + _GAIN * _cosines(solid, sight, near, side, seen)
+    buffers.shade[place][seen] = MIDDLE + GAIN * _cosines(solid, sight, near, side, seen)
 
 
-def _cosines(solid: Solid, sight: _Sight, near: Plane, side: Integers, seen: NDArray[np.bool_]) -> Plane:
+def _cosines(solid: PlacedBody, sight: _Sight, near: Plane, side: Numbers, seen: NDArray[np.bool_]) -> Plane:
     """Return the cosine to the light where the lines of sight meet a body."""
     kind, size = solid.body.kind, solid.body.dimensions
     signs = [1.0 if part > 0.0 else -1.0 for part in sight.toward]
@@ -186,7 +181,7 @@ def _cosines(solid: Solid, sight: _Sight, near: Plane, side: Integers, seen: NDA
 _COARSE: Final = (480, 360)  # pixels: what cannot be seen there is hidden or too small
 
 
-def body_pixels(solids: Sequence[Solid], view: View) -> Integers:
+def body_pixels(solids: Sequence[PlacedBody], view: View) -> Numbers:
     """Return which body every pixel of a small picture shows (rows, columns), `NOTHING` where there is none.
 
     Args:

@@ -1,0 +1,170 @@
+"""A picture of a machine as a file: from one side or from four, with frames, lengths and the trace of the tool."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from chainbuild.arrays import Matrix
+from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.files import as_folder, open_binary_atomic, write_text
+from chainbuild.kinematics.inputs import axis_rows
+from chainbuild.painting.colours import INK_COLOUR
+from chainbuild.painting.marks import Caption, Marks
+from chainbuild.painting.overlay.dimensions import draw_dimensions
+from chainbuild.painting.overlay.placing import Box, Wish, label_width, place_labels
+from chainbuild.painting.overlay.trace import draw_trace
+from chainbuild.painting.overlay.triads import draw_triads
+from chainbuild.painting.raster.lines import draw_marks
+from chainbuild.painting.raster.pixels import painted
+from chainbuild.painting.raster.png import png_bytes
+from chainbuild.painting.stage import Stage, framed
+from chainbuild.painting.vector.svg import Sheet
+from chainbuild.painting.views import VIEWS, PictureView, View, ViewName, Window
+
+if TYPE_CHECKING:
+    from chainbuild.kinematics.mechanism import Mechanism
+    from chainbuild.painting.overlay.measures import Dimension
+
+_SIZE: Final = (960, 720)  # pixels of a picture
+_PANE: Final = (640, 480)  # of each of the four on a sheet
+_MARGIN: Final = 36  # pixels around the machine
+_LABELLED: Final = 52  # likewise with room for names
+_TITLE: Final = 15.0  # pixels of text: the name of a view
+# What stands where on a sheet: above the front what is seen from above, beside it what is seen from the right.
+_SHEET: Final[tuple[tuple[ViewName, int, int], ...]] = (("top", 0, 0), ("iso", 1, 0), ("front", 0, 1), ("right", 1, 1))
+
+
+@dataclass(frozen=True, slots=True)
+class _Pane:
+    """A view and its part of the picture."""
+
+    view: View
+    window: Window
+    x: int
+    y: int
+    title: str = ""
+
+
+def picture(
+    robot: Mechanism,
+    path: Path | str,
+    axes: ArrayLike | None = None,
+    *,
+    view: PictureView = "iso",
+    frames: bool = False,
+    dimensions: Iterable[Dimension] = (),
+    path_axes: ArrayLike | None = None,
+) -> Path:
+    """Write a picture of a machine, as SVG or PNG by the suffix of its name.
+
+    The same machine gives the same bytes on every processor.
+
+    Args:
+        robot: The machine.
+        path: The file, NAME.svg or NAME.png; an existing one is replaced.
+        axes: Axis values (n_axes,), mm and degrees; None: those of the first row of `path_axes`, else every axis at
+            0 or at the limit next to it.
+        view: From where; "sheet": from all four sides, the plain ones to one scale.
+        frames: Whether base, flange, tool and workpiece are drawn.
+        dimensions: Lengths of the machine data to draw, as `chainbuild.dimensions` returns them.
+        path_axes: Rows of axis values (n, n_axes): the trace of the tool on the workpiece is drawn.
+
+    Returns:
+        The path written.
+
+    Raises:
+        AxisValueError: axis values of the wrong count, or not finite.
+        FileAccessError: the file cannot be written.
+        ChainbuildError: another suffix or view, or the machine has no pose there.
+    """
+    target = as_folder(path)
+    suffix = target.suffix.lower()
+    if suffix not in (".svg", ".png"):
+        shown = f"the suffix {target.suffix}" if target.suffix else "no suffix"
+        raise ChainbuildError(f"{target.name[:80]}: {shown} says no kind of picture", permitted=".svg, .png")
+    if view not in get_args(PictureView):
+        raise ChainbuildError(f"there is no view {view!r:.40}", permitted=", ".join(get_args(PictureView)))
+    rows = None if path_axes is None else axis_rows(robot.axes, path_axes)
+    if rows is not None and not len(rows):
+        raise AxisValueError("the path has no rows", permitted="one row at least")
+    stage = Stage(robot, rows[0] if axes is None and rows is not None else axes)
+    trace = None if rows is None else stage.trace(rows)
+    lengths = tuple(dimensions)
+    panes, size = _panes(stage, view, trace, labelled=frames or bool(lengths))
+    marks = _marks(stage, panes, lengths, trace, frames=frames)
+    if suffix == ".svg":
+        write_text(target, _svg(stage, panes, size, marks))
+    else:
+        data = _png(stage, panes, size, marks)
+        with open_binary_atomic(target) as stream:
+            stream.write(data)
+    return target
+
+
+def _panes(
+    stage: Stage, view: PictureView, trace: Matrix | None, *, labelled: bool
+) -> tuple[list[_Pane], tuple[int, int]]:
+    """Return the views of a picture, and its size in pixels."""
+    margin = _LABELLED if labelled else _MARGIN
+    points = [] if trace is None else trace.tolist()
+    if view != "sheet":
+        window = framed(stage.bodies, VIEWS[view], *_SIZE, margin, points)
+        return [_Pane(VIEWS[view], window, 0, 0)], _SIZE
+    windows = {name: framed(stage.bodies, VIEWS[name], *_PANE, margin, points) for name, _, _ in _SHEET}
+    scale = min(window.scale for name, window in windows.items() if name != "iso")
+    panes = [
+        _Pane(
+            VIEWS[name],
+            windows[name] if name == "iso" else windows[name].rescaled(scale),
+            _PANE[0] * column,
+            _PANE[1] * row,
+            name,
+        )
+        for name, column, row in _SHEET
+    ]
+    return panes, (2 * _PANE[0], 2 * _PANE[1])
+
+
+def _marks(
+    stage: Stage, panes: Sequence[_Pane], lengths: Sequence[Dimension], trace: Matrix | None, *, frames: bool
+) -> Marks:
+    """Return what is drawn over the bodies, in pixels of the whole picture."""
+    marks = Marks()
+    for pane in panes:
+        window = pane.window.moved(pane.x, pane.y)
+        area: Box = (pane.x, pane.y, pane.x + window.width, pane.y + window.height)
+        if pane.title:
+            middle = pane.x + _TITLE + label_width(pane.title, _TITLE) / 2.0
+            marks.captions.append(Caption(pane.title, middle, pane.y + 2.0 * _TITLE, INK_COLOUR, _TITLE))
+        wishes: list[Wish] = []
+        if trace is not None:
+            draw_trace(marks, trace, pane.view, window)
+        wishes += draw_dimensions(marks, lengths, stage, pane.view, window)
+        if frames:
+            wishes += draw_triads(marks, stage, pane.view, window)
+        place_labels(marks, wishes, area)
+    return marks
+
+
+def _svg(stage: Stage, panes: Sequence[_Pane], size: tuple[int, int], marks: Marks) -> str:
+    sheet = Sheet(*size)
+    for pane in panes:
+        sheet.paint(stage.bodies, pane.view, pane.window.moved(pane.x, pane.y))
+    sheet.mark(marks)
+    return sheet.text()
+
+
+def _png(stage: Stage, panes: Sequence[_Pane], size: tuple[int, int], marks: Marks) -> bytes:
+    pixels = np.zeros((size[1], size[0], 3), dtype=np.uint8)
+    for pane in panes:
+        window = pane.window
+        rows, columns = slice(pane.y, pane.y + window.height), slice(pane.x, pane.x + window.width)
+        pixels[rows, columns] = painted(stage.bodies, pane.view, window)
+    draw_marks(pixels, marks)
+    return png_bytes(pixels)
