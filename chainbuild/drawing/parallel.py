@@ -34,7 +34,7 @@ def parallel_bodies(site: Site) -> list[Body]:
     bodies += tool_platform(site, platform, arms)
     if site.workpiece_path:
         below = _turning_table(site)
-        floor = min(site.lowest(body) for body in below)
+        floor = min(float(site.bounds(body)[0, 2]) for body in below)
     else:
         floor, below = _fixed_table(site, arms)
     if arms[0].joint.kind == "revolute":

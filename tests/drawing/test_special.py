@@ -108,10 +108,10 @@ def test_the_bed_is_below_everything_and_under_every_foot(name: str) -> None:
     chain, bodies = drawn(name)
     site = Site(chain)
     (bed,) = parts(bodies, "bed")
-    top = site.lowest(bed) + bed.dimensions[2]
+    top = site.bounds(bed)[0, 2] + bed.dimensions[2]
     others = [body for body in bodies if body is not bed]
-    assert min(site.lowest(body) for body in others) == pytest.approx(top, abs=CONTACT)
-    standing = [body for body in others if body.link == BASE_LINK and site.lowest(body) < top + CONTACT]
+    assert min(site.bounds(body)[0, 2] for body in others) == pytest.approx(top, abs=CONTACT)
+    standing = [body for body in others if body.link == BASE_LINK and site.bounds(body)[0, 2] < top + CONTACT]
     for along in np.eye(3)[:2]:
         low, high = span(bed, bed.T_link_body, along)
         for body in standing:

@@ -57,7 +57,7 @@ def lathe_bodies(site: Site) -> list[Body]:
     """Return an upright lathe: headstock with chuck and part, and the tool on a ram before a column."""
     r = _SPINDLE * extent_of(site)
     head, foot = _head(site, r)
-    hangs = float(site.tip[2]) - min(site.lowest(body) for body in head)
+    hangs = float(site.tip[2]) - min(float(site.bounds(body)[0, 2]) for body in head)
     stock, below = _headstock(site, float(tips(site)[:, 2].min()) - hangs, r)
     return [*head, *_ram(site, foot, float(foot[2]), r, below), *stock]
 
