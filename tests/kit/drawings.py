@@ -129,3 +129,11 @@ def corners(chain: Chain) -> list[Vector]:
     choices = [sorted({a, b, c}) for a, b, c in zip(low, high, home, strict=True)]
     found = [np.array(axes) for axes in itertools.product(*choices)]
     return [axes for axes in found if np.isfinite(chain.axis_map.q(axes)).all()]
+
+
+def nearest(chain: Chain, bodies: Sequence[Body], part: str, other: str, axes: Vector) -> list[float]:
+    """Return for each body of a part its distance [m] to the nearest body of another part."""
+    placed = list(zip(bodies, placements(chain, bodies, axes), strict=True))
+    return [
+        min(gap(a, A, b, B) for b, B in placed if b.part == other and b is not a) for a, A in placed if a.part == part
+    ]
