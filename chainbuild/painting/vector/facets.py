@@ -21,7 +21,7 @@ CONTACT: Final = 3  # where it enters another body
 HIDDEN: Final = 4  # where another body covers it, whose outline is there
 
 _SIDES: Final = 32  # of a cylinder: its outline is exact, and a flat side is off by 0.5 % of its radius
-_RINGS: Final = 6  # of half a ball
+_RINGS: Final = 9  # of half a ball: ten degrees each, as its sides
 _EDGE_ON: Final = 1e-7  # cosine: a face that is seen under less shows nothing
 SIDE_FACE: Final = 2  # number of the round face of a cylinder or ball; flat ones are 2 · axis, + 1 on its positive side
 
