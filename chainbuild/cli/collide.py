@@ -166,7 +166,19 @@ def _positions(model: CollisionModel, rows: Any, between: BetweenRows | None, cl
     closest = [model.nearest(row) for row in rows]
     found = list(contacts(model.robot, rows, clearance=clearance, bodies=model, between=between or "rows"))
     remarks = () if between is None else collision_remarks(model.robot, between)
-    return _Found(found, closest, names, between, remarks)
+    return _Found(found, closest, names, between, (*remarks, *_at_home(model, found)))
+
+
+def _at_home(model: CollisionModel, contacts: list[Contact]) -> list[str]:
+    """Return which of the pairs found touch at home already: there the bodies are no castings."""
+    link_of = {solid.name: solid.link for solid in model.solids}
+    found = {frozenset(link_of[name] for name in contact.pair) for contact in contacts}
+    return [
+        f"{one} and {other} touch at home already: by default a body reaches from joint to joint, and no data say how "
+        "castings pass one another; set them in [geometry] of the overlay, or name the pair under ignore"
+        for one, other in (model.touching_at_home() if found else ())
+        if frozenset((one, other)) in found
+    ]
 
 
 def _sample(model: CollisionModel, sampling: PairOptions, as_json: bool) -> dict[str, Any]:

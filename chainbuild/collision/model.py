@@ -30,7 +30,6 @@ LinkPair: TypeAlias = tuple[str, str]
 
 _PROBES: Final = 64  # positions at which a pair must touch to count as always touching
 _SEED: Final = 11  # any: the same pairs are watched every time
-_SLIDES: Final = 3  # linear axes: as many as a machine tool has
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,6 +126,12 @@ class CollisionModel:
         results = scratch.found.collisionResults
         return tuple(self._names(n) for n in range(len(self.pairs)) if results[n].isCollision())
 
+    def touching_at_home(self) -> tuple[LinkPair, ...]:
+        """Return the watched pairs of links that touch with every axis at 0, or at the limit next to it."""
+        lower, upper = shown_limits(self.robot.chain)
+        found = zip(self.pairs, self.distances(np.clip(0.0, lower, upper)).tolist(), strict=True)
+        return tuple(dict.fromkeys(self.links_of(pair) for pair, distance in found if distance <= 0.0))
+
     def nearest(self, axes: ArrayLike) -> Distance | None:
         """Return the smallest distance of all watched pairs; None where none is watched."""
         if not self.pairs:
@@ -201,22 +206,7 @@ class CollisionModel:
         left_out = {frozenset((joint.parent, joint.child)) for joint in self.robot.chain.joints}
         left_out |= {frozenset(pair) for pair in self.robot.chain.geometry.ignore}
         left_out |= {frozenset(pair) for pair in pinned_links(self.robot.chain)}
-        left_out |= self._drawn_slides()
         return [pair for pair in self._all() if frozenset(self.links_of(pair)) not in left_out]
-
-    def _drawn_slides(self) -> set[frozenset[str]]:
-        """Return the pairs of one branch of a machine on three slides whose bodies are both drawn by rule.
-
-        The rule draws blocks for slides and rams, which do not show how they pass one another.
-        """
-        chain = self.robot.chain
-        if sum(joint.kind == "prismatic" for joint in chain.joints) < _SLIDES:
-            return set()
-        carriers: dict[str, tuple[str, ...]] = {BASE_LINK: (BASE_LINK,)}
-        for joint in chain.joints:
-            carriers[joint.child] = (*carriers[joint.parent], joint.child)
-        drawn = carriers.keys() - set(chain.geometry.links)
-        return {frozenset((link, carrier)) for link in drawn for carrier in carriers[link] if carrier in drawn - {link}}
 
     def _touching_everywhere(self) -> tuple[LinkPair, ...]:
         lower, upper = shown_limits(self.robot.chain)

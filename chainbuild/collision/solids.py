@@ -13,14 +13,11 @@ from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix
 from chainbuild.chain.bodies.body import Body, along
 from chainbuild.chain.bodies.geometry import Shape
-from chainbuild.chain.bodies.rods import LEVEL_LINKS
-from chainbuild.chain.bodies.shapes import detail_bodies, link_bodies
+from chainbuild.chain.bodies.shapes import solid_bodies
 from chainbuild.chain.elements import Chain
 from chainbuild.errors import FileAccessError, FileContentError, Span
 
 _FLAT: Final = 1e-6  # share of the largest width: the hull of a flatter body crashes, and files hold six digits
-# Details of a drawing that are solid and no part of a link's own body.
-_SOLID = ("lever", "tool", "table")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,18 +44,13 @@ class Solid:
 
 
 def solids_of(chain: Chain) -> tuple[Solid, ...]:
-    """Return the bodies of a chain: those of the overlay, else capsules, spheres and boxes as they are drawn.
+    """Return the bodies of a chain: those of the overlay, else capsules, spheres and boxes where the data put them.
 
     Raises:
         FileAccessError: a mesh cannot be read, has vertices that are no places, or is flat and meant as a hull.
     """
     shapes = chain.geometry.shapes
-    found: list[Solid] = []
-    for body in (*link_bodies(chain), *detail_bodies(chain)):
-        # A level link represents an angle, or is a rod whose place is assumed: it has no body.
-        if body.link in shapes or body.link in LEVEL_LINKS or (body.part != "link" and body.part not in _SOLID):
-            continue
-        found.append(_drawn(body))
+    found = [_drawn(body) for body in solid_bodies(chain) if body.link not in shapes]
     for link, own in shapes.items():
         found.extend(_given(link, shape) for shape in own)
     return tuple(_numbered(found))

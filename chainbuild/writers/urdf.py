@@ -15,7 +15,7 @@ from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.bodies.body import BASE_COLOUR, TOOL_COLOUR, WORKPIECE_SIDE, Body
 from chainbuild.chain.bodies.rods import rod_masters
-from chainbuild.chain.bodies.shapes import detail_bodies, machine_size, skeleton_bodies
+from chainbuild.chain.bodies.shapes import machine_size, solid_bodies
 from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint
 from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.errors import ChainbuildError, ChainError
@@ -69,9 +69,12 @@ def urdf_text(robot: Mechanism) -> str:
     chain = robot.chain
     root = ET.Element("robot", name=chain.name)
     root.append(ET.Comment(f"\n{notes.header(chain)}\n"))
-    shown, solid = _by_link(drawn_bodies(chain)), _by_link(skeleton_bodies(chain))
+    shown, solid = (
+        _by_link(drawn_bodies(chain)),
+        _by_link(body for body in solid_bodies(chain) if body.part not in _TIPS),
+    )
     for link in chain.links:
-        _add_link(root, link.name, shown.get(link.name, ()), solid[link.name])
+        _add_link(root, link.name, shown.get(link.name, ()), solid.get(link.name, ()))
     lower, upper = robot.model.lowerPositionLimit, robot.model.upperPositionLimit
     masters = rod_masters(chain)
     for n, (joint, speed) in enumerate(zip(chain.joints, joint_speeds(chain), strict=True)):
@@ -172,7 +175,7 @@ def _add_joint(root: ET.Element, joint: Joint, lower: float, upper: float, speed
 def _add_tips(root: ET.Element, chain: Chain) -> None:
     """Write the frames as links on fixed joints; frame `base` is the root link itself."""
     links = {link.name for link in chain.links}
-    solid = {_TIPS[body.part]: body for body in detail_bodies(chain) if body.part in _TIPS}
+    solid = {_TIPS[body.part]: body for body in solid_bodies(chain) if body.part in _TIPS}
     size = _MARK_SHARE * machine_size(chain)
     for frame in chain.frames:
         if frame.name == BASE_LINK:

@@ -110,3 +110,22 @@ def is_sound(body: Body) -> bool:
     """Return whether a body has a size and a place, and says where both come from."""
     finite = np.isfinite(body.T_link_body).all() and np.isfinite(body.dimensions).all()
     return bool(finite and min(body.dimensions) > 0.0 and body.origin in ("data", "drawn"))
+
+
+def ends(chain: Chain, bodies: Sequence[Body], part: str, axes: Vector) -> dict[str, Matrix]:
+    """Return both ends (2, 3) of the cylinders of a part in the base, by the link that carries them."""
+    found = {}
+    for body, T in zip(bodies, placements(chain, bodies, axes), strict=True):
+        if body.part == part and body.kind == "cylinder":
+            half = T[:3, 2] * body.dimensions[1] / 2
+            found[body.link] = np.array([T[:3, 3] - half, T[:3, 3] + half])
+    return found
+
+
+def corners(chain: Chain) -> list[Vector]:
+    """Return the axis values of every combination of home and both limits at which the loops close."""
+    low, high = shown_limits(chain)
+    home = home_and_middle(chain)[0]
+    choices = [sorted({a, b, c}) for a, b, c in zip(low, high, home, strict=True)]
+    found = [np.array(axes) for axes in itertools.product(*choices)]
+    return [axes for axes in found if np.isfinite(chain.axis_map.q(axes)).all()]

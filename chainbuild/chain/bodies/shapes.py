@@ -20,10 +20,11 @@ from chainbuild.chain.bodies.body import (
     WORKPIECE_SIDE,
     Body,
     Colour,
+    Origin,
     along,
     rounded_body,
 )
-from chainbuild.chain.bodies.rods import CRANK, ROD_END, ROD_PIN, has_rods
+from chainbuild.chain.bodies.rods import CRANK, LEVEL_LINKS, ROD_END, ROD_PIN, has_rods
 from chainbuild.chain.closing import strut_range
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint
 from chainbuild.chain.fold import drawn, drawn_bounds
@@ -33,6 +34,9 @@ _STOUT: Final = 0.055
 _SLENDER: Final = 0.032
 _HUB: Final = 0.5  # of a link's radius: the middle of a platform that hangs on rods, and its arms
 _SPECK: Final = 0.01  # likewise: a shift of a platform alone is nothing one could see
+_ARM_TURNS: Final = 4  # rotary axes from the base on: tables of machine tools have three at most
+# Details of a drawing that are solid and no part of a link's own body.
+_SOLID_PARTS: Final = ("lever", "tool", "table")
 # A machine with long strokes and small heads is drawn as thick as an arm of this share of its stroke.
 _STROKE_SHARE: Final = 0.35
 # Without known limits: the range drawn and swept, as a share of the machine's size, and in degrees.
@@ -56,9 +60,14 @@ def detail_bodies(chain: Chain) -> tuple[Body, ...]:
     return (*bodies, *drawing.lever_bodies(), *drawing.platform_bodies(), *drawing.tip_bodies())
 
 
-def skeleton_bodies(chain: Chain) -> tuple[Body, ...]:
-    """Return what is solid of links alone: one body a link, and the levers. Tool and table belong to the tips."""
-    return (*link_bodies(chain), *(body for body in detail_bodies(chain) if body.part == "lever"))
+def solid_bodies(chain: Chain) -> tuple[Body, ...]:
+    """Return the bodies that collision counts: what the data carry, without what is drawn only.
+
+    A linear link is drawn: where along its line it is, and how far it extends, no data say. So are a bed, the foot of a
+    machine tool, and level links, which represent angles. A radius in the overlay makes a link count.
+    """
+    details = (body for body in detail_bodies(chain) if body.part in _SOLID_PARTS and body.link not in LEVEL_LINKS)
+    return tuple(body for body in (*link_bodies(chain), *details) if body.origin == "data")
 
 
 def machine_size(chain: Chain) -> float:
@@ -173,38 +182,48 @@ class _Drawing:
         radius, end, colour = self.radius(link), self.end(link), self.colour(link)
         if link in self.floating:
             carries = any(frame.link == link and frame.name in self.loop_ends for frame in self.chain.frames)
-            return rounded_body(link, "link", np.eye(4), "sphere", ((_HUB if carries else _SPECK) * radius,), colour)
-        length, linear = float(np.linalg.norm(end)), joint.kind == "prismatic"
+            size = ((_HUB if carries else _SPECK) * radius,)
+            return rounded_body(link, "link", np.eye(4), "sphere", size, colour, "data" if carries else "drawn")
+        length, origin = float(np.linalg.norm(end)), self.origin(link)
+        if joint.kind == "prismatic":
+            long = length > 0.5 * radius
+            T = along(end, end / 2) if long else along(joint.direction)
+            edges = (2.4 * radius, 2.4 * radius, length if long else 2.8 * radius)
+            return rounded_body(link, "link", T, "box", edges, colour, origin)
         if length > 0.5 * radius:
-            T = along(end, end / 2)
-            if linear:
-                return rounded_body(link, "link", T, "box", (2.4 * radius, 2.4 * radius, length), colour)
-            return rounded_body(link, "link", T, "cylinder", (radius, length), colour)
-        if linear:
-            edges = (2.4 * radius, 2.4 * radius, 2.8 * radius)
-            return rounded_body(link, "link", along(joint.direction), "box", edges, colour)
-        return rounded_body(
-            link, "link", frames.translation(*self._below_table(link)), "sphere", (1.25 * radius,), colour
-        )
+            return rounded_body(link, "link", along(end, end / 2), "cylinder", (radius, length), colour, origin)
+        T = frames.translation(*self._below_table(link))
+        return rounded_body(link, "link", T, "sphere", (1.25 * radius,), colour, origin)
+
+    def origin(self, link: str) -> Origin:
+        """Return whether data put the body of a link where it is, or a drawing assumes it."""
+        linear = self.carrier[link].kind == "prismatic" and link not in self.chain.geometry.radii
+        return "drawn" if linear or link in LEVEL_LINKS else "data"
+
+    def _is_arm(self, joint: Joint) -> bool:
+        """Return whether the joint is the first of an arm: a column of the base carries it."""
+        turning = [
+            other for other in self.joints if other.kind == "revolute" and joint.child in self._path(other.child)
+        ]
+        return joint.kind == "revolute" and len(turning) >= _ARM_TURNS
 
     def _base_body(self) -> Body:
         """Return a bed under the table, a column up to the first rotary joint, or a foot at the origin."""
-        radius, colour = self.radius(BASE_LINK), BASE_COLOUR
-        for joint in self.children[BASE_LINK]:
-            if joint.child in self.workpiece_side and joint.child not in self.floating:
+        radius, colour, children = self.radius(BASE_LINK), BASE_COLOUR, self.children[BASE_LINK]
+        given: Origin = "data" if BASE_LINK in self.chain.geometry.radii else "drawn"
+        arm = any(self._is_arm(joint) for joint in children)
+        for joint in children:
+            if joint.child in self.workpiece_side and joint.child not in self.floating and not arm:
                 side = 6 * radius
                 T = frames.translation(*joint.T_parent_joint[:3, 3]) @ frames.translation(z=-3 * radius)
-                return rounded_body(BASE_LINK, "link", T, "box", (side, side, radius), colour)
-        end = max(
-            (joint.T_parent_joint[:3, 3] for joint in self.children[BASE_LINK] if joint.kind == "revolute"),
-            key=lambda point: round(float(np.linalg.norm(point)), 9),
-            default=np.zeros(3),
-        )
+                return rounded_body(BASE_LINK, "link", T, "box", (side, side, radius), colour, given)
+        turning = [joint.T_parent_joint[:3, 3] for joint in children if joint.kind == "revolute"]
+        end = max(turning, key=lambda point: round(float(np.linalg.norm(point)), 9), default=np.zeros(3))
         length = float(np.linalg.norm(end))
         if length > 0.5 * radius:
-            return rounded_body(BASE_LINK, "link", along(end, end / 2), "cylinder", (radius, length), colour)
-        foot = frames.translation(z=-0.4 * radius)
-        return rounded_body(BASE_LINK, "link", foot, "cylinder", (1.5 * radius, 0.8 * radius), colour)
+            return rounded_body(BASE_LINK, "link", along(end, end / 2), "cylinder", (radius, length), colour, "data")
+        foot, size = frames.translation(z=-0.4 * radius), (1.5 * radius, 0.8 * radius)
+        return rounded_body(BASE_LINK, "link", foot, "cylinder", size, colour, "data" if turning else given)
 
     def joint_body(self, joint: Joint, n: int) -> Body:
         """Return the housing of a rotary joint or the rail of a linear one."""
@@ -232,7 +251,9 @@ class _Drawing:
         end, radius = pin.T_link_frame[:3, 3], self.radius(f"{CRANK}_link")
         length = float(np.linalg.norm(end))
         return [
-            rounded_body(pin.link, "lever", along(end, end / 2), "cylinder", (radius, length), self.colour(pin.link))
+            rounded_body(
+                pin.link, "lever", along(end, end / 2), "cylinder", (radius, length), self.colour(pin.link), "data"
+            )
         ]
 
     def platform_bodies(self) -> list[Body]:
@@ -244,7 +265,7 @@ class _Drawing:
             if frame.name in self.loop_ends and frame.link in self.platforms and length > 0.0:
                 size = _HUB * self.radius(frame.link), length
                 T = along(end, end / 2)
-                bodies.append(rounded_body(frame.link, "lever", T, "cylinder", size, self.colour(frame.link)))
+                bodies.append(rounded_body(frame.link, "lever", T, "cylinder", size, self.colour(frame.link), "data"))
         return bodies
 
     def tip_bodies(self) -> list[Body]:
@@ -258,12 +279,14 @@ class _Drawing:
             length = float(np.linalg.norm(end - start))
             if length > 0.05 * radius:
                 T = along(end - start, (start + end) / 2)
-                bodies.append(rounded_body(tool.link, "tool", T, "cylinder", (0.35 * radius, length), TOOL_COLOUR))
+                bodies.append(
+                    rounded_body(tool.link, "tool", T, "cylinder", (0.35 * radius, length), TOOL_COLOUR, "data")
+                )
         if workpiece.link != BASE_LINK:
             radius = self.radius(workpiece.link)
             T = workpiece.T_link_frame @ frames.translation(z=-0.2 * radius)
-            dimensions = (3 * radius, 0.4 * radius)
-            bodies.append(rounded_body(workpiece.link, "table", T, "cylinder", dimensions, self.colour(workpiece.link)))
+            size, colour = (3 * radius, 0.4 * radius), self.colour(workpiece.link)
+            bodies.append(rounded_body(workpiece.link, "table", T, "cylinder", size, colour, "data"))
         return bodies
 
 

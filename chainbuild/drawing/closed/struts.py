@@ -1,0 +1,123 @@
+"""An arm of closed loops: its rod, the pin on which it swings, and the measures of what drives it.
+
+Every length of an arm's castings is a multiple of the radius of its rod. One rod stands for the pair that each arm of a
+tripod or a delta robot has: the pair shears as the platform moves aside, which no fixed body does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.bodies.body import JOINT_COLOUR, Body, Colour, Origin, Part
+from chainbuild.chain.elements import BASE_LINK, Chain, Joint
+from chainbuild.drawing.site import UP, Site
+from chainbuild.shown import fields_shown
+
+Place = tuple[float, float, float]
+
+# In radii of a rod.
+BALL: Final = 1.6  # a joint's ball is thicker than the rod
+GAP: Final = 2.3  # half the fork that holds a pin: the ball fits, and the rod may lean by 30°
+CHEEK: Final = 3.1  # half its outer width
+
+_ROD: Final = 0.016  # radius over length of a rod: slim, but to be seen in a small picture
+_ROD_AT_PIN: Final = 0.2  # of the way from a platform's middle to its pins: balls beside one another stay apart
+_PIN: Final = 0.8  # radii of a rod: of the pin on which it swings
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arm:
+    """An arm of closed loops at home.
+
+    Attributes:
+        joint: The joint that its axis drives.
+        swing: Link behind the first passive joint.
+        rod: Link of the rod: that behind the last passive joint.
+        start: Where the rod begins (3,).
+        end: Where it ends, at the pin of the platform.
+        R: (3, 3) columns: horizontally away from the rod, along the hinge, up.
+        radius: Of the rod [m].
+    """
+
+    __repr__ = fields_shown
+
+    joint: Joint
+    swing: str
+    rod: str
+    start: Vector
+    end: Vector
+    R: Matrix
+    radius: float
+
+    @property
+    def hangs(self) -> bool:
+        """Whether the rod leads downwards."""
+        return bool(self.end[2] < self.start[2])
+
+    def at(self, out: float, aside: float, up: float) -> Vector:
+        """Return a place (3,) given from the start of the rod in its radii: away from it, along the hinge, up."""
+        return np.asarray(self.start + self.R @ (self.radius * np.array([out, aside, up])))
+
+    def box(
+        self, site: Site, link: str, part: Part, low: Place, high: Place, *,
+        colour: Colour | None = None, origin: Origin = "drawn",
+    ) -> Body:  # fmt: skip
+        """Return a box between two such places."""
+        a, b = self.R.T @ self.at(*low), self.R.T @ self.at(*high)
+        return site.box(link, part, a, b, self.R, colour=colour, origin=origin)
+
+
+def platform_of(chain: Chain) -> str | None:
+    """Return the link on which several loops end; None where there is none."""
+    ends = [chain.frame(name).link for loop in chain.loops for name in (loop.frame_a, loop.frame_b)]
+    return next((link for link in ends if ends.count(link) > 1), None)
+
+
+def arms_of(site: Site, platform: str) -> list[Arm]:
+    """Return the arms that end at a platform, in the order of their loops."""
+    chain, arms = site.chain, []
+    for loop in chain.loops:
+        frames = [chain.frame(name) for name in (loop.frame_a, loop.frame_b)]
+        own = [frame for frame in frames if frame.link != platform]
+        path = site.path_to(own[0].link)
+        if len(own) == 1 and path[0].name in [axis.name for axis in chain.axes]:
+            arms.append(_arm(site, path, site.frame(own[0].name)[:3, 3], site.links[platform][:3, 3]))
+    return arms
+
+
+def _arm(site: Site, path: tuple[Joint, ...], end: Vector, middle: Vector) -> Arm:
+    start, hinge, rod = site.links[path[1].child][:3, 3], site.direction(path[1]), path[-1].child
+    out = np.cross(hinge, UP)
+    if float((end - start) @ out) > 0.0:
+        out, hinge = -out, -hinge
+    default = min(_ROD * float(np.linalg.norm(end - start)), _ROD_AT_PIN * float(np.linalg.norm((end - middle)[:2])))
+    return Arm(path[0], path[1].child, rod, start, end, np.column_stack([out, hinge, UP]), site.radius(rod, default))
+
+
+def rod_bodies(site: Site, arm: Arm, colour: Colour) -> list[Body]:
+    """Return a rod with balls at its ends, and the pin on which it swings."""
+    r, pin = arm.radius, (arm.at(0.0, -CHEEK, 0.0), arm.at(0.0, CHEEK, 0.0))
+    return [
+        site.cylinder(arm.swing, "joint", *pin, _PIN * r, colour=JOINT_COLOUR),
+        site.cylinder(arm.rod, "rod", arm.start, arm.end, r, colour=colour, origin="data"),
+        site.ball(arm.rod, "joint", arm.start, BALL * r, colour=JOINT_COLOUR),
+        site.ball(arm.rod, "joint", arm.end, BALL * r, colour=JOINT_COLOUR),
+    ]
+
+
+def round_foot(site: Site, floor: float, reach: float, arm: Arm) -> Body:
+    """Return the disc on which a machine stands.
+
+    Args:
+        site: The machine.
+        floor: z of its top [m].
+        reach: How far from the middle something stands on it [m].
+        arm: An arm, for how thick it is.
+    """
+    x, y = site.links[BASE_LINK][:2, 3]
+    edge = 4.0 * arm.radius
+    return site.cylinder(BASE_LINK, "bed", (x, y, floor - edge), (x, y, floor), reach + edge)
