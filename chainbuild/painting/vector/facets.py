@@ -20,8 +20,8 @@ OUTLINE: Final = 2  # between a face that is seen and one that is not
 CONTACT: Final = 3  # where it enters another body
 HIDDEN: Final = 4  # where another body covers it, whose outline is there
 
-_SIDES: Final = 32  # of a cylinder: its outline is exact, and a flat side is off by 0.5 % of its radius
-_RINGS: Final = 9  # of half a ball: ten degrees each, as its sides
+# Sides of round bodies up to a radius in pixels: their outline is exact, what enters them is off by a third of a pixel.
+_SIDES: Final = ((12.0, 16), (35.0, 24), (80.0, 32), (math.inf, 48))
 _EDGE_ON: Final = 1e-7  # cosine: a face that is seen under less shows nothing
 SIDE_FACE: Final = 2  # number of the round face of a cylinder or ball; flat ones are 2 · axis, + 1 on its positive side
 
@@ -67,12 +67,13 @@ def dot(a: Sequence[float], b: Sequence[float]) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def hull_of(placed: PlacedBody, view: View) -> Hull:
+def hull_of(placed: PlacedBody, view: View, scale: float = 1000.0) -> Hull:
     """Return a body as a hull.
 
     Args:
         placed: The body.
         view: From where one looks.
+        scale: Pixels per metre, for which round bodies are to look round.
     """
     T = placed.T.tolist()
     centre = T[0][3], T[1][3], T[2][3]
@@ -80,9 +81,10 @@ def hull_of(placed: PlacedBody, view: View) -> Hull:
     size = placed.body.dimensions
     if placed.body.kind == "box":
         return _box(centre, (x, y, z), size, view.toward)
+    sides = next(count for limit, count in _SIDES if size[0] * scale <= limit)
     if placed.body.kind == "sphere":
-        return _ball(centre, size[0], view)
-    return _cylinder(centre, z, size[0], size[1] / 2.0, view)
+        return _ball(centre, size[0], view, sides)
+    return _cylinder(centre, z, size[0], size[1] / 2.0, view, sides)
 
 
 def _box(centre: Point, axes: tuple[Point, Point, Point], size: Sequence[float], toward: Arrow) -> Hull:
@@ -103,55 +105,58 @@ def _box(centre: Point, axes: tuple[Point, Point, Point], size: Sequence[float],
     return Hull(tuple(facets), centre, axes)
 
 
-def _cylinder(centre: Point, z: Point, radius: float, half: float, view: View) -> Hull:
+def _cylinder(centre: Point, z: Point, radius: float, half: float, view: View, count: int) -> Hull:
     """Return a cylinder whose first corner lies on its outline."""
     toward = dot(z, view.toward)
     lying = 1.0 - toward * toward > _EDGE_ON
     x = _unit(crossed(view.toward, z)) if lying else _unit(crossed(view.up, z))
     y = crossed(z, x)
     rings = [
-        _ring(_sum(centre, _scaled(z, sign * half)), _scaled(x, radius), _scaled(y, radius)) for sign in (-1.0, 1.0)
+        _ring(_sum(centre, _scaled(z, sign * half)), _scaled(x, radius), _scaled(y, radius), count)
+        for sign in (-1.0, 1.0)
     ]
-    seen = [lying and 2 * k < _SIDES for k in range(_SIDES)]
+    seen = [lying and 2 * k < count for k in range(count)]
     first = SIDE_FACE + 2
     cap = first + 1 if toward > _EDGE_ON else first if toward < -_EDGE_ON else None
     facets = []
-    for k in range(_SIDES):
+    for k in range(count):
         if seen[k]:
-            after = (k + 1) % _SIDES
+            after = (k + 1) % count
             points = (rings[0][k], rings[0][after], rings[1][after], rings[1][k])
             ends = [CREASE if cap == first + end else OUTLINE for end in (0, 1)]
             sides = [INNER if seen[other] else OUTLINE for other in (after, k - 1)]
             facets.append(Facet(SIDE_FACE, points, (ends[0], sides[0], ends[1], sides[1])))
     if cap is not None:
         upper = cap > first
-        order = range(_SIDES) if upper else range(_SIDES - 1, -1, -1)
+        order = range(count) if upper else range(count - 1, -1, -1)
         # The edge that leaves corner k on the way back is that of side k - 1.
         edges = tuple(CREASE if seen[k if upper else k - 1] else OUTLINE for k in order)
         facets.append(Facet(cap, tuple(rings[upper][k] for k in order), edges))
     return Hull(tuple(facets), centre, (x, y, z))
 
 
-def _ball(centre: Point, radius: float, view: View) -> Hull:
+def _ball(centre: Point, radius: float, view: View, count: int) -> Hull:
     """Return a ball whose rings lie around the line of sight: its outline is a circle."""
     x, y, z = view.right, view.up, view.toward
-    heights = [_turned(k, 4 * _RINGS) for k in range(_RINGS)]  # radius and height of the rings
+    steps = count // 4
+    heights = [_turned(k, count) for k in range(steps)]  # radius and height of the rings
     rings = [
-        _ring(_sum(centre, _scaled(z, radius * h)), _scaled(x, radius * r), _scaled(y, radius * r)) for r, h in heights
+        _ring(_sum(centre, _scaled(z, radius * h)), _scaled(x, radius * r), _scaled(y, radius * r), count)
+        for r, h in heights
     ]
     facets = []
-    for k in range(_SIDES):
-        after = (k + 1) % _SIDES
-        for n in range(_RINGS - 1):
+    for k in range(count):
+        after = (k + 1) % count
+        for n in range(steps - 1):
             points = (rings[n][k], rings[n][after], rings[n + 1][after], rings[n + 1][k])
             facets.append(Facet(SIDE_FACE, points, (INNER if n else OUTLINE, INNER, INNER, INNER)))
-    facets.append(Facet(SIDE_FACE, tuple(rings[-1]), (INNER,) * _SIDES))
+    facets.append(Facet(SIDE_FACE, tuple(rings[-1]), (INNER,) * count))
     return Hull(tuple(facets), centre, (x, y, z))
 
 
-def _ring(centre: Point, x: Point, y: Point) -> list[Point]:
+def _ring(centre: Point, x: Point, y: Point, count: int) -> list[Point]:
     """Return the corners of a ring, from its centre and two radii."""
-    return [_sum(centre, _scaled(x, c), _scaled(y, s)) for c, s in (_turned(k, _SIDES) for k in range(_SIDES))]
+    return [_sum(centre, _scaled(x, c), _scaled(y, s)) for c, s in (_turned(k, count) for k in range(count))]
 
 
 def _turned(k: int, sides: int) -> tuple[float, float]:

@@ -44,16 +44,16 @@ def test_a_box_from_the_front_is_a_rectangle() -> None:
     box = placed("box", (0.2, 0.3, 0.1), (0, 0, 0))
     root = ET.fromstring(svg_of([box], Window(-0.5, 0.4, 100.0, 100, 80), "front"))
     paths = [path.get("d") for path in root.iter(f"{SVG}path")]
-    assert paths == ["M40 35l0 10 20 0 0-10z", "M40 35l0 10 20 0 0-10z"]  # its face, and its outline
+    assert paths == ["M400 350l0 100 200 0 0-100z", "M400 350l0 100 200 0 0-100z"]  # its face, and its outline
     ink = [path.get("fill") for path in root.iter(f"{SVG}path")]
     # 0.5 · (0.8 + 0.32 · 0.57): light on a face that is seen straight.
     assert ink == ["#7d7d7d", "none"]
 
 
 def test_paths_are_short_and_say_the_same() -> None:
-    assert path_data([(1.04, 2.0), (1.26, 2.0), (1.26, 0.0)]) == "M1 2l.3 0 0-2".replace(".3", "0.3")
+    assert path_data([(1.04, 2.0), (1.26, 2.0), (1.26, 0.0)]) == "M10 20l3 0 0-20"
     assert path_data([(0.0, 0.0), (0.02, 0.01)]) == ""
-    assert path_data([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 0.0)]) == "M0 0l1 0 0 1z"
+    assert path_data([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 0.0)]) == "M0 0l10 0 0 10z"
 
 
 def test_round_bodies_have_gradients() -> None:
