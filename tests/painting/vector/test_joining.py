@@ -8,7 +8,7 @@ import pytest
 from chainbuild.painting.vector.joining import border, chained
 from tests.kit.placed import Spot, area
 
-# A square of 10 without a square hole in the middle of its lower half, cut into convex pieces that do not share corners.
+# A square of 10 with a hole in the middle of its lower half, cut into convex pieces that do not share corners.
 PIECES: list[tuple[list[Spot], list[int]]] = [
     ([(0, 0), (4, 0), (4, 10), (0, 10)], [2, 4, 2, 2]),
     ([(6, 0), (10, 0), (10, 10), (6, 10)], [2, 2, 2, 4]),
