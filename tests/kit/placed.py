@@ -9,8 +9,7 @@ import numpy as np
 from chainbuild.chain.bodies.body import Body, BodyKind
 from chainbuild.frames import transform
 from chainbuild.painting.stage import PlacedBody
-
-Spot = tuple[float, float]
+from chainbuild.painting.views import Spot
 
 
 def placed(

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Final
 
-Spot = tuple[float, float]
+from chainbuild.painting.views import Spot
 
 # Strokes of each letter: corners as two digits, x and y on a grid where letters stand on y = 2, x-heights end at 7 and
 # capitals at 9. "~": rounded; "o": rounded and closed.

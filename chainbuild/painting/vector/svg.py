@@ -11,10 +11,19 @@ from chainbuild.files import printable_tree
 from chainbuild.painting.colours import GAIN, GROUND_COLOUR, INK_COLOUR, LIGHT, MIDDLE, hex_colour, lit
 from chainbuild.painting.marks import HALO, Marks
 from chainbuild.painting.stage import PlacedBody
-from chainbuild.painting.vector.facets import CONTACT, CREASE, OUTLINE, SIDE_FACE, Facet, Hull, dot, hull_of
+from chainbuild.painting.vector.facets import (
+    CONTACT_EDGE,
+    CREASE_EDGE,
+    OUTLINE_EDGE,
+    SIDE_FACE,
+    Facet,
+    Hull,
+    dot,
+    hull_of,
+)
 from chainbuild.painting.vector.hiding import seen_pieces
-from chainbuild.painting.vector.joining import Spot, border, chained
-from chainbuild.painting.views import View, Window
+from chainbuild.painting.vector.joining import border, chained
+from chainbuild.painting.views import Spot, View, Window
 
 # Tenths of a pixel.
 _BOLD: Final = "11"  # where a body ends
@@ -86,7 +95,7 @@ class _Brush:
         self._placed, self._hulls, self._view, self._window = placed, hulls, view, window
         self._definitions = definitions
         self._fills: dict[int, str] = {}
-        self._lines: dict[int, dict[tuple[Spot, Spot], None]] = {OUTLINE: {}, CREASE: {}}
+        self._lines: dict[int, dict[tuple[Spot, Spot], None]] = {OUTLINE_EDGE: {}, CREASE_EDGE: {}}
 
     def fill(self, parent: ET.Element, number: int, pieces: Sequence[Facet]) -> None:
         """Paint the faces of a body, and keep their lines."""
@@ -104,13 +113,13 @@ class _Brush:
                 ink = {"fill": self._fill(number, face), "stroke": seam}
                 ET.SubElement(parent, "path", {"d": data, **ink})
             for a, b, kind in edges:
-                found = self._lines.get(CREASE if kind == CONTACT else kind)
+                found = self._lines.get(CREASE_EDGE if kind == CONTACT_EDGE else kind)
                 if found is not None and (b, a) not in found:
                     found[a, b] = None
 
     def draw_lines(self, parent: ET.Element) -> None:
         """Draw the lines of all faces over them."""
-        for kind, width in ((CREASE, _THIN), (OUTLINE, _BOLD)):
+        for kind, width in ((CREASE_EDGE, _THIN), (OUTLINE_EDGE, _BOLD)):
             data = "".join(path_data(chain) for chain in chained(self._lines[kind]))
             if data:
                 ink = {"fill": "none", "stroke": hex_colour(INK_COLOUR), "stroke-width": width}

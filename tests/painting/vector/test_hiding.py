@@ -11,7 +11,7 @@ from chainbuild import Robot
 from chainbuild.frames import rot_x, rot_y, rot_z
 from chainbuild.painting.raster.sight import render
 from chainbuild.painting.stage import PlacedBody, Stage, coordinate, framed
-from chainbuild.painting.vector.facets import CONTACT, HIDDEN, OUTLINE, Facet, hull_of
+from chainbuild.painting.vector.facets import CONTACT_EDGE, HIDDEN_EDGE, OUTLINE_EDGE, Facet, hull_of
 from chainbuild.painting.vector.hiding import seen_pieces
 from chainbuild.painting.views import VIEWS, View
 from tests.kit.placed import area, placed
@@ -47,8 +47,8 @@ def test_what_is_above_hides_what_is_below() -> None:
     assert seen_areas([low, high], TOP) == pytest.approx([0.14, 0.04])
     assert seen_areas([high, low], TOP) == pytest.approx([0.04, 0.14])
     edges = {edge for piece in pieces_of([low, high], TOP)[0] for edge in piece.edges}
-    assert CONTACT not in edges
-    assert {OUTLINE, HIDDEN} <= edges
+    assert CONTACT_EDGE not in edges
+    assert {OUTLINE_EDGE, HIDDEN_EDGE} <= edges
 
 
 def test_boxes_that_enter_each_other_are_cut_where_they_meet() -> None:
@@ -58,7 +58,7 @@ def test_boxes_that_enter_each_other_are_cut_where_they_meet() -> None:
     width = 2.0 * (0.1 * math.sqrt(2.0) - 0.05)
     assert seen_areas([plate, ridge], TOP) == pytest.approx([1.0 - 0.5 * width, 0.5 * width], abs=1e-5)
     edges = [edge for piece in pieces_of([plate, ridge], TOP)[1] for edge in piece.edges]
-    assert edges.count(CONTACT) == 2
+    assert edges.count(CONTACT_EDGE) == 2
 
 
 @pytest.mark.parametrize("order", [1, -1])

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from chainbuild.painting.vector.joining import border, chained
-from tests.kit.placed import Spot, area
+from chainbuild.painting.views import Spot
+from tests.kit.placed import area
 
 # A square of 10 with a hole in the middle of its lower half, cut into convex pieces that do not share corners.
 PIECES: list[tuple[list[Spot], list[int]]] = [
