@@ -90,7 +90,7 @@ class _Drawing:
             self._joint(joint)
         self.head.link = joints[0].parent if joints else tool
         self.head.top, self.head.half = self.top, self.half
-        self.head.low = min(site.lowest(body) for body in self.head.bodies)
+        self.head.low = min(float(site.bounds(body)[0, 2]) for body in self.head.bodies)
 
     def add(self, *bodies: Body) -> None:
         self.head.bodies.extend(bodies)

@@ -13,18 +13,27 @@ from chainbuild.drawing.parallel import parallel_bodies
 from chainbuild.drawing.site import Site
 from chainbuild.drawing.special import special_bodies
 from chainbuild.drawing.stands import machine_tool_bodies
-from chainbuild.drawing.tables import workpiece_side
+from chainbuild.drawing.tables import beside
 
 Build = Literal["machine tool", "arm", "parallel", "special"]
 
+
 _ARM_TURNS: Final = 4  # rotary axes on the way to the tool: heads of machine tools have three at most
+_SPECIAL: Final = tuple(f"KIN_TYP {number}" for number in (13, 14, 36, 85, 202, 205))
+
+
+def robot_bodies(site: Site) -> list[Body]:
+    """Return the bodies of a robot, and of what carries the workpiece beside it."""
+    robot = arm_bodies(site)
+    return [*robot, *beside(site, robot)]
+
+
 _RULES: Final[dict[Build, Callable[[Site], list[Body]]]] = {
     "machine tool": machine_tool_bodies,
-    "arm": lambda site: [*arm_bodies(site), *workpiece_side(site)],
+    "arm": robot_bodies,
     "parallel": parallel_bodies,
     "special": special_bodies,
 }
-_SPECIAL: Final = tuple(f"KIN_TYP {number}" for number in (13, 14, 36, 85, 202, 205))
 
 
 def drawn_bodies(chain: Chain) -> tuple[Body, ...]:

@@ -15,7 +15,7 @@ from chainbuild.drawing.closed.platform import bridge_bodies, table_guide, table
 from chainbuild.drawing.closed.scissors import scissor_bodies
 from chainbuild.drawing.closed.struts import Arm, arms_of, platform_of, rod_bodies, round_foot
 from chainbuild.drawing.site import Site
-from chainbuild.drawing.tables import workpiece_side
+from chainbuild.drawing.tables import standing
 
 _TABLE: Final = 0.12  # of the machine's size: how high a fixed table stands over the floor
 _TABLE_WIDTH: Final = 0.6  # of the way to the columns: radius of a fixed table
@@ -58,7 +58,7 @@ def _fixed_table(site: Site, arms: list[Arm]) -> tuple[float, list[Body]]:
 
 def _turning_table(site: Site) -> list[Body]:
     """Return a table on rotary axes, with the part: the struts tell how much room the tool leaves."""
-    table = workpiece_side(site)
+    table = standing(site)
     room = float(tips(site)[:, 2].min() - site.T_workpiece[2, 3])
     known = any(body.part == "workpiece" for body in table)
     link = site.workpiece_path[-1].child

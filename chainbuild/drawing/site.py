@@ -184,15 +184,17 @@ class Site:
             link, part, transform(None, np.asarray(centre, dtype=float)), "sphere", (radius,), colour, origin
         )
 
-    def lowest(self, body: Body) -> float:
-        """Return the height [m] of the lowest point of a body at home."""
+    def bounds(self, body: Body) -> Matrix:
+        """Return the lowest and highest x, y, z (2, 3) [m] of a body at home."""
         T = self.links[body.link] @ body.T_link_body
-        rise, size = np.abs(T[2, :3]), body.dimensions
+        turn, size = T[:3, :3], np.array(body.dimensions)
         if body.kind == "box":
-            return float(T[2, 3] - rise @ np.array(size) / 2)
-        if body.kind == "sphere":
-            return float(T[2, 3]) - size[0]
-        return float(T[2, 3] - size[0] * np.hypot(rise[0], rise[1]) - rise[2] * size[1] / 2)
+            half = np.abs(turn) @ size / 2
+        elif body.kind == "sphere":
+            half = np.full(3, size[0])
+        else:
+            half = size[0] * np.hypot(turn[:, 0], turn[:, 1]) + np.abs(turn[:, 2]) * size[1] / 2
+        return np.array([T[:3, 3] - half, T[:3, 3] + half])
 
     def _body(
         self, link: str, part: Part, T: Matrix, kind: str, size: Sequence[float], colour: Colour | None, origin: Origin

@@ -90,13 +90,37 @@ def _plate_height(site: Site, tip: float) -> float:
     return min(float(site.T_workpiece[2, 3]), min(tip, middle) - _GAP)
 
 
-def workpiece_side(site: Site) -> list[Body]:
-    """Return what carries the workpiece beside a robot, down to the floor; nothing where the base does."""
+def beside(site: Site, robot: Sequence[Body]) -> list[Body]:
+    """Return what carries the workpiece beside a robot, and the floor under both; nothing where the base does.
+
+    Args:
+        site: The machine.
+        robot: What is drawn of the robot.
+    """
     if not site.workpiece_path:
         return []
     table = table_of(site, float(site.tip[2]))
-    floor = min(0.0, float(table.foot[2]) - 0.1 * table.radius)
-    return [*table.bodies, *pedestal(site, table, floor)]
+    boxes = np.array([site.bounds(body) for body in robot if body.link == BASE_LINK])
+    foot = float(boxes[:, 0, 2].min())
+    on_floor = boxes[boxes[:, 0, 2] < foot + _GAP]
+    low, high = on_floor[:, 0].min(axis=0), on_floor[:, 1].max(axis=0)
+    floor = min(foot, float(table.foot[2]) - 0.1 * table.radius)
+    bodies = [*table.bodies, *pedestal(site, table, floor)]
+    if foot - floor > _GAP:
+        bodies.append(site.box(BASE_LINK, "pedestal", (*low[:2], floor), (*high[:2], foot)))
+    half = np.minimum(0.8 * table.half, 1.1 * table.radius)
+    low, high = np.minimum(low[:2], table.foot[:2] - half), np.maximum(high[:2], table.foot[:2] + half)
+    edge = 0.2 * table.radius
+    slab = site.box(BASE_LINK, "bed", (*(low - edge), floor - 0.15 * table.radius), (*(high + edge), floor))
+    return [*bodies, slab]
+
+
+def standing(site: Site) -> list[Body]:
+    """Return what carries the workpiece, down to the floor in its own place; nothing where the base does."""
+    if not site.workpiece_path:
+        return []
+    table = table_of(site, float(site.tip[2]))
+    return [*table.bodies, *pedestal(site, table, min(0.0, float(table.foot[2]) - 0.1 * table.radius))]
 
 
 def pedestal(site: Site, table: Table, floor: float) -> list[Body]:

@@ -15,7 +15,7 @@ import numpy as np
 from chainbuild.files import write_text
 from chainbuild.frames import ANGLE_MODES
 from chainbuild.inspect.panel import html_escaped, panel_html
-from chainbuild.inspect.scene import Scene
+from chainbuild.inspect.scene import Scene, as_shown
 from chainbuild.inspect.sweep import FRAMES_PER_SECOND, AxisSweep, axis_sweep
 from chainbuild.kinematics.displayed import arm_normal
 
@@ -52,6 +52,7 @@ def page_html(robot: Mechanism) -> str:
     """Return the text of the page; the same robot gives the same text."""
     from meshcat import Visualizer
 
+    robot = as_shown(robot)
     motion = axis_sweep(robot)
     recorder = _Recorder()
     scene = Scene(Visualizer(window=recorder), robot)

@@ -16,6 +16,7 @@ from chainbuild.chain.bodies.shapes import machine_size
 from chainbuild.chain.elements import BASE_LINK, FRAME_NAMES, Chain, Frame
 from chainbuild.chain.poses import link_placements
 from chainbuild.drawing.machine import drawn_bodies
+from chainbuild.drawing.shown import shown_chain
 from chainbuild.inspect.labels import Side, draw_label
 from chainbuild.inspect.sweep import FRAMES_PER_SECOND, joint_transforms
 
@@ -29,6 +30,12 @@ GRID_COLOUR: Final[Colour] = (0.62, 0.67, 0.72)
 # Red, green, blue for x, y, z, as everywhere.
 _TRIAD_COLOURS: Final[tuple[Colour, Colour, Colour]] = ((0.86, 0.16, 0.16), (0.13, 0.62, 0.20), (0.13, 0.33, 0.87))
 _TRIAD_SHARE: Final = 0.13  # length of a triad's arms over the machine's size
+
+
+def as_shown(robot: Mechanism) -> Mechanism:
+    """Return the robot with the rods of its parallelogram, which a page shows; the same where it has none."""
+    chain = shown_chain(robot.chain)
+    return robot if chain is robot.chain else type(robot)(chain)
 
 
 class Scene:

@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 
 from chainbuild.arrays import Matrix
 from chainbuild.chain.bodies.body import Body
-from chainbuild.chain.bodies.shapes import detail_bodies, link_bodies
-from chainbuild.chain.elements import BASE_LINK, Chain
+from chainbuild.chain.elements import BASE_LINK
 from chainbuild.chain.poses import link_placements
 from chainbuild.drawing.machine import drawn_bodies
+from chainbuild.drawing.shown import shown_chain
 from chainbuild.drawing.site import Site
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.painting.views import Arrow, View, Window, window_around
@@ -62,15 +62,16 @@ class Stage:
     """
 
     def __init__(self, robot: Mechanism, axes: ArrayLike | None = None, bodies: Iterable[Body] | None = None) -> None:
-        chain, site = robot.chain, Site(robot.chain)
+        chain, site = shown_chain(robot.chain), Site(robot.chain)
         self._robot = robot
         self.axes = site.home if axes is None else robot.axis_values(axes)
         self.size = site.size
-        placed = link_placements(chain, robot.q(self.axes))
+        robot.q(self.axes)  # raises where the machine has no pose
+        placed = link_placements(chain, chain.axis_map.q(self.axes))
         self._links = {name: site.links[BASE_LINK] @ T for name, T in placed.items()}
         self.bodies = tuple(
             PlacedBody(body, snapped(self._links[body.link] @ body.T_link_body))
-            for body in (shown_bodies(chain) if bodies is None else bodies)
+            for body in (drawn_bodies(chain) if bodies is None else bodies)
         )
 
     def place(self, link: str, T_link: Matrix) -> Matrix:
@@ -101,14 +102,6 @@ def snapped(T: Matrix) -> Matrix:
     result[:3, :3] = np.floor(T[:3, :3] / _FINE + _OFF_HALF) * _FINE
     result[:3, 3] = np.floor(T[:3, 3] / _GRID + _OFF_HALF) * _GRID
     return result
-
-
-def shown_bodies(chain: Chain) -> tuple[Body, ...]:
-    """Return the bodies that a picture shows."""
-    try:
-        return drawn_bodies(chain)
-    except NotImplementedError:
-        return (*link_bodies(chain), *detail_bodies(chain))
 
 
 def coordinate(vector: Sequence[float] | Matrix, direction: Arrow) -> float:
