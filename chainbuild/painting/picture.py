@@ -17,7 +17,7 @@ from chainbuild.kinematics.inputs import axis_rows
 from chainbuild.painting.colours import INK_COLOUR
 from chainbuild.painting.marks import Caption, Marks
 from chainbuild.painting.overlay.dimensions import draw_dimensions
-from chainbuild.painting.overlay.placing import Box, Wish, label_width, place_labels
+from chainbuild.painting.overlay.placing import LabelBox, Wish, label_width, place_labels
 from chainbuild.painting.overlay.trace import draw_trace
 from chainbuild.painting.overlay.triads import draw_triads
 from chainbuild.painting.raster.lines import draw_marks
@@ -138,7 +138,7 @@ def _marks(
     marks = Marks()
     for pane in panes:
         window = pane.window.moved(pane.x, pane.y)
-        area: Box = (pane.x, pane.y, pane.x + window.width, pane.y + window.height)
+        area: LabelBox = (pane.x, pane.y, pane.x + window.width, pane.y + window.height)
         if pane.title:
             middle = pane.x + _TITLE + label_width(pane.title, _TITLE) / 2.0
             marks.captions.append(Caption(pane.title, middle, pane.y + 2.0 * _TITLE, INK_COLOUR, _TITLE))

@@ -12,6 +12,7 @@ from chainbuild.shown import fields_shown
 ViewName = Literal["iso", "front", "top", "right"]
 PictureView = Literal["iso", "front", "top", "right", "sheet"]
 Arrow = tuple[float, float, float]
+Spot = tuple[float, float]  # pixels to the right and down
 
 # Degrees: the operator stands at −Y; from his right, and low enough to see what hangs over a table.
 _TURN: Final = 32.0
@@ -75,7 +76,7 @@ class Window:
     width: int
     height: int
 
-    def spot(self, view: View, point: Sequence[float]) -> tuple[float, float]:
+    def spot(self, view: View, point: Sequence[float]) -> Spot:
         """Return where a point (3,) of the site is seen, in pixels from the upper left corner."""
         x, y, z = point[0], point[1], point[2]
         u = x * view.right[0] + y * view.right[1] + z * view.right[2]

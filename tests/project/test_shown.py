@@ -116,6 +116,7 @@ OBJECTS: dict[str, Callable[[], Any]] = {
     "ControllerSolver": lambda: robot().chain.controller_solver,
     "Convention": lambda: next(iter(chainbuild.conventions().values())),
     "CrossCheck": wrong_check,
+    "Dimension": lambda: chainbuild.dimensions(chainbuild.load("ca_head_kin9"))[0],
     "Display": lambda: robot().chain.display,
     "DriveLimit": lambda: chainbuild.DriveLimit(4, -100.0, 100.0),
     "Distance": lambda: chainbuild.CollisionModel(robot()).nearest(AXES),
