@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, get_args
@@ -23,6 +23,7 @@ from chainbuild.painting.overlay.triads import draw_triads
 from chainbuild.painting.raster.lines import draw_marks
 from chainbuild.painting.raster.pixels import painted
 from chainbuild.painting.raster.png import png_bytes
+from chainbuild.painting.raster.sight import render
 from chainbuild.painting.stage import Stage, framed
 from chainbuild.painting.vector.svg import Sheet
 from chainbuild.painting.views import VIEWS, PictureView, View, ViewName, Window
@@ -35,6 +36,7 @@ _SIZE: Final = (960, 720)  # pixels of a picture
 _PANE: Final = (640, 480)  # of each of the four on a sheet
 _MARGIN: Final = 36  # pixels around the machine
 _LABELLED: Final = 52  # likewise with room for names
+_COARSE: Final = 4  # pixels in one: fine enough to tell where bodies are
 _TITLE: Final = 15.0  # pixels of text: the name of a view
 # What stands where on a sheet: above the front what is seen from above, beside it what is seen from the right.
 _SHEET: Final[tuple[tuple[ViewName, int, int], ...]] = (("top", 0, 0), ("iso", 1, 0), ("front", 0, 1), ("right", 1, 1))
@@ -148,8 +150,22 @@ def _marks(
         wishes += draw_dimensions(marks, lengths, stage, pane.view, window)
         if frames:
             wishes += draw_triads(marks, stage, pane.view, window)
-        place_labels(marks, wishes, area)
+        if wishes:
+            place_labels(marks, wishes, area, _covering(stage, pane))
     return marks
+
+
+def _covering(stage: Stage, pane: _Pane) -> Callable[[LabelBox], float]:
+    """Return a function of a box in pixels of the whole picture: the share of it that lies on bodies."""
+    drawn = render(stage.bodies, pane.view, pane.window.coarser(_COARSE)).bodies >= 0
+
+    def share(box: LabelBox) -> float:
+        left, upper, right, lower = (
+            int((edge - start) / _COARSE) for edge, start in zip(box, (pane.x, pane.y) * 2, strict=True)
+        )
+        return float(drawn[upper : lower + 1, left : right + 1].mean())
+
+    return share
 
 
 def _svg(stage: Stage, panes: Sequence[_Pane], size: tuple[int, int], marks: Marks) -> str:

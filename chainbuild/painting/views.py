@@ -92,6 +92,10 @@ class Window:
         """Return the same part of the view further right and down, within a larger picture."""
         return Window(self.left - x / self.scale, self.top + y / self.scale, self.scale, self.width, self.height)
 
+    def coarser(self, times: int) -> Window:
+        """Return the same part of the view with fewer pixels."""
+        return Window(self.left, self.top, self.scale / times, self.width // times, self.height // times)
+
     def finer(self, times: int) -> Window:
         """Return the same part of the view with more pixels."""
         return Window(self.left, self.top, self.scale * times, self.width * times, self.height * times)

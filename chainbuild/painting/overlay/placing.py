@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
@@ -23,6 +23,7 @@ _GAP: Final = 4.0  # pixels between labels, and to the border of the picture
 _RISE: Final = 0.7  # of a text's size: the height of capitals
 _DESCENT: Final = 0.2  # likewise what hangs below the line
 _CROSSED: Final = 30.0  # pixels farther away are better than a line through the letters
+_COVERED: Final = 45.0  # likewise than letters on bodies
 _WIDEST: Final = 0.62  # of a text's size a letter: in fonts wider than ours, which an SVG may be shown with
 
 
@@ -43,13 +44,20 @@ class Wish:
     colour: Colour
 
 
-def place_labels(marks: Marks, wishes: Iterable[Wish], area: LabelBox, size: float = TEXT_SIZE) -> None:
-    """Add labels to marks, clear of each other, of the captions that are there, and of lines where there is room.
+def place_labels(
+    marks: Marks,
+    wishes: Iterable[Wish],
+    area: LabelBox,
+    covered: Callable[[LabelBox], float] = lambda box: 0.0,
+    size: float = TEXT_SIZE,
+) -> None:
+    """Add labels to marks, clear of each other and of the captions there, of lines and bodies where there is room.
 
     Args:
         marks: Lines that are drawn, captions that have a place; the labels are added.
         wishes: The labels, the most important first.
         area: Part of the picture where labels may be.
+        covered: Returns the share of a box that lies on bodies.
         size: Of the text, in pixels.
     """
     taken = [caption_box(caption) for caption in marks.captions]
@@ -62,7 +70,7 @@ def place_labels(marks: Marks, wishes: Iterable[Wish], area: LabelBox, size: flo
                 break
             if not _inside(box, area) or any(_overlap(box, other) for other in taken):
                 continue
-            cost = distance + _CROSSED * any(_crosses(segment, box) for segment in segments)
+            cost = distance + _CROSSED * any(_crosses(segment, box) for segment in segments) + _COVERED * covered(box)
             if best is None or cost < best[0]:
                 best = cost, box
         box = best[1] if best is not None else _lowest_free(taken, area, width, (_RISE + _DESCENT) * size)

@@ -74,3 +74,13 @@ def test_without_room_nearby_labels_go_to_the_border() -> None:
         place_labels(marks, wishes, AREA)
         assert overlapping(marks) == []
         assert all(len(list(pairwise(stroke.spots))) >= 1 for stroke in marks.strokes)
+
+
+def test_labels_stand_beside_bodies_where_there_is_room() -> None:
+    marks = Marks()
+    place_labels(marks, [Wish("tool", (200.0, 100.0), RED)], AREA, lambda box: float(box[2] > 200.0))
+    (caption,) = marks.captions
+    assert caption_box(caption)[2] <= 200.0
+    marks = Marks()  # all of it is covered: as near as without bodies
+    place_labels(marks, [Wish("tool", (200.0, 100.0), RED)], AREA, lambda box: 1.0)
+    assert caption_box(marks.captions[0])[0] == pytest.approx(209.0)
