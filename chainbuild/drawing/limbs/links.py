@@ -31,7 +31,7 @@ def limb(site: Site, start: Seat, end: Seat) -> list[Body]:
     """
     link = start.link
     if start.kind == "stack":
-        hood = _hood(site, start, end) if end.kind == "roll" else []
+        hood = _hood(site, start, end) if end.kind in ("roll", "quill") else []
         return [*slab(site, start, end.place), *hood]
     if start.kind == "hinge" and not start.parent_forks:
         return _twin(site, start, end)
@@ -40,11 +40,21 @@ def limb(site: Site, start: Seat, end: Seat) -> list[Body]:
 
 
 def arm_to(site: Site, link: str, root: Vector, end: Seat) -> list[Body]:
-    """Return the arm from a point of what carries a robot to its first joint."""
+    """Return the arm from a point of what carries a robot to its first joint.
+
+    Args:
+        site: The site.
+        link: Link that carries it.
+        root: (3,) the point [m].
+        end: Seat of the first joint.
+    """
     wide = (end.half + end.plate if end.parent_forks else end.half) * _FIT
     neck = bar(site, link, "neck", root, _target(end, root), end.axis, (-wide, wide), 1.5 * end.radius)
     if end.kind == "hinge":
         return [*neck, *(fork(site, link, end, root) if end.parent_forks else boss(site, link, end))]
+    if end.kind == "roll":
+        turning = tube(site, link, "housing", end.corner, end.place, _TUBE * end.radius)
+        return [*neck, site.ball(link, "housing", end.corner, _TUBE * end.radius), *turning]
     return [*neck, *slide_end(site, link, end, root)]
 
 
@@ -128,7 +138,7 @@ def _end(site: Site, link: str, start: Seat, end: Seat, root: Vector) -> list[Bo
         return fork(site, link, end, root) if end.parent_forks else boss(site, link, end)
     if end.kind == "roll":
         return _collar(site, link, start, end)
-    if end.kind == "stack":
+    if end.kind in ("stack", "quill"):
         return []
     return slide_end(site, link, end, root)
 
