@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import combinations, pairwise, product
@@ -21,9 +22,10 @@ from chainbuild.drawing.arms import arm_bodies
 from chainbuild.drawing.site import Site
 from chainbuild.drawing.tracks import footing
 from chainbuild.errors import MachineDataError
+from chainbuild.frames import rot_z, transform
 from chainbuild.robot import Robot
 from tests.kit import drawn_robots as hand_made
-from tests.kit.drawn_arms import CASES, SHIPPED, drawn, pose
+from tests.kit.drawn_arms import CASES, FILE, SHIPPED, drawn, extents_mm, pose
 from tests.kit.robots import ur5
 from tests.kit.robx_files import KIND, NR6, chain_of
 from tests.kit.solid_bodies import depth, gap, overlap, placed
@@ -186,3 +188,28 @@ def test_arms_without_lengths_still_have_bodies_to_see(main: int) -> None:
         assert {body.link for body in bodies} == {link.name for link in chain.links}
         assert all(0.0 < size < np.inf for body in bodies for size in body.dimensions)
     assert read > 3
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_every_link_is_as_large_as_it_was(name: str) -> None:
+    """Where a rule changed on purpose: `python -m tests.kit.drawn_arms` writes the file anew; look at the pictures."""
+    known = json.loads(FILE.read_text("utf-8"))[name]
+    spans = extents_mm(name)
+    assert spans.keys() == known.keys()
+    for link, span in spans.items():
+        assert span == pytest.approx(known[link], abs=0.3), link
+
+
+@pytest.mark.parametrize("name", ["arm", "scara"])
+def test_a_robot_looks_the_same_wherever_it_stands(name: str) -> None:
+    chain = hand_made.ROBOTS[name]().chain
+    first = chain.joints[0]
+    assert first.parent == "base"
+    move = transform(rot_z(30.0), np.array([0.7, -1.1, 0.0]))
+    joints = (replace(first, T_parent_joint=move @ first.T_parent_joint), *chain.joints[1:])
+    here, there = Site(chain), Site(replace(chain, joints=joints))
+    for one, other in zip(arm_bodies(here), arm_bodies(there), strict=True):
+        assert one.dimensions == pytest.approx(other.dimensions, abs=2.0 * _ON)
+        a, b = move @ here.links[one.link] @ one.T_link_body, there.links[other.link] @ other.T_link_body
+        if one.part != "foot":  # its plate lies along the site
+            np.testing.assert_allclose(a[:3, 3], b[:3, 3], atol=2.0 * _ON)

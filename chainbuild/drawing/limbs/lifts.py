@@ -45,6 +45,8 @@ def stand(site: Site, link: str, mount: Vector, seat: Seat) -> list[Body]:
     up = seat.axis if seat.kind == "roll" else _Z
     if seat.kind == "stack":
         mount = np.array([*seat.place[:2], mount[2]])  # a pillar right under the arm
+    elif seat.kind == "roll":
+        mount = seat.corner
     side = (-_FOOT * r, _FOOT * r)
     plate = block(site, link, "foot", turned(up, np.eye(3)[1]), mount, (0.0, _PLATE * r), side, side)
     top = mount + up * _PLATE * r

@@ -68,7 +68,7 @@ def _start(site: Site, link: str, start: Seat, end: Seat) -> tuple[Vector, list[
     return slide_start(site, start, end.corner)
 
 
-def leans(start: Seat, end: Seat) -> bool:
+def _leans(start: Seat, end: Seat) -> bool:
     """Return whether the arm on a roll leaves its axis, or has to fit between plates."""
     if end.kind != "hinge":
         return end.kind in ("column", "stack")
@@ -78,7 +78,7 @@ def leans(start: Seat, end: Seat) -> bool:
 
 def _turntable(site: Site, start: Seat, end: Seat) -> tuple[Vector, list[Body]]:
     """Return where a leaning neck or a column begins, and the disc that it stands on."""
-    if not leans(start, end):
+    if not _leans(start, end):
         return start.place, []
     way = end.place - start.place
     lean = float(np.linalg.norm(np.cross(way, start.axis)) / np.linalg.norm(way)) if end.kind == "hinge" else 0.0
@@ -112,7 +112,7 @@ def _between(site: Site, link: str, start: Seat, end: Seat, root: Vector) -> lis
     target = _target(end, root)
     wide = (end.half + end.plate if end.kind == "hinge" and end.parent_forks else end.half) * _FIT
     if start.kind == "roll":
-        if end.kind != "hinge" or not leans(start, end):
+        if end.kind != "hinge" or not _leans(start, end):
             radius = max(0.95 * start.radius, wide if end.kind == "hinge" else 0.0)
             return tube(site, link, "arm", root, target, radius, origin="data")
         # A neck that leans out, as wide as what it carries.
@@ -145,8 +145,6 @@ def _end(site: Site, link: str, start: Seat, end: Seat, root: Vector) -> list[Bo
 
 def _collar(site: Site, link: str, start: Seat, end: Seat) -> list[Body]:
     """Return the housing that a roll turns in, and the motors behind it."""
-    if start.kind == "stack":
-        return []
     room = start.half * _FIT if start.kind == "hinge" else 0.95 * start.radius
     radius = min(_TUBE * end.radius, room)
     beside = float(np.linalg.norm(end.corner - start.place))
