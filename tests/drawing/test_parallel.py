@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from itertools import combinations
 
 import numpy as np
 import pytest
@@ -18,7 +17,7 @@ from chainbuild.chain.poses import frame_placement
 from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.drawing.site import Site
 from chainbuild.frames import translation
-from tests.kit.drawings import corners, ends, gap, home_and_middle, islands, nearest, overlaps, placements
+from tests.kit.drawings import corners, ends, gap, gaps_between, home_and_middle, islands, nearest, overlaps, placements
 from tests.kit.twincat_files import chain_of
 
 MACHINES = ("tripod_kin12", "tripod_table_kin209", "delta_kin37", "rod_table_kin19", "lambda_kin21")
@@ -130,13 +129,8 @@ def test_forks_hold_the_pins(name: str) -> None:
     assert len(bars) == 6
     pins = [body for body in parts(bodies, "joint") if body.kind == "cylinder" and body.link.endswith("_swing_link")]
     balls = [body for body in parts(bodies, "joint") if body.kind == "sphere"]
-    for bar in bars:
-        assert min(gap_at(chain, bar, pin, home) for pin in pins) < -0.7 * radius
-        assert min(gap_at(chain, bar, ball, home) for ball in balls) > 0.3 * radius
-
-
-def gap_at(chain: Chain, one: Body, other: Body, axes: Vector) -> float:
-    return gap(one, placements(chain, [one], axes)[0], other, placements(chain, [other], axes)[0])
+    assert (gaps_between(chain, bars, pins, home).min(axis=1) < -0.7 * radius).all()
+    assert gaps_between(chain, bars, balls, home).min() > 0.3 * radius
 
 
 @pytest.mark.parametrize("name", MACHINES[:4])
@@ -173,8 +167,8 @@ def test_balls_of_a_small_platform_keep_clear_of_one_another() -> None:
     assert {body.dimensions[0] for body in rods} == {0.006}
     axes = np.full(3, 700.0)
     balls = [body for body in bodies if body.kind == "sphere"]
-    for a, b in combinations(balls, 2):
-        assert gap_at(chain, a, b, axes) > 0.01
+    assert len(balls) == 6
+    assert gaps_between(chain, balls, balls, axes)[~np.eye(6, dtype=bool)].min() > 0.01
 
 
 def test_a_tool_beside_the_platform_hangs_on_a_bracket() -> None:
@@ -209,10 +203,7 @@ def test_a_ring_joins_the_columns() -> None:
     """Each beam lies on two columns, and each column carries two beams."""
     chain, bodies = drawn("tripod_kin12")
     home = home_and_middle(chain)[0]
-    table = [
-        [abs(gap_at(chain, beam, column, home)) < CONTACT for column in parts(bodies, "column")]
-        for beam in parts(bodies, "beam")
-    ]
+    table = np.abs(gaps_between(chain, parts(bodies, "beam"), parts(bodies, "column"), home)) < CONTACT
     assert np.sum(table, axis=0).tolist() == np.sum(table, axis=1).tolist() == [2, 2, 2]
 
 
@@ -221,8 +212,7 @@ def test_levers_turn_clear_of_plate_and_motors() -> None:
     chain, bodies = drawn("delta_kin37")
     fixed = parts(bodies, "plate", "beam", "post", "housing")
     for axes in corners(chain):
-        for lever in parts(bodies, "lever"):
-            assert min(gap_at(chain, lever, other, axes) for other in fixed) > -CONTACT
+        assert gaps_between(chain, parts(bodies, "lever"), fixed, axes).min() > -CONTACT
     motors = [body for body in parts(bodies, "housing") if body.dimensions[1] > 0.05]
     assert len(motors) == 3
     assert max(body.dimensions[1] for body in parts(bodies, "housing") if body not in motors) < 0.03
@@ -248,29 +238,63 @@ def test_the_bridge_carries_the_tool_over_the_whole_range() -> None:
             a, b = span(inner, T, along), span(outer, P, along)
             assert b[0] <= a[0] + 1e-9
             assert a[1] <= b[1] + 1e-9
-        assert [abs(gap_at(chain, bridge, rail, axes)) < CONTACT for rail in rails] == [True, True]
-    for post in parts(bodies, "post"):
-        assert min(gap_at(chain, post, column, site.home) for column in parts(bodies, "column")) > 0.0
+        assert gaps_between(chain, [bridge], rails, axes) == pytest.approx(np.zeros((1, 2)), abs=CONTACT)
+    assert gaps_between(chain, parts(bodies, "post"), parts(bodies, "column"), site.home).min() > 0.0
 
 
-def test_the_bed_of_the_lambda_is_under_every_tip() -> None:
-    """And the ram stays in its housing, the arm above all that hangs from it."""
-    chain, bodies = drawn("lambda_kin21")
+def other_lambda() -> Chain:
+    """The lambda with a longer tool and a ram whose home is in the middle of its stroke, 350 mm lower."""
+    chain = chainbuild.load("lambda_kin21").chain(tool_length_mm=75.0)
+    return replace(chain, axes=tuple(replace(a, lower=-250.0, upper=50.0) if a.name == "Z" else a for a in chain.axes))
+
+
+@pytest.mark.parametrize("other", [False, True])
+def test_the_ram_of_the_lambda_stays_in_its_housing(other: bool) -> None:
+    """The bed is under every tip, the arm above all that hangs from the ram."""
+    chain = other_lambda() if other else drawn("lambda_kin21")[0]
+    bodies = drawn_bodies(chain)
     (bed,), (ram,), (housing,) = parts(bodies, "bed"), parts(bodies, "ram"), parts(bodies, "housing")
     arms = [body for body in parts(bodies, "arm") if body.link == "theta_link"]
     hand = [body for body in bodies if body.link == "C_link"]
-    (x0, x1), (y0, y1) = (span(bed, bed.T_link_body, along) for along in np.eye(3)[:2])
+    x, y, z = np.eye(3)
+    (x0, x1), (y0, y1) = (span(bed, bed.T_link_body, along) for along in (x, y))
     for axes in corners(chain):
-        x, y, _ = frame_placement(chain, "tool", axes)[:3, 3]
-        assert x0 < x < x1
-        assert y0 < y < y1
+        tip = frame_placement(chain, "tool", axes)[:3, 3]
+        assert x0 < tip[0] < x1
+        assert y0 < tip[1] < y1
         places = placements(chain, [ram, housing], axes)
-        a, b = (span(body, T, np.eye(3)[2]) for body, T in zip((ram, housing), places, strict=True))
+        a, b = (span(body, T, z) for body, T in zip((ram, housing), places, strict=True))
         assert a[0] < b[0]
         assert b[1] < a[1]
         assert places[0][:2, 3] == pytest.approx(places[1][:2, 3], abs=1e-6)
-        for arm in arms:
-            assert min(gap_at(chain, arm, body, axes) for body in hand) > 0.02
+        assert gaps_between(chain, arms, hand, axes).min() > 0.02
+
+
+@pytest.mark.parametrize("other", [False, True])
+def test_the_hand_of_the_lambda_reaches_from_the_ram_to_over_the_tip(other: bool) -> None:
+    chain = other_lambda() if other else drawn("lambda_kin21")[0]
+    bodies, site = drawn_bodies(chain), Site(chain)
+    own = [body for body in bodies if body.link == "C_link"]
+    (arm,), (neck,), (tool,) = ([body for body in own if body.part == part] for part in ("arm", "joint", "tool"))
+    low, high = site.bounds(arm)[:, 2]
+    assert site.bounds(neck)[:, 2] == pytest.approx((low, site.links["C_link"][2, 3]), abs=1e-6)
+    assert site.tip[2] < low < high < site.links["C_link"][2, 3]
+    ends_of_arm = [site.links["C_link"] @ arm.T_link_body @ (sign * arm.dimensions[0] / 2, 0, 0, 1) for sign in (-1, 1)]
+    assert ends_of_arm[0][:2] == pytest.approx(site.links["C_link"][:2, 3], abs=1e-6)
+    assert ends_of_arm[1][:2] == pytest.approx(site.tip[:2], abs=1e-6)
+    assert site.bounds(tool)[1, 2] > site.tip[2]
+
+
+def test_the_arms_of_the_lambda_ride_on_top_of_the_carriages() -> None:
+    chain, bodies = drawn("lambda_kin21")
+    (rod,) = parts(bodies, "rod")
+    assert rod.dimensions == (pytest.approx(0.022 * 0.9, abs=1e-6), pytest.approx(0.9, abs=1e-6))
+    arms = parts(bodies, "arm", "rod")
+    for axes in home_and_middle(chain):
+        assert gaps_between(chain, parts(bodies, "carriage"), arms, axes).min() > 0.01
+    (elbow,) = [body for body in bodies if body.kind == "sphere"]
+    main = [body for body in parts(bodies, "arm") if body.link == "theta_link"]
+    assert (gaps_between(chain, [elbow], main, home_and_middle(chain)[0]) < -0.02).all()
 
 
 def test_the_bed_follows_a_workpiece_below_the_tips() -> None:
@@ -430,10 +454,8 @@ def test_the_part_is_where_the_tool_comes_from_above(name: str) -> None:
     tools = [body for body in bodies if body.part in ("tool", "spindle", "platform")]
     turned = [axis.kind == "rotary" and axis.carries == "workpiece" for axis in chain.axes]
     for axes in corners(chain):
-        if (axes != home)[turned].any():
-            continue
-        places = placements(chain, [part, *tools], axes)
-        assert min(gap(part, places[0], tool, place) for tool, place in zip(tools, places[1:], strict=True)) > 0.0
+        if (axes == home)[turned].all():
+            assert gaps_between(chain, [part], tools, axes).min() > 0.0
 
 
 @pytest.mark.parametrize("name", MACHINES)

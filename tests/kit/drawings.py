@@ -131,9 +131,16 @@ def corners(chain: Chain) -> list[Vector]:
     return [axes for axes in found if np.isfinite(chain.axis_map.q(axes)).all()]
 
 
+def gaps_between(chain: Chain, ones: Sequence[Body], others: Sequence[Body], axes: Vector) -> Matrix:
+    """Return the distances (n, m) [m] of bodies to others."""
+    left = list(zip(ones, placements(chain, ones, axes), strict=True))
+    right = list(zip(others, placements(chain, others, axes), strict=True))
+    return np.array([[gap(a, A, b, B) for b, B in right] for a, A in left])
+
+
 def nearest(chain: Chain, bodies: Sequence[Body], part: str, other: str, axes: Vector) -> list[float]:
     """Return for each body of a part its distance [m] to the nearest body of another part."""
-    placed = list(zip(bodies, placements(chain, bodies, axes), strict=True))
-    return [
-        min(gap(a, A, b, B) for b, B in placed if b.part == other and b is not a) for a, A in placed if a.part == part
-    ]
+    ones, others = ([body for body in bodies if body.part == name] for name in (part, other))
+    table = gaps_between(chain, ones, others, axes)
+    nearest_ones: list[float] = table.min(axis=1).tolist()
+    return nearest_ones

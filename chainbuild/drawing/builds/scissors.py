@@ -17,7 +17,7 @@ from chainbuild.drawing.builds.bed import bed_height, level_box, part_block, tip
 from chainbuild.drawing.site import Site, upright_frame
 from chainbuild.shown import fields_shown
 
-_ROD: Final = 0.022  # radius of a rod over the length of the longest: it carries the ram alone
+_ROD: Final = 0.022  # radius of a rod over the length of the arm up to it: it carries the ram alone
 _PART: Final = 6.0  # radii of a rod: width of the part
 # In radii of a rod.
 _BALL: Final = 2.0  # of the ball on which the rods meet
@@ -55,13 +55,11 @@ class _Slide:
 
 
 def scissor_bodies(site: Site) -> list[Body]:
-    """Return the bodies of a machine with two slides whose rods meet, and a ram at the end of one."""
-    chain = site.chain
-    loop = chain.loops[0]
-    slides = [_slide(site, name) for name in (loop.frame_a, loop.frame_b)]
-    main, other = slides if slides[0].joint in site.tool_path else slides[::-1]
+    """Return the bodies of a machine with two slides whose rods meet, and a ram at the end of the first."""
+    loop = site.chain.loops[0]
+    main, other = (_slide(site, name) for name in (loop.frame_a, loop.frame_b))
     ram = next(joint for joint in site.tool_path if joint.parent == main.rod)
-    r = site.radius(other.rod, _ROD * max(float(np.linalg.norm(slide.end - slide.foot)) for slide in slides))
+    r = site.radius(other.rod, _ROD * float(np.linalg.norm(main.end - main.foot)))
     lowest = float(tips(site)[:, 2].min())
     bed = bed_height(site, lowest)
     plane = float(site.links[ram.child][2, 3]) + site.stroke(ram)[1] + 2.0 * _HOUSING * r
