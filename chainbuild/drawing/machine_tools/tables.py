@@ -24,7 +24,7 @@ _LEAST_ROOM: Final = 0.02  # m above the plate, below which there is no room for
 
 
 @dataclass
-class Table:
+class WorkTable:
     """What carries the workpiece.
 
     Attributes:
@@ -90,7 +90,7 @@ def _plate_height(site: Site, tip: float) -> float:
     return min(float(site.T_workpiece[2, 3]), min(tip, middle) - _GAP)
 
 
-def beside(site: Site, robot: Sequence[Body]) -> list[Body]:
+def table_beside(site: Site, robot: Sequence[Body]) -> list[Body]:
     """Return what carries the workpiece beside a robot, and the floor under both; nothing where the base does.
 
     Args:
@@ -99,7 +99,7 @@ def beside(site: Site, robot: Sequence[Body]) -> list[Body]:
     """
     if not site.workpiece_path:
         return []
-    table = table_of(site, float(site.tip[2]))
+    table = worktable(site, float(site.tip[2]))
     boxes = np.array([site.bounds(body) for body in robot if body.link == BASE_LINK])
     foot = float(boxes[:, 0, 2].min())
     on_floor = boxes[boxes[:, 0, 2] < foot + _GAP]
@@ -119,11 +119,11 @@ def standing(site: Site) -> list[Body]:
     """Return what carries the workpiece, down to the floor in its own place; nothing where the base does."""
     if not site.workpiece_path:
         return []
-    table = table_of(site, float(site.tip[2]))
+    table = worktable(site, float(site.tip[2]))
     return [*table.bodies, *pedestal(site, table, min(0.0, float(table.foot[2]) - 0.1 * table.radius))]
 
 
-def pedestal(site: Site, table: Table, floor: float) -> list[Body]:
+def pedestal(site: Site, table: WorkTable, floor: float) -> list[Body]:
     """Return the base's pedestal from the floor [m] to a table."""
     if table.foot[2] - floor < 1e-4:
         return []
@@ -151,7 +151,7 @@ def part_on(site: Site, link: str, foot: Vector, radius: float, height: float) -
     return [site.box(link, "workpiece", -half, half + edges[2] * UP, at=foot, colour=PART_COLOUR, origin=origin)]
 
 
-def table_of(site: Site, tip: float) -> Table:
+def worktable(site: Site, tip: float) -> WorkTable:
     """Return what carries the workpiece, from the plate down to the base.
 
     Args:
@@ -184,7 +184,7 @@ class _Drawing:
         self.foot = plate
         for joint in reversed(joints):
             self._joint(joint)
-        self.table = Table(self.R, self.foot, self.half, self.bodies)
+        self.table = WorkTable(self.R, self.foot, self.half, self.bodies)
 
     def _on_axis(self, joint: Joint, height: float) -> Vector:
         """Return the point (3,) of an axis at a height [m]."""
