@@ -161,8 +161,10 @@ class _Stand:
         if self.box.high[2] - self.box.low[2] < self.r:  # a head without ram: the carriage sits on its top
             self.box = self.box.between(2, self.box.low[2], self.box.low[2] + max(4.0 * self.r, 2.0 * self.beam))
         else:
-            self.box = self.box.side(behind, self.behind[behind], 1.2 * self.r, outside=True)
             side = 1 - behind
+            for sign in (-1.0, 1.0):  # it clasps the ram
+                self.add(link, "carriage", self.box.side(side, sign, 0.8 * self.r, outside=True))
+            self.box = self.box.side(behind, self.behind[behind], 1.2 * self.r, outside=True)
             self.box = self.box.between(side, self.box.low[side] - 0.8 * self.r, self.box.high[side] + 0.8 * self.r)
         self.add(link, "carriage", self.box)
 
@@ -248,9 +250,13 @@ class _Stand:
         low, high = self.site.stroke(joint)
         feet, self.feet = self.feet, []
         for foot in feet:
-            rail = foot.moved(along, low, high).between(2, self.ground, self.ground + self._rail)
+            rail = foot.moved(along, low - self.beam, high + self.beam).between(
+                2, self.ground, self.ground + self._rail
+            )
             self.add(joint.parent, "guide", rail)
-            self.feet.append(rail)
+            shoe = foot.moved(along, -self.beam, self.beam)
+            self.add(joint.child, "slide", shoe.between(2, self.ground + self._rail, self.ground + 1.8 * self._rail))
+            self.feet.append(rail.between(2, self.ground, self.ground + self._rail))
 
     def _still(self) -> None:
         """Draw what carries the last slide where the base does: posts, a portal, or a column with an arm to the ram."""
