@@ -8,12 +8,12 @@ import numpy as np
 
 from chainbuild.chain.bodies.body import TOOL_SIDE, WORKPIECE_SIDE, Body
 from chainbuild.chain.elements import BASE_LINK
-from chainbuild.drawing.bed import bed_height, lowest_point, part_block, tips
-from chainbuild.drawing.closed.columns import column_bodies, column_reach, under_arms
-from chainbuild.drawing.closed.delta import delta_bodies
-from chainbuild.drawing.closed.platform import bridge_bodies, table_guide, table_platform, tool_platform
-from chainbuild.drawing.closed.scissors import scissor_bodies
-from chainbuild.drawing.closed.struts import Arm, arms_of, platform_of, rod_bodies, round_foot
+from chainbuild.drawing.builds.bed import bed_height, part_block, tips
+from chainbuild.drawing.builds.columns import column_bodies, column_reach, under_arms
+from chainbuild.drawing.builds.delta import delta_bodies
+from chainbuild.drawing.builds.platform import bridge_bodies, table_guide, table_platform, tool_platform
+from chainbuild.drawing.builds.scissors import scissor_bodies
+from chainbuild.drawing.builds.struts import Arm, arms_of, platform_of, rod_bodies, round_foot
 from chainbuild.drawing.site import Site
 from chainbuild.drawing.tables import standing
 
@@ -34,12 +34,12 @@ def parallel_bodies(site: Site) -> list[Body]:
     bodies += tool_platform(site, platform, arms)
     if site.workpiece_path:
         below = _turning_table(site)
-        floor = lowest_point(site, below)
+        floor = min(float(site.bounds(body)[0, 2]) for body in below)
     else:
         floor, below = _fixed_table(site, arms)
     if arms[0].joint.kind == "revolute":
         return [*bodies, *delta_bodies(site, arms, floor), *below]
-    foot = round_foot(site, floor, column_reach(site, arms), arms[0])
+    foot = round_foot(site, floor, column_reach(arms), arms[0])
     return [*bodies, *column_bodies(site, arms, floor, TOOL_SIDE[0]), foot, *below]
 
 
@@ -48,11 +48,13 @@ def _fixed_table(site: Site, arms: list[Arm]) -> tuple[float, list[Body]]:
     lowest = float(tips(site)[:, 2].min())
     top = bed_height(site, lowest)
     x, y = site.tip[:2]
-    part = part_block(site, BASE_LINK, (x, y, top), _PART * site.size, lowest - top)
     if arms[0].joint.kind == "revolute":
-        return top, part
-    floor = min(top - _TABLE * site.size, under_arms(site, arms)) if not arms[0].hangs else top - _TABLE * site.size
-    radius = _TABLE_WIDTH * min(float(np.linalg.norm(arm.start[:2] - (x, y))) for arm in arms)
+        return top, part_block(site, BASE_LINK, (x, y, top), _PART * site.size, lowest - top)
+    rise = _TABLE * site.size
+    floor = min(top - rise, under_arms(site, arms))
+    top = top if arms[0].hangs else floor + rise  # rods that stand lean over the table
+    radius = _TABLE_WIDTH * float(np.hypot(*arms[0].start[:2]))
+    part = part_block(site, BASE_LINK, (x, y, top), _PART * site.size, lowest - top)
     return floor, [site.cylinder(BASE_LINK, "table", (x, y, floor), (x, y, top), radius), *part]
 
 
@@ -69,11 +71,10 @@ def _turning_table(site: Site) -> list[Body]:
 def _under_a_bridge(site: Site, platform: str, arms: list[Arm]) -> list[Body]:
     """Return a table on rods under a tool on crossed slides."""
     floor = under_arms(site, arms)
-    guide = table_guide(site, arms, floor)
     return [
-        *guide,
         *(body for arm in arms for body in rod_bodies(site, arm, WORKPIECE_SIDE[1])),
         *column_bodies(site, arms, floor, WORKPIECE_SIDE[0]),
         *table_platform(site, platform, arms),
-        *bridge_bodies(site, floor, column_reach(site, arms)),
+        *table_guide(site, arms, floor),
+        *bridge_bodies(site, floor, column_reach(arms)),
     ]

@@ -72,7 +72,8 @@ def picture(
         path: The file, NAME.svg or NAME.png; an existing one is replaced.
         axes: Axis values (n_axes,), mm and degrees; None: those of the first row of `path_axes`, else every axis at
             0 or at the limit next to it.
-        view: From where; "sheet": from all four sides, the plain ones to one scale.
+        view: From where; "sheet": from all four sides, the plain ones to one scale; "detail": the head or wrist
+            from near.
         frames: Whether base, flange, tool and workpiece are drawn.
         dimensions: Lengths of the machine data to draw, as `chainbuild.dimensions` returns them.
         path_axes: Rows of axis values (n, n_axes): the trace of the tool on the workpiece is drawn.
@@ -115,6 +116,8 @@ def _panes(
     """Return the views of a picture, and its size in pixels."""
     margin = _LABELLED if labelled else _MARGIN
     points = [] if trace is None else trace.tolist()
+    if view == "detail":
+        return [_Pane(VIEWS["iso"], framed(stage.tool_end, VIEWS["iso"], *_SIZE, margin), 0, 0)], _SIZE
     if view != "sheet":
         window = framed(stage.bodies, VIEWS[view], *_SIZE, margin, points)
         return [_Pane(VIEWS[view], window, 0, 0)], _SIZE

@@ -10,7 +10,7 @@ from typing import Final, Literal
 from chainbuild.shown import fields_shown
 
 ViewName = Literal["iso", "front", "top", "right"]
-PictureView = Literal["iso", "front", "top", "right", "sheet"]
+PictureView = Literal["iso", "front", "top", "right", "sheet", "detail"]
 Arrow = tuple[float, float, float]
 Spot = tuple[float, float]  # pixels to the right and down
 

@@ -11,11 +11,14 @@ import pytest
 import chainbuild
 from chainbuild.arrays import Vector
 from chainbuild.chain.bodies.body import BASE_COLOUR, PART_COLOUR, WORKPIECE_SIDE, Body
-from chainbuild.chain.bodies.shapes import shown_limits
+from chainbuild.chain.bodies.shapes import machine_size, shown_limits
 from chainbuild.chain.elements import BASE_LINK, Chain
 from chainbuild.chain.poses import frame_placement
 from chainbuild.drawing.machine import drawn_bodies
-from tests.kit.drawings import corners, ends, gap, home_and_middle, islands, overlaps, placements
+from chainbuild.drawing.site import Site
+from chainbuild.frames import translation
+from tests.kit.drawings import corners, ends, gap, gaps_between, home_and_middle, islands, nearest, overlaps, placements
+from tests.kit.twincat_files import chain_of
 
 MACHINES = ("tripod_kin12", "tripod_table_kin209", "delta_kin37", "rod_table_kin19", "lambda_kin21")
 # What the conventions leave open turns columns over, to another side, or adds links.
@@ -29,9 +32,22 @@ VARIANTS = (
     ("lambda_kin21", "kin21_side=right"),
     ("lambda_kin21", "kin21_slides=x2_carries_c"),
 )
+# A tripod whose platform is small for its rods: counts of HD1 (of Z), HD5, HD6, HD7 by index.
+SMALL = {0: 800_000, 4: 4_200_000, 5: 300_000, 6: 6_500_000}
 # Shifts and turns of a platform or table that no casting stands for.
 VIRTUAL = {f"platform_{letter}_link" for letter in "xy"} | {f"table_{letter}_link" for letter in "zxyab"}
+# Parts that touch faces: neither stands inside the other, and there is no gap.
+TOUCHING = {
+    "tripod_kin12": "carriage guide, guide column, column bed, beam column, table bed, workpiece table, "
+    "housing platform, spindle platform, spindle tool",
+    "tripod_table_kin209": "carriage guide, guide column, column bed, beam column, pedestal bed, workpiece table",
+    "delta_kin37": "housing plate, housing joint, post beam, post bed, workpiece bed, spindle platform",
+    "rod_table_kin19": "carriage guide, column guide, column bed, slide bridge, bridge guide, post guide, post bed, "
+    "workpiece table, spindle slide",
+    "lambda_kin21": "carriage guide, carriage joint, guide beam, post beam, post bed, workpiece bed",
+}
 CONTACT = 1e-5  # m: bodies that touch, to the last digits of coal
+FACE = 1e-4  # m: likewise where a cylinder lies on a face
 GAP = 1e-3  # m: a gap that no picture shows
 
 
@@ -79,6 +95,232 @@ def test_everything_hangs_together(name: str) -> None:
     chain, bodies = drawn(name)
     for axes in (*home_and_middle(chain), *reached(chain, 2)):
         assert len(islands(chain, bodies, axes, GAP)) == 1
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_faces_touch(name: str) -> None:
+    chain, bodies = drawn(name)
+    for axes in home_and_middle(chain):
+        for pair in TOUCHING[name].split(", "):
+            one, other = pair.split()
+            gaps = nearest(chain, bodies, one, other, axes)
+            assert gaps == pytest.approx(np.zeros(len(gaps)), abs=FACE), pair
+
+
+@pytest.mark.parametrize(("name", "choice"), [*((name, "") for name in MACHINES), *VARIANTS])
+def test_the_bed_is_below_everything(name: str, choice: str) -> None:
+    chain, bodies = drawn(name, choice)
+    site = Site(chain)
+    bed = min(parts(bodies, "bed"), key=lambda body: site.bounds(body)[0, 2])
+    thick = bed.dimensions[2 if bed.kind == "box" else 1]
+    assert min(site.bounds(body)[0, 2] for body in bodies if body is not bed) == pytest.approx(
+        site.bounds(bed)[0, 2] + thick, abs=CONTACT
+    )
+
+
+@pytest.mark.parametrize("name", MACHINES[:4])
+def test_forks_hold_the_pins(name: str) -> None:
+    """Both cheeks, or both bars of a lever, have the pin of the rod in them, and the rod's ball between them."""
+    chain, bodies = drawn(name)
+    home = home_and_middle(chain)[0]
+    radius = min(body.dimensions[0] for body in parts(bodies, "rod"))
+    cheeks = [body for body in parts(bodies, "cheek", "lever") if body.link.startswith(("Z", "J"))]
+    bars = [cheek for cheek in cheeks if min(cheek.dimensions) < 1.2 * radius]
+    assert len(bars) == 6
+    pins = [body for body in parts(bodies, "joint") if body.kind == "cylinder" and body.link.endswith("_swing_link")]
+    balls = [body for body in parts(bodies, "joint") if body.kind == "sphere"]
+    assert (gaps_between(chain, bars, pins, home).min(axis=1) < -0.7 * radius).all()
+    assert gaps_between(chain, bars, balls, home).min() > 0.3 * radius
+
+
+@pytest.mark.parametrize("name", MACHINES[:4])
+def test_balls_sit_in_the_platform(name: str) -> None:
+    """Their middles are outside, above a platform that hangs and below a table that stands."""
+    chain, bodies = drawn(name)
+    site = Site(chain)
+    (plate,) = [body for body in parts(bodies, "platform", "table") if body.kind == "cylinder" and on_rods(chain, body)]
+    T = site.links[plate.link] @ plate.T_link_body
+    radius = min(body.dimensions[0] for body in parts(bodies, "rod"))
+    for loop in chain.loops:
+        pin = site.frame(loop.frame_b)[:3, 3]
+        height = abs(float(pin[2] - T[2, 3])) - plate.dimensions[1] / 2
+        assert height == pytest.approx(0.8 * radius, abs=1e-6)
+        assert plate.dimensions[0] - np.linalg.norm(pin[:2] - T[:2, 3]) == pytest.approx(1.5 * radius, abs=1e-6)
+        assert (pin[2] > T[2, 3]) == (name != "rod_table_kin19")
+
+
+def on_rods(chain: Chain, body: Body) -> bool:
+    return body.link in {chain.frame(loop.frame_b).link for loop in chain.loops}
+
+
+@pytest.mark.parametrize("name", MACHINES[:4])
+def test_rods_are_slim(name: str) -> None:
+    for body in parts(drawn(name)[1], "rod"):
+        assert body.dimensions[0] == pytest.approx(0.016 * body.dimensions[1], abs=1e-6)
+
+
+def test_balls_of_a_small_platform_keep_clear_of_one_another() -> None:
+    """Pins 30 mm from the middle: the rods are as slim as leaves room between the balls, whatever their length."""
+    chain = chain_of(["trafo[0].id 12", *(f"trafo[0].param[{n}] {v}" for n, v in SMALL.items())])
+    bodies = drawn_bodies(chain)
+    rods = parts(bodies, "rod")
+    assert {body.dimensions[0] for body in rods} == {0.006}
+    axes = np.full(3, 700.0)
+    balls = [body for body in bodies if body.kind == "sphere"]
+    assert len(balls) == 6
+    assert gaps_between(chain, balls, balls, axes)[~np.eye(6, dtype=bool)].min() > 0.01
+
+
+def test_a_tool_beside_the_platform_hangs_on_a_bracket() -> None:
+    """200 mm to the side (HD2): the spindle is under a bracket, and still ends at the tip."""
+    chain = chain_of(["trafo[0].id 12", *(f"trafo[0].param[{n}] {v}" for n, v in (SMALL | {1: 2_000_000}).items())])
+    bodies = drawn_bodies(chain)
+    site = Site(chain)
+    bracket = next(body for body in parts(bodies, "arm"))
+    end = site.links[bracket.link] @ bracket.T_link_body @ np.array([bracket.dimensions[0] / 2, 0.0, 0.0, 1.0])
+    assert end[:2] == pytest.approx(site.tip[:2], abs=1e-6)
+    axes = site.home
+    assert nearest(chain, bodies, "spindle", "arm", axes) == pytest.approx([0.0], abs=CONTACT)
+    assert not parts(drawn("tripod_kin12")[1], "arm")
+
+
+def test_columns_of_other_strokes_end_at_one_height() -> None:
+    """The longest stroke decides: the ring lies on all three columns."""
+    chain, _ = drawn("tripod_kin12")
+    axes = (replace(chain.axes[0], upper=1300.0), *chain.axes[1:])
+    longer = replace(chain, axes=axes)
+    bodies = drawn_bodies(longer)
+    site = Site(longer)
+    tops = {round(float(body.T_link_body[2, 3] + body.dimensions[2] / 2), 6) for body in parts(bodies, "column")}
+    assert len(tops) == 1
+    assert min(site.bounds(beam)[0, 2] for beam in parts(bodies, "beam")) == pytest.approx(tops.pop(), abs=1e-6)
+    guides = sorted(body.dimensions[2] for body in parts(bodies, "guide"))
+    assert guides[2] - guides[0] == pytest.approx(0.2, abs=2e-6)
+    assert guides[1] == pytest.approx(guides[0], abs=2e-6)
+
+
+def test_a_ring_joins_the_columns() -> None:
+    """Each beam lies on two columns, and each column carries two beams."""
+    chain, bodies = drawn("tripod_kin12")
+    home = home_and_middle(chain)[0]
+    table = np.abs(gaps_between(chain, parts(bodies, "beam"), parts(bodies, "column"), home)) < CONTACT
+    assert np.sum(table, axis=0).tolist() == np.sum(table, axis=1).tolist() == [2, 2, 2]
+
+
+def test_levers_turn_clear_of_plate_and_motors() -> None:
+    """Motor and bearing sit beside the lever, plate and beams above it, over the whole range."""
+    chain, bodies = drawn("delta_kin37")
+    fixed = parts(bodies, "plate", "beam", "post", "housing")
+    for axes in corners(chain):
+        assert gaps_between(chain, parts(bodies, "lever"), fixed, axes).min() > -CONTACT
+    motors = [body for body in parts(bodies, "housing") if body.dimensions[1] > 0.05]
+    assert len(motors) == 3
+    assert max(body.dimensions[1] for body in parts(bodies, "housing") if body not in motors) < 0.03
+
+
+def test_the_bridge_carries_the_tool_over_the_whole_range() -> None:
+    chain, bodies = drawn("rod_table_kin19")
+    site = Site(chain)
+    (slide,), (bridge,) = parts(bodies, "slide"), parts(bodies, "bridge")
+    rails = [body for body in parts(bodies, "guide") if body.dimensions[0] > body.dimensions[2]]
+    assert len(rails) == 2
+    moves = [axes for axes in corners(chain) if (axes[2:] == site.home[2:]).all()]
+    assert len(moves) == 9
+    for axes in moves:
+        assert overlaps(chain, bodies, axes, CONTACT) == []
+        places = placements(chain, [slide, bridge, *rails], axes)
+        x, y = np.eye(3)[:2]
+        for inner, T, outer, P, along in (
+            (slide, places[0], bridge, places[1], y),
+            (bridge, places[1], rails[0], places[2], x),
+            (bridge, places[1], rails[1], places[3], x),
+        ):
+            a, b = span(inner, T, along), span(outer, P, along)
+            assert b[0] <= a[0] + 1e-9
+            assert a[1] <= b[1] + 1e-9
+        assert gaps_between(chain, [bridge], rails, axes) == pytest.approx(np.zeros((1, 2)), abs=CONTACT)
+    assert gaps_between(chain, parts(bodies, "post"), parts(bodies, "column"), site.home).min() > 0.0
+
+
+def other_lambda() -> Chain:
+    """The lambda with a longer tool and a ram whose home is in the middle of its stroke, 350 mm lower."""
+    chain = chainbuild.load("lambda_kin21").chain(tool_length_mm=75.0)
+    return replace(chain, axes=tuple(replace(a, lower=-250.0, upper=50.0) if a.name == "Z" else a for a in chain.axes))
+
+
+@pytest.mark.parametrize("other", [False, True])
+def test_the_ram_of_the_lambda_stays_in_its_housing(other: bool) -> None:
+    """The bed is under every tip, the arm above all that hangs from the ram."""
+    chain = other_lambda() if other else drawn("lambda_kin21")[0]
+    bodies = drawn_bodies(chain)
+    (bed,), (ram,), (housing,) = parts(bodies, "bed"), parts(bodies, "ram"), parts(bodies, "housing")
+    arms = [body for body in parts(bodies, "arm") if body.link == "theta_link"]
+    hand = [body for body in bodies if body.link == "C_link"]
+    x, y, z = np.eye(3)
+    (x0, x1), (y0, y1) = (span(bed, bed.T_link_body, along) for along in (x, y))
+    for axes in corners(chain):
+        tip = frame_placement(chain, "tool", axes)[:3, 3]
+        assert x0 < tip[0] < x1
+        assert y0 < tip[1] < y1
+        places = placements(chain, [ram, housing], axes)
+        a, b = (span(body, T, z) for body, T in zip((ram, housing), places, strict=True))
+        assert a[0] < b[0]
+        assert b[1] < a[1]
+        assert places[0][:2, 3] == pytest.approx(places[1][:2, 3], abs=1e-6)
+        assert gaps_between(chain, arms, hand, axes).min() > 0.02
+
+
+@pytest.mark.parametrize("other", [False, True])
+def test_the_hand_of_the_lambda_reaches_from_the_ram_to_over_the_tip(other: bool) -> None:
+    chain = other_lambda() if other else drawn("lambda_kin21")[0]
+    bodies, site = drawn_bodies(chain), Site(chain)
+    own = [body for body in bodies if body.link == "C_link"]
+    (arm,), (neck,), (tool,) = ([body for body in own if body.part == part] for part in ("arm", "joint", "tool"))
+    low, high = site.bounds(arm)[:, 2]
+    assert site.bounds(neck)[:, 2] == pytest.approx((low, site.links["C_link"][2, 3]), abs=1e-6)
+    assert site.tip[2] < low < high < site.links["C_link"][2, 3]
+    ends_of_arm = [site.links["C_link"] @ arm.T_link_body @ (sign * arm.dimensions[0] / 2, 0, 0, 1) for sign in (-1, 1)]
+    assert ends_of_arm[0][:2] == pytest.approx(site.links["C_link"][:2, 3], abs=1e-6)
+    assert ends_of_arm[1][:2] == pytest.approx(site.tip[:2], abs=1e-6)
+    assert site.bounds(tool)[1, 2] > site.tip[2]
+
+
+def test_the_arms_of_the_lambda_ride_on_top_of_the_carriages() -> None:
+    chain, bodies = drawn("lambda_kin21")
+    (rod,) = parts(bodies, "rod")
+    assert rod.dimensions == (pytest.approx(0.022 * 0.9, abs=1e-6), pytest.approx(0.9, abs=1e-6))
+    arms = parts(bodies, "arm", "rod")
+    for axes in home_and_middle(chain):
+        assert gaps_between(chain, parts(bodies, "carriage"), arms, axes).min() > 0.01
+    (elbow,) = [body for body in bodies if body.kind == "sphere"]
+    main = [body for body in parts(bodies, "arm") if body.link == "theta_link"]
+    assert (gaps_between(chain, [elbow], main, home_and_middle(chain)[0]) < -0.02).all()
+
+
+def test_the_bed_follows_a_workpiece_below_the_tips() -> None:
+    """A zero 50 mm lower is the table's top; one above the lowest tip, or far below, is not."""
+    chain, _ = drawn("tripod_kin12")
+    for zero, follows in ((-0.05, True), (0.03, True), (0.05, False), (-3.0, False)):
+        frames = tuple(
+            replace(frame, T_link_frame=translation(z=zero)) if frame.name == "workpiece" else frame
+            for frame in chain.frames
+        )
+        other = replace(chain, frames=frames)
+        (table,) = parts(drawn_bodies(other), "table")
+        height = table.T_link_body[2, 3] + table.dimensions[1] / 2
+        assert height == pytest.approx(zero if follows else 0.06 - 0.09 * machine_size(other), abs=1e-5)
+
+
+def test_the_overlay_gives_the_part() -> None:
+    chain, _ = drawn("tripod_kin12")
+
+    def part_of(edges: tuple[float, float, float]) -> list[Body]:
+        geometry = replace(chain.geometry, stand=replace(chain.geometry.stand, part=edges))
+        return parts(drawn_bodies(replace(chain, geometry=geometry)), "workpiece")
+
+    (part,) = part_of((0.1, 0.2, 0.03))
+    assert (part.dimensions, part.origin) == ((0.1, 0.2, 0.03), "data")
+    assert part_of((0.1, 0.2, 0.0)) == []
 
 
 @pytest.mark.parametrize("name", MACHINES)
@@ -212,10 +454,8 @@ def test_the_part_is_where_the_tool_comes_from_above(name: str) -> None:
     tools = [body for body in bodies if body.part in ("tool", "spindle", "platform")]
     turned = [axis.kind == "rotary" and axis.carries == "workpiece" for axis in chain.axes]
     for axes in corners(chain):
-        if (axes != home)[turned].any():
-            continue
-        places = placements(chain, [part, *tools], axes)
-        assert min(gap(part, places[0], tool, place) for tool, place in zip(tools, places[1:], strict=True)) > 0.0
+        if (axes == home)[turned].all():
+            assert gaps_between(chain, [part], tools, axes).min() > 0.0
 
 
 @pytest.mark.parametrize("name", MACHINES)

@@ -15,7 +15,7 @@ from chainbuild.chain.elements import BASE_LINK, Chain
 from chainbuild.chain.poses import frame_placement
 from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.drawing.site import Site
-from tests.kit.drawings import corners, ends, gap, home_and_middle, islands, overlaps, placements
+from tests.kit.drawings import corners, ends, gap, gaps_between, home_and_middle, islands, nearest, overlaps, placements
 from tests.kit.kin_robots import robot_of
 from tests.kit.kin_types import build
 
@@ -32,6 +32,22 @@ BUILT: dict[str, dict[int | str, float]] = {
 }
 MACHINES = (*SHIPPED, *BUILT)
 LATHES = ("c_face_kin14", "cyl_2rot_kin202", "13", "13 beside the axis", "202 to the right")
+# Parts that touch faces: neither stands inside the other, and there is no gap.
+BEFORE_A_COLUMN = "slide ram, slide guide, guide column, column bed"
+LATHE = f"{BEFORE_A_COLUMN}, table housing, workpiece table, cheek table"
+TOUCHING = {
+    "c_face_kin14": f"{LATHE}, spindle ram, spindle tool",
+    "cyl_2rot_kin202": f"{LATHE}, ram housing",
+    "scara_kin36": "foot bed, column foot, column joint, workpiece bed, tool ram",
+    "lever_kin85": "carriage guide, guide bed, cheek carriage, workpiece bed, spindle lever, spindle tool",
+    "eccentric_disc_kin205": f"{BEFORE_A_COLUMN}, plate ram, tool plate, workpiece bed",
+    "13": LATHE,
+    "13 beside the axis": LATHE,
+    "202 to the right": f"{LATHE}, ram housing",
+    "205 about X": f"{BEFORE_A_COLUMN}, plate ram, tool plate",
+    "85 with a short lever": "carriage guide, guide bed, cheek carriage, spindle lever, spindle tool",
+}
+FACE = 1e-4  # m: as exact as coal is where a cylinder lies on a face
 CONTACT = 1e-5  # m: bodies that touch, to the last digits of coal
 GAP = 1e-3  # m: a gap that no picture shows
 
@@ -71,9 +87,81 @@ def test_no_corner_of_the_limits_drives_the_tool_into_the_part(name: str) -> Non
     tools = parts(bodies, "tool", "spindle")
     others = parts(bodies, "workpiece", "table", "bed", "column", "carriage")
     for axes in corners(chain):
-        tool_places, places = placements(chain, tools, axes), placements(chain, others, axes)
-        for tool, T in zip(tools, tool_places, strict=True):
-            assert min(gap(tool, T, other, P) for other, P in zip(others, places, strict=True)) > 0.0
+        assert gaps_between(chain, tools, others, axes).min() > 0.0
+
+
+@pytest.mark.parametrize("name", TOUCHING)
+def test_faces_touch(name: str) -> None:
+    chain, bodies = drawn(name)
+    for axes in home_and_middle(chain):
+        for pair in TOUCHING[name].split(", "):
+            one, other = pair.split()
+            gaps = nearest(chain, bodies, one, other, axes)
+            assert gaps, pair
+            assert gaps == pytest.approx(np.zeros(len(gaps)), abs=FACE), pair
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_the_bed_is_below_everything_and_under_every_foot(name: str) -> None:
+    chain, bodies = drawn(name)
+    site = Site(chain)
+    (bed,) = parts(bodies, "bed")
+    top = site.bounds(bed)[0, 2] + bed.dimensions[2]
+    others = [body for body in bodies if body is not bed]
+    assert min(site.bounds(body)[0, 2] for body in others) == pytest.approx(top, abs=CONTACT)
+    standing = [body for body in others if body.link == BASE_LINK and site.bounds(body)[0, 2] < top + CONTACT]
+    for along in np.eye(3)[:2]:
+        low, high = span(bed, bed.T_link_body, along)
+        for body in standing:
+            a, b = span(body, body.T_link_body, along)
+            assert low <= a + 1e-9
+            assert b <= high + 1e-9
+
+
+@pytest.mark.parametrize("name", ["c_face_kin14", "cyl_2rot_kin202", "eccentric_disc_kin205", "205 about X"])
+def test_the_ram_never_leaves_its_saddle(name: str) -> None:
+    """It is held over the whole height of the saddle, and head or disc stay below that."""
+    chain, bodies = drawn(name)
+    (ram,), (saddle,) = parts(bodies, "ram"), parts(bodies, "slide")
+    others = [body for body in bodies if body.part in ("plate", "spindle", "tool") or body.link == "YQ_link"]
+    column = parts(bodies, "column")
+    for axes in corners(chain):
+        a, b = (span(body, placements(chain, [body], axes)[0], np.eye(3)[2]) for body in (ram, saddle))
+        assert a[0] < b[0]
+        assert b[1] < a[1]
+        assert gaps_between(chain, [saddle, *column], others, axes).min() > 1e-3
+
+
+def test_the_stroke_ends_where_the_column_does() -> None:
+    """Guide and column are as wide as the saddle and its stroke, the column as high as the saddle."""
+    for name in ("c_face_kin14", "cyl_2rot_kin202", "eccentric_disc_kin205"):
+        _, bodies = drawn(name)
+        (guide,), (column,), (saddle,) = parts(bodies, "guide"), parts(bodies, "column"), parts(bodies, "slide")
+        x, _, z = np.eye(3)
+        assert span(column, column.T_link_body, x) == pytest.approx(span(guide, guide.T_link_body, x), abs=1e-6)
+        top = span(saddle, saddle.T_link_body, z)
+        inner = span(guide, guide.T_link_body, z)
+        assert span(column, column.T_link_body, z)[1] == pytest.approx(top[1], abs=1e-5)
+        assert top[0] < inner[0] < inner[1] < top[1]
+
+
+def test_a_lever_that_points_backwards_is_drawn_in_a_mirror() -> None:
+    """C from 100 to 260 degrees: the part stands at the other end of the slide."""
+    chain, bodies = drawn("lever_kin85")
+    axes = (chain.axes[0], replace(chain.axes[1], lower=100.0, upper=260.0))
+    axes = (replace(axes[0], lower=-300.0), axes[1])
+    back = replace(chain, axes=axes)
+    mirrored = drawn_bodies(back)
+    (part,), (guide,), (bed,) = (parts(mirrored, name) for name in ("workpiece", "guide", "bed"))
+    x = np.eye(3)[0]
+    assert span(part, part.T_link_body, x)[1] < span(guide, guide.T_link_body, x)[0]
+    assert span(guide, guide.T_link_body, x) == pytest.approx((-0.3 - 0.12, 0.5 + 0.12), abs=1e-6)
+    assert span(bed, bed.T_link_body, x)[0] < span(part, part.T_link_body, x)[0]
+    for place in home_and_middle(back):
+        assert overlaps(back, mirrored, place, CONTACT) == []
+        assert len(islands(back, mirrored, place, GAP)) == 1
+    (own,), (rail,) = parts(bodies, "workpiece"), parts(bodies, "guide")
+    assert span(own, own.T_link_body, x)[0] > span(rail, rail.T_link_body, x)[1]
 
 
 @pytest.mark.parametrize("name", MACHINES)
@@ -122,7 +210,10 @@ def test_slides_stay_on_their_guides(name: str) -> None:
 
 
 def span(body: Body, T: np.ndarray, along: np.ndarray) -> tuple[float, float]:
-    half = float(np.abs(along @ T[:3, :3]) @ np.array(body.dimensions)) / 2
+    size = (
+        body.dimensions if body.kind == "box" else (2 * body.dimensions[0], 2 * body.dimensions[0], body.dimensions[1])
+    )
+    half = float(np.abs(along @ T[:3, :3]) @ np.array(size)) / 2
     middle = float(along @ T[:3, 3])
     return middle - half, middle + half
 

@@ -129,3 +129,18 @@ def corners(chain: Chain) -> list[Vector]:
     choices = [sorted({a, b, c}) for a, b, c in zip(low, high, home, strict=True)]
     found = [np.array(axes) for axes in itertools.product(*choices)]
     return [axes for axes in found if np.isfinite(chain.axis_map.q(axes)).all()]
+
+
+def gaps_between(chain: Chain, ones: Sequence[Body], others: Sequence[Body], axes: Vector) -> Matrix:
+    """Return the distances (n, m) [m] of bodies to others."""
+    left = list(zip(ones, placements(chain, ones, axes), strict=True))
+    right = list(zip(others, placements(chain, others, axes), strict=True))
+    return np.array([[gap(a, A, b, B) for b, B in right] for a, A in left])
+
+
+def nearest(chain: Chain, bodies: Sequence[Body], part: str, other: str, axes: Vector) -> list[float]:
+    """Return for each body of a part its distance [m] to the nearest body of another part."""
+    ones, others = ([body for body in bodies if body.part == name] for name in (part, other))
+    table = gaps_between(chain, ones, others, axes)
+    nearest_ones: list[float] = table.min(axis=1).tolist()
+    return nearest_ones

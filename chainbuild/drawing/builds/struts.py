@@ -17,16 +17,18 @@ from chainbuild.chain.elements import BASE_LINK, Chain, Joint
 from chainbuild.drawing.site import UP, Site
 from chainbuild.shown import fields_shown
 
-Place = tuple[float, float, float]
-
 # In radii of a rod.
 BALL: Final = 1.6  # a joint's ball is thicker than the rod
 GAP: Final = 2.3  # half the fork that holds a pin: the ball fits, and the rod may lean by 30°
 CHEEK: Final = 3.1  # half its outer width
+LUG: Final = 1.4  # half its height
 
 _ROD: Final = 0.016  # radius over length of a rod: slim, but to be seen in a small picture
 _ROD_AT_PIN: Final = 0.2  # of the way from a platform's middle to its pins: balls beside one another stay apart
 _PIN: Final = 0.8  # radii of a rod: of the pin on which it swings
+_EDGE: Final = 4.0  # likewise: height of the foot, and how far it reaches beyond what stands on it
+
+_Place = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,7 +41,7 @@ class Arm:
         rod: Link of the rod: that behind the last passive joint.
         start: Where the rod begins (3,).
         end: Where it ends, at the pin of the platform.
-        R: (3, 3) columns: horizontally away from the rod, along the hinge, up.
+        R: (3, 3) columns: horizontally outwards, along the hinge, up.
         radius: Of the rod [m].
     """
 
@@ -59,16 +61,16 @@ class Arm:
         return bool(self.end[2] < self.start[2])
 
     def at(self, out: float, aside: float, up: float) -> Vector:
-        """Return a place (3,) given from the start of the rod in its radii: away from it, along the hinge, up."""
+        """Return a place (3,) given from the start of the rod in its radii: outwards, along the hinge, up."""
         return np.asarray(self.start + self.R @ (self.radius * np.array([out, aside, up])))
 
     def box(
-        self, site: Site, link: str, part: Part, low: Place, high: Place, *,
+        self, site: Site, link: str, part: Part, low: _Place, high: _Place, *,
         colour: Colour | None = None, origin: Origin = "drawn",
     ) -> Body:  # fmt: skip
         """Return a box between two such places."""
-        a, b = self.R.T @ self.at(*low), self.R.T @ self.at(*high)
-        return site.box(link, part, a, b, self.R, colour=colour, origin=origin)
+        a, b = self.radius * np.array(low), self.radius * np.array(high)
+        return site.box(link, part, a, b, self.R, self.start, colour=colour, origin=origin)
 
 
 def platform_of(chain: Chain) -> str | None:
@@ -80,22 +82,21 @@ def platform_of(chain: Chain) -> str | None:
 def arms_of(site: Site, platform: str) -> list[Arm]:
     """Return the arms that end at a platform, in the order of their loops."""
     chain, arms = site.chain, []
+    driven = [axis.name for axis in chain.axes]
     for loop in chain.loops:
-        frames = [chain.frame(name) for name in (loop.frame_a, loop.frame_b)]
-        own = [frame for frame in frames if frame.link != platform]
-        path = site.path_to(own[0].link)
-        if len(own) == 1 and path[0].name in [axis.name for axis in chain.axes]:
-            arms.append(_arm(site, path, site.frame(own[0].name)[:3, 3], site.links[platform][:3, 3]))
+        rods = [name for name in (loop.frame_a, loop.frame_b) if chain.frame(name).link != platform]
+        path = site.path_to(chain.frame(rods[0]).link)
+        if path[0].name in driven:
+            arms.append(_arm(site, path, site.frame(rods[0])[:3, 3], site.links[platform][:3, 3]))
     return arms
 
 
 def _arm(site: Site, path: tuple[Joint, ...], end: Vector, middle: Vector) -> Arm:
     start, hinge, rod = site.links[path[1].child][:3, 3], site.direction(path[1]), path[-1].child
-    out = np.cross(hinge, UP)
-    if float((end - start) @ out) > 0.0:
-        out, hinge = -out, -hinge
-    default = min(_ROD * float(np.linalg.norm(end - start)), _ROD_AT_PIN * float(np.linalg.norm((end - middle)[:2])))
-    return Arm(path[0], path[1].child, rod, start, end, np.column_stack([out, hinge, UP]), site.radius(rod, default))
+    pin = float(np.hypot(*(end - middle)[:2]))
+    default = min(_ROD * float(np.linalg.norm(end - start)), _ROD_AT_PIN * pin)
+    R = np.column_stack([np.cross(hinge, UP), hinge, UP])
+    return Arm(path[0], path[1].child, rod, start, end, R, site.radius(rod, default))
 
 
 def rod_bodies(site: Site, arm: Arm, colour: Colour) -> list[Body]:
@@ -118,6 +119,5 @@ def round_foot(site: Site, floor: float, reach: float, arm: Arm) -> Body:
         reach: How far from the middle something stands on it [m].
         arm: An arm, for how thick it is.
     """
-    x, y = site.links[BASE_LINK][:2, 3]
-    edge = 4.0 * arm.radius
-    return site.cylinder(BASE_LINK, "bed", (x, y, floor - edge), (x, y, floor), reach + edge)
+    edge = _EDGE * arm.radius
+    return site.cylinder(BASE_LINK, "bed", (0.0, 0.0, floor - edge), (0.0, 0.0, floor), reach + edge)

@@ -10,8 +10,8 @@ import numpy as np
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies.body import JOINT_COLOUR, PART_COLOUR, Body
 from chainbuild.chain.elements import BASE_LINK
-from chainbuild.drawing.bed import bed_height, extent_of, lowest_point, part_block, tips, tool_bodies
-from chainbuild.drawing.site import UP, Site
+from chainbuild.drawing.builds.bed import bed_height, extent_of, part_block, tips, tool_bodies
+from chainbuild.drawing.site import UP, Site, upright_frame
 from chainbuild.frames import rot_z
 from chainbuild.shown import fields_shown
 
@@ -57,7 +57,7 @@ def lathe_bodies(site: Site) -> list[Body]:
     """Return an upright lathe: headstock with chuck and part, and the tool on a ram before a column."""
     r = _SPINDLE * extent_of(site)
     head, foot = _head(site, r)
-    hangs = float(site.tip[2]) - lowest_point(site, head)
+    hangs = float(site.tip[2]) - min(float(site.bounds(body)[0, 2]) for body in head)
     stock, below = _headstock(site, float(tips(site)[:, 2].min()) - hangs, r)
     return [*head, *_ram(site, foot, float(foot[2]), r, below), *stock]
 
@@ -152,15 +152,15 @@ def _ram(site: Site, foot: Vector, over: float, r: float, below: _Below) -> list
         below: What the column stands behind.
     """
     cross, slide = site.tool_path[:2]
-    R = _facing(site.direction(cross))
+    R = upright_frame(site.direction(cross))
     x, y, z = R.T @ foot
     middle, half = R.T @ below.middle, _RAM * r
     rises = [float(site.direction(slide)[2]) * end for end in site.stroke(slide)]
     low, high = over + max(rises) + 0.5 * r, over + max(rises) + (0.5 + _SADDLE) * r
     face = max(y + half + (1.5 + _RAIL) * r, middle[1] + below.half + _GAP)
     wide = 1.8 * half
-    runs = [float(site.direction(cross) @ R[:, 0]) * end for end in site.stroke(cross)]
-    left, right = x + min(runs) - wide, x + max(runs) + wide
+    near, far = site.stroke(cross)
+    left, right = x + near - wide, x + far + wide
     rail, back = face - _RAIL * r, face + _COLUMN * r
     edges = min(left, middle[0] - below.half) - r, max(right, middle[0] + below.half) + r
     front = min(middle[1] - below.half, y - half) - r
@@ -171,11 +171,3 @@ def _ram(site: Site, foot: Vector, over: float, r: float, below: _Below) -> list
         site.box(BASE_LINK, "column", (left, face, below.floor), (right, back, high), R),
         site.box(BASE_LINK, "bed", (edges[0], front, below.floor - _BED * r), (edges[1], back, below.floor), R),
     ]
-
-
-def _facing(d: Vector) -> Matrix:
-    """Return the frame of a cross slide: along it, backwards from who works at it, up."""
-    back = np.cross(UP, d)
-    if back[1] < 0.0:
-        d, back = -d, -back
-    return np.column_stack([d, back, UP])
