@@ -15,6 +15,7 @@ import chainbuild
 from chainbuild import AxisValueError, ChainbuildError, FileAccessError, Robot
 from chainbuild.painting.marks import Marks
 from chainbuild.painting.overlay.placing import caption_box
+from chainbuild.painting.overlay.trace import draw_trace
 from chainbuild.painting.overlay.triads import draw_triads
 from chainbuild.painting.picture import _marks, _panes
 from chainbuild.painting.stage import Stage, framed
@@ -119,6 +120,21 @@ def test_frames_have_names_and_share_them(arm: Robot, mill: Robot, tmp_path: Pat
     assert sorted(texts(tmp_path / "a.svg")) == ["base = workpiece", "flange = tool"]
     chainbuild.picture(mill, tmp_path / "a.svg", frames=True)
     assert sorted(texts(tmp_path / "a.svg")) == ["base", "flange = tool", "workpiece"]
+
+
+def test_frames_in_one_place_are_drawn_once(arm: Robot, mill: Robot) -> None:
+    for robot, count in ((arm, 2), (mill, 3)):
+        marks = Marks()
+        draw_triads(marks, Stage(robot), VIEWS["iso"], Window(-1.0, 2.0, 300.0, 900, 900))
+        assert sum(stroke.halo for stroke in marks.strokes) == 3 * count
+
+
+def test_corners_of_a_trace_that_cannot_be_told_apart_are_left_out() -> None:
+    points = np.array([[0, 0, 0], [0, 0, 0.001], [0.001, 0, 0], [0.5, 0, 0.0], [0.5, 0, 0.5]])
+    marks = Marks()
+    draw_trace(marks, points, VIEWS["front"], Window(-1.0, 1.0, 100.0, 200, 200))
+    assert marks.strokes[0].spots == ((100.0, 100.0), (150.0, 100.0), (150.0, 50.0))
+    assert marks.strokes[1].spots == ((100.0, 100.0),)
 
 
 def test_triads_point_along_the_axes(arm: Robot) -> None:

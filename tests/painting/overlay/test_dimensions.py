@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from chainbuild.painting.overlay.dimensions import _aside, _covers
+import chainbuild
+from chainbuild import Robot
+from chainbuild.painting.marks import Marks
+from chainbuild.painting.overlay.dimensions import _aside, _covers, draw_dimensions
 from chainbuild.painting.overlay.triads import arrow_head
+from chainbuild.painting.stage import Stage
+from chainbuild.painting.views import VIEWS, Window
 
 UPRIGHT = ((100.0, 300.0), (100.0, 100.0))
 
@@ -43,9 +48,32 @@ def test_lines_that_run_along_each_other(other: tuple, covers: bool) -> None:
     assert _covers(UPRIGHT[::-1], other[::-1]) is covers
 
 
+def test_slanted_lines_cover_each_other_too() -> None:
+    line = ((0.0, 0.0), (100.0, 100.0))
+    assert _covers(line, ((20.0, 20.0), (60.0, 60.0)))
+    assert not _covers(line, ((20.0, 40.0), (60.0, 80.0)))
+
+
 def test_heads_of_arrows_point_to_the_end() -> None:
     one, tip, other = arrow_head((0.0, 0.0), (50.0, 0.0), 6.0)
     assert (one, tip, other) == ((44.0, 3.0), (50.0, 0.0), (44.0, -3.0))
     one, tip, other = arrow_head((0.0, 50.0), (0.0, 0.0), 6.0)
     assert (one, tip, other) == ((3.0, 6.0), (0.0, 0.0), (-3.0, 6.0))
     assert arrow_head((0.0, 0.0), (5.0, 0.0)) == ()
+    assert arrow_head((100.0, 30.0), (100.0, 80.0), 6.0) == ((97.0, 74.0), (100.0, 80.0), (103.0, 74.0))
+
+
+def test_lines_and_labels_of_an_arm() -> None:
+    stage = Stage(Robot.load("kr6r900"))
+    marks = Marks()
+    found = [one for one in chainbuild.dimensions(chainbuild.load("kr6r900")) if one.places in ("A1", "A2")]
+    wishes = draw_dimensions(marks, found, stage, VIEWS["front"], Window(-1.0, 2.0, 300.0, 900, 900))
+    # Up from the base by 400 mm, then 25 mm to the right; the short one first.
+    assert [(wish.text, wish.spot) for wish in wishes] == [
+        ("MAIN_LENGTH_AB[0] = 25 mm", pytest.approx((303.75, 480.0), abs=1e-3)),
+        ("TIRORO_POS[2] = 400 mm", pytest.approx((300.0, 540.0), abs=1e-3)),
+    ]
+    lines = [stroke.spots for stroke in marks.strokes if stroke.halo]
+    assert lines[1] == (pytest.approx((300.0, 600.0), abs=1e-3), pytest.approx((300.0, 480.0), abs=1e-3))
+    assert sum(len(stroke.spots) == 1 for stroke in marks.strokes) == 2  # dots: too short for arrows
+    assert sum(len(stroke.spots) == 3 for stroke in marks.strokes) == 2

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from chainbuild.painting.marks import Caption, Marks, Stroke
-from chainbuild.painting.overlay.placing import Wish, caption_box, place_labels
+from chainbuild.painting.overlay.placing import Wish, _crosses, caption_box, place_labels
 
 AREA = (0.0, 0.0, 400.0, 300.0)
 RED = (1.0, 0.0, 0.0)
@@ -31,8 +31,9 @@ def test_a_label_stands_beside_what_it_names() -> None:
     (caption,) = marks.captions
     left, upper, right, lower = caption_box(caption)
     assert left == pytest.approx(209.0)
-    assert upper < 100.0 < lower
-    assert right < 280.0
+    assert (upper, lower) == pytest.approx((100.0 - 0.45 * 13.0, 100.0 + 0.45 * 13.0))
+    assert caption.y == pytest.approx(lower - 0.2 * 13.0)
+    assert right == pytest.approx(209.0 + 0.62 * 13.0 * 6)
     assert (caption.colour, marks.strokes) == (RED, [])
 
 
@@ -65,6 +66,9 @@ def test_without_room_nearby_labels_go_to_the_border() -> None:
     marks = Marks()
     place_labels(marks, [Wish("a name", (60.0, 30.0), RED) for _ in range(12)], (0.0, 0.0, 120.0, 500.0))
     assert overlapping(marks) == []
+    boxes = [caption_box(caption) for caption in marks.captions]
+    assert min(box[0] for box in boxes) == pytest.approx(4.0)
+    assert max(box[3] for box in boxes) == pytest.approx(496.0)
     rng = np.random.default_rng(4)
     for _ in range(5):
         marks = Marks([Stroke(tuple(map(tuple, rng.uniform(0, 300, (4, 2)).tolist())))])
@@ -84,3 +88,35 @@ def test_labels_stand_beside_bodies_where_there_is_room() -> None:
     marks = Marks()  # all of it is covered: as near as without bodies
     place_labels(marks, [Wish("tool", (200.0, 100.0), RED)], AREA, lambda box: 1.0)
     assert caption_box(marks.captions[0])[0] == pytest.approx(209.0)
+
+
+def test_labels_step_off_a_line_clockwise() -> None:
+    marks = Marks([Stroke(((200.0, 100.0), (400.0, 100.0)))])
+    place_labels(marks, [Wish("tool", (200.0, 100.0), RED)], AREA)
+    left, upper, _, lower = caption_box(marks.captions[0])
+    # A turn of 30° down: half as far down as away, and clear of the line.
+    assert (upper + lower) / 2.0 == pytest.approx(100.0 + 0.5 * (9.0 + 0.45 * 13.0))
+    assert upper > 100.0
+    assert left > 200.0
+    marks = Marks()
+    place_labels(marks, [Wish("tool", (200.0, 3.0), RED)], AREA)
+    assert caption_box(marks.captions[0])[1] >= 4.0
+
+
+@pytest.mark.parametrize(
+    ("segment", "crosses"),
+    [
+        (((0, 20), (50, 20)), True),
+        (((20, 0), (20, 50)), True),
+        (((50, 20), (0, 20)), True),
+        (((0, 0), (9, 9)), False),
+        (((31, 0), (31, 50)), False),
+        (((0, 31), (50, 31)), False),
+        (((0, 35), (35, 0)), True),
+        (((0, 15), (15, 0)), False),
+        (((25, 45), (45, 25)), False),
+        (((15, 15), (16, 16)), True),
+    ],
+)
+def test_lines_through_a_box(segment: tuple, crosses: bool) -> None:
+    assert _crosses(segment, (10.0, 10.0, 30.0, 30.0)) is crosses
