@@ -149,6 +149,60 @@ def test_balls_sit_in_the_platform(name: str) -> None:
         assert (pin[2] > T[2, 3]) == (name != "rod_table_kin19")
 
 
+def test_a_platform_that_is_not_in_the_middle_at_home() -> None:
+    """One carriage starts 100 mm higher: the plate reaches 1.5 radii of a rod over each pin, and has no bracket."""
+    chain, _ = drawn("tripod_kin12")
+    chain = replace(chain, axes=(replace(chain.axes[0], lower=800.0), *chain.axes[1:]))
+    bodies, site = drawn_bodies(chain), Site(chain)
+    (plate,), (spindle,) = parts(bodies, "platform"), parts(bodies, "spindle")
+    assert np.hypot(*site.tip[:2]) > 0.05
+    assert plate.dimensions[0] == pytest.approx(0.09 + 1.5 * 0.0104, abs=1e-6)
+    assert spindle.dimensions[0] == pytest.approx(3 * 0.0104, abs=1e-6)
+    assert not parts(bodies, "arm")
+    for body in (plate, spindle):
+        assert (site.links[body.link] @ body.T_link_body)[:2, 3] == pytest.approx(site.tip[:2], abs=1e-6)
+    assert len(islands(chain, bodies, site.home, GAP)) == 1
+    (slim,) = parts(drawn("delta_kin37")[1], "spindle")
+    assert slim.dimensions[0] == pytest.approx(0.5 * 0.04, abs=1e-6)
+
+
+@pytest.mark.parametrize("height", [40.0, 0.0])
+def test_the_top_of_the_table_is_the_zero_of_the_workpiece(height: float) -> None:
+    """Or above it, where the zero is in the plate of the table (HD5 = 0)."""
+    values = {0: 800_000, 1: 5_000_000, 2: 1_500_000, 3: 3_000_000, 4: height * 10_000}
+    lines = ["trafo[0].id 19", *(f"trafo[0].param[{n}] {value:.0f}" for n, value in values.items())]
+    chain = chain_of(lines, conventions={"kin19_guide": "radial_planes"})
+    for lift in (0.0, 30.0):  # of one carriage at home: the table is tilted
+        first = next(n for n, axis in enumerate(chain.axes) if axis.name == "Z1")
+        limits = [(-760.0, -690.0) if axis.name[0] == "Z" else (-250.0, 250.0) for axis in chain.axes]
+        limits[first] = limits[first][0], limits[first][1] - lift
+        pairs = zip(chain.axes, limits, strict=True)
+        axes = tuple(replace(axis, lower=low, upper=high, assumed=False) for axis, (low, high) in pairs)
+        bodies = drawn_bodies(replace(chain, axes=axes))
+        (table,), (part,) = parts(bodies, "table"), parts(bodies, "workpiece")
+        pin = chain.frame("Z1_pin").T_link_frame[:3, 3]
+        zero, radius = chain.frame("workpiece").T_link_frame, 0.008
+        top = max(float(zero[2, 3]), float(pin[2]) + 3 * radius)
+        under = table.T_link_body[2, 3] - table.dimensions[1] / 2
+        assert table.T_link_body[2, 3] + table.dimensions[1] / 2 == pytest.approx(top, abs=2e-6)
+        assert under == pytest.approx(pin[2] + 0.8 * radius, abs=2e-6)
+        assert table.T_link_body[:2, 3] == pytest.approx(zero[:2, 3], abs=1e-9)
+        assert table.dimensions[0] == pytest.approx(0.15 + 1.5 * radius, abs=1e-6)
+        assert abs(table.T_link_body[2, 2]) == pytest.approx(1.0)
+        assert part.T_link_body[:3, :3] == pytest.approx(np.eye(3), abs=1e-9)
+        assert part.T_link_body[2, 3] - part.dimensions[2] / 2 == pytest.approx(top, abs=2e-6)
+
+
+@pytest.mark.parametrize("length", [0.0, 200.0])
+def test_the_head_on_a_bridge_is_above_its_tool(length: float) -> None:
+    """As high as the data put the slide, and 2.5 radii of the spindle above the tip at least."""
+    chain = chainbuild.load("rod_table_kin19").chain(tool_length_mm=length)
+    (head,) = parts(drawn_bodies(chain), "slide")
+    site = Site(chain)
+    under = max(0.0, float(site.tip[2]) + 2.5 * 0.055 * machine_size(chain))
+    assert site.bounds(head)[0, 2] == pytest.approx(under, abs=1e-6)
+
+
 def on_rods(chain: Chain, body: Body) -> bool:
     return body.link in {chain.frame(loop.frame_b).link for loop in chain.loops}
 
@@ -218,9 +272,13 @@ def test_levers_turn_clear_of_plate_and_motors() -> None:
     assert max(body.dimensions[1] for body in parts(bodies, "housing") if body not in motors) < 0.03
 
 
-def test_the_bridge_carries_the_tool_over_the_whole_range() -> None:
-    chain, bodies = drawn("rod_table_kin19")
-    site = Site(chain)
+@pytest.mark.parametrize("strokes", [(), ((-50.0, 50.0), (-50.0, 50.0)), ((-700.0, 400.0), (-400.0, 700.0))])
+def test_the_bridge_carries_the_tool_over_the_whole_range(strokes: tuple[tuple[float, float], ...]) -> None:
+    """Over long strokes, and over short ones beyond the columns of the table."""
+    chain, _ = drawn("rod_table_kin19")
+    slides = tuple(replace(axis, lower=a, upper=b) for axis, (a, b) in zip(chain.axes[:2], strokes, strict=False))
+    chain = replace(chain, axes=(*slides, *chain.axes[len(slides) :]))
+    bodies, site = drawn_bodies(chain), Site(chain)
     (slide,), (bridge,) = parts(bodies, "slide"), parts(bodies, "bridge")
     rails = [body for body in parts(bodies, "guide") if body.dimensions[0] > body.dimensions[2]]
     assert len(rails) == 2
@@ -283,6 +341,31 @@ def test_the_hand_of_the_lambda_reaches_from_the_ram_to_over_the_tip(other: bool
     assert ends_of_arm[0][:2] == pytest.approx(site.links["C_link"][:2, 3], abs=1e-6)
     assert ends_of_arm[1][:2] == pytest.approx(site.tip[:2], abs=1e-6)
     assert site.bounds(tool)[1, 2] > site.tip[2]
+
+
+def test_a_tool_under_the_ram_of_the_lambda_needs_no_hand() -> None:
+    values = {0: 1_000_000, 1: 9_000_000, 2: 9_000_000, 3: 15_000_000, 4: 1_200_000, 6: -11_000_000}
+    chain = chain_of(["trafo[0].id 21", *(f"trafo[0].param[{n}] {value}" for n, value in values.items())])
+    limits = {"X1": (-900.0, -450.0), "X2": (450.0, 850.0), "Z": (100.0, 400.0), "C": (-180.0, 180.0)}
+    axes = tuple(replace(a, lower=limits[a.name][0], upper=limits[a.name][1], assumed=False) for a in chain.axes)
+    chain = replace(chain, axes=axes)
+    bodies = drawn_bodies(chain)
+    assert {body.part for body in bodies if body.link == "C_link"} == {"joint", "spindle", "tool"}
+    home = home_and_middle(chain)[0]
+    assert len(islands(chain, bodies, home, GAP)) == 1
+    assert overlaps(chain, bodies, home, CONTACT) == []
+
+
+def test_the_legs_of_the_lambda_stand_beyond_its_guides() -> None:
+    chain, bodies = drawn("lambda_kin21")
+    site = Site(chain)
+    (beam,), guides, posts = parts(bodies, "beam"), parts(bodies, "guide"), parts(bodies, "post")
+    left, right = site.bounds(beam)[:, 0]
+    inner = min(site.bounds(guide)[0, 0] for guide in guides), max(site.bounds(guide)[1, 0] for guide in guides)
+    assert [site.bounds(post)[:, 0].tolist() for post in posts] == [
+        pytest.approx([left, inner[0]], abs=1e-5),
+        pytest.approx([inner[1], right], abs=1e-5),
+    ]
 
 
 def test_the_arms_of_the_lambda_ride_on_top_of_the_carriages() -> None:

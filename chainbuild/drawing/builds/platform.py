@@ -53,15 +53,17 @@ def tool_platform(site: Site, platform: str, arms: list[Arm]) -> list[Body]:
 
 
 def table_platform(site: Site, platform: str, arms: list[Arm]) -> list[Body]:
-    """Return a platform that is a table, with the part on it."""
-    r, place = arms[0].radius, site.T_workpiece[:3, 3]
-    reach = float(np.hypot(*(arms[0].end - place)[:2]))
-    under = float(arms[0].end[2]) + _SUNK * r
-    top = max(float(place[2]), under + _PLATE * r)
-    low, high = (*place[:2], under), (*place[:2], top)
+    """Return a platform that is a table, with the part on it; at home it may be tilted."""
+    r, T = arms[0].radius, site.T_workpiece
+    R, place = T[:3, :3], T[:3, 3]
+    x, y, z = R.T @ (arms[0].end - place)
+    reach, under = float(np.hypot(x, y)), float(z) + _SUNK * r
+    top = max(0.0, under + _PLATE * r)
+    low, high = place + under * R[:, 2], place + top * R[:, 2]
+    room = float(site.tip[2] - high[2])
     return [
         site.cylinder(platform, "table", low, high, reach + _EDGE * r, colour=WORKPIECE_SIDE[0]),
-        *part_block(site, platform, high, _PART * reach, float(site.tip[2]) - top),
+        *part_block(site, platform, high, _PART * reach, room, R),
     ]
 
 
