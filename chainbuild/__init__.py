@@ -51,6 +51,7 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.chain.bodies.geometry import Geometry as Geometry
     from chainbuild.chain.bodies.geometry import RodData as RodData
     from chainbuild.chain.bodies.geometry import Shape as Shape
+    from chainbuild.chain.bodies.geometry import Stand as Stand
     from chainbuild.chain.compose import follow as follow
     from chainbuild.chain.compose import stack as stack
     from chainbuild.chain.drives import AffineDrives as AffineDrives
@@ -178,7 +179,7 @@ _HOMES = {
     "chainbuild.chain.elements": (
         "Axis Chain ControllerSolver Frame Joint JointKind Link Loop Partial SingularityWatch Task"
     ),
-    "chainbuild.chain.bodies.geometry": "Geometry RodData Shape",
+    "chainbuild.chain.bodies.geometry": "Geometry RodData Shape Stand",
     "chainbuild.chain.drives": "AffineDrives DriveLimit DriveMap",
     "chainbuild.chain.sums": "AxisConstraint AxisSum",
     "chainbuild.chain.programmed.vectors": "AngleLetter OriMode ToolPlane VectorProgramming",

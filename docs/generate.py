@@ -20,10 +20,15 @@ from chainbuild.formats.twincat.types.displays import display_of
 from chainbuild.ik.plan import plan_of
 
 ROOT = Path(__file__).parent.parent
+sys.path.insert(0, str(ROOT / "docs"))
+import machine_pictures  # noqa: E402
+
 PAGES = (
     "README.md",
-    *(f"docs/{name}.md" for name in ("branches", "conventions", "kinematics", "findings", "robx", "tables")),
+    *(f"docs/{name}.md" for name in ("branches", "conventions", "kinematics", "findings", "machines", "robx", "tables")),
 )
+_COLUMNS = 3  # of the contact sheet
+_WIDTH = 260  # pixels of its pictures
 _BLOCK = re.compile(r"(<!-- table: (?P<name>[\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -37,14 +42,18 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
 
 def machines() -> str:
-    """Return the table of shipped machines."""
-    rows = []
+    """Return the contact sheet of the shipped machines."""
+    cells = []
     for name in chainbuild.shipped():
         machine = chainbuild.load(name)
         entry = machine.kinematics()[0]
         axes = " ".join(axis.name for axis in machine.chain().axes)
-        rows.append((f"`{name}`", machine.title, entry.type, axes))
-    return table(("name", "machine", "kinematic", "axes"), rows)
+        files = [path for path in machine_pictures.of_machine(name) if (ROOT / "docs" / path).exists()]
+        pictures = "".join(f'<img src="{path}" alt="{machine.title}" width="{_WIDTH}">' for path in files)
+        text = f"<b><code>{name}</code></b><br>{machine.title}<br>{entry.type}<br>{axes}"
+        cells.append(f'<td align="center" valign="top">{pictures}<br>{text}</td>')
+    rows = [cells[n : n + _COLUMNS] for n in range(0, len(cells), _COLUMNS)]
+    return "<table>\n" + "".join("<tr>\n" + "\n".join(row) + "\n</tr>\n" for row in rows) + "</table>\n"
 
 
 def types() -> str:
@@ -89,6 +98,8 @@ def type_parameters() -> str:
     for number, entry in sorted(chainbuild.catalogue().items()):
         rows = [(f"HD{r.n}", f"`{r.name}`", r.unit or r.kind, f"{r.default:g}", r.effect, r.meaning) for r in entry.hd]
         parts.append(f"\n### KIN_TYP {number}: {entry.title}\n\n{entry.summary}\n")
+        if (picture := machine_pictures.of_type(number)) is not None:
+            parts.append(f'<img src="{picture}" alt="KIN_TYP {number}" width="{_WIDTH}">\n')
         if rows:
             parts.append(table(("HD", "name", "unit", "default", "acts on", "meaning"), rows))
     return "\n".join(parts)
@@ -173,7 +184,8 @@ def filled(text: str) -> str:
 
 
 def main() -> int:
-    """Write all pages."""
+    """Write all pages and pictures."""
+    machine_pictures.write_all()
     for page in PAGES:
         path = ROOT / page
         path.write_text(filled(path.read_text("utf-8")), "utf-8")

@@ -14,8 +14,10 @@ from chainbuild.chain.bodies.body import Body
 from chainbuild.chain.bodies.rods import LEVEL_PLATE
 from chainbuild.chain.elements import BASE_LINK, Joint
 from chainbuild.drawing.limbs.gantries import gantry
-from chainbuild.drawing.limbs.lifts import STAGE, Column, stand, tracks
-from chainbuild.drawing.limbs.seats import UPRIGHT, ArmPlan, Seat
+from chainbuild.drawing.limbs.lifts import STAGE, LiftColumn, stand, tracks
+from chainbuild.drawing.limbs.links import arm_to
+from chainbuild.drawing.limbs.plan import UPRIGHT, ArmPlan
+from chainbuild.drawing.limbs.seats import Seat, seats_of
 from chainbuild.drawing.site import Site
 from chainbuild.shown import fields_shown
 
@@ -59,7 +61,7 @@ def footing(site: Site) -> Footing:
     if not _has_base(site, carrier) and plan.ahead(0)[2] - raised[2] > _TALL * r:
         plan = plan.standing_at(raised)  # the track lies on the floor where the robot is tall enough for it
     plan = plan.standing_at(_with_room(plan))
-    seats = plan.seats()
+    seats = seats_of(plan)
     c = _CARRIAGE * r
     under = tracks(site, slides, plan.mount, ((-c, c), (-c, c)), r)
     return Footing(seats, [*under, *stand(site, carrier, plan.mount, seats[0])])
@@ -73,9 +75,14 @@ def _hangs(plan: ArmPlan) -> bool:
 
 def _hung(site: Site, slides: Sequence[Joint], plan: ArmPlan) -> Footing:
     """Return a gantry; a robot hangs from it by its foot, a wrist alone is the end of its ram."""
-    seats, robot = plan.seats(), plan.kinds.count("hinge") > 1
-    bodies = gantry(site, slides, plan.mount, seats[0], foot=robot)
-    return Footing(seats, [*bodies, *(stand(site, slides[-1].child, plan.mount, seats[0]) if robot else [])])
+    seats, robot, link = seats_of(plan), plan.kinds.count("hinge") > 1, slides[-1].child
+    first = seats[0]
+    if robot:
+        return Footing(seats, [*gantry(site, slides, plan.mount, first), *stand(site, link, plan.mount, first)])
+    in_line = first.kind == "roll" and abs(first.axis[2]) > UPRIGHT
+    end = first.place if in_line else first.corner + 1.3 * first.radius * _Z
+    ram = np.array([plan.mount[0], plan.mount[1], end[2]])
+    return Footing(seats, [*gantry(site, slides, ram, first), *([] if in_line else arm_to(site, link, ram, first))])
 
 
 def _lifted(site: Site, slides: Sequence[Joint], plan: ArmPlan) -> Footing:
@@ -83,8 +90,8 @@ def _lifted(site: Site, slides: Sequence[Joint], plan: ArmPlan) -> Footing:
     beside = plan.kinds[0] in ("stack", "ram")
     if not beside:
         plan = plan.standing_at(_with_room(plan))
-    seats = plan.seats()
-    column = Column(site, slides, plan.mount, seats[0], beside=beside)
+    seats = seats_of(plan)
+    column = LiftColumn(site, slides, plan.mount, seats[0], beside=beside)
     r, h = plan.radii[0], column.half
     under = tracks(site, slides[:-1], column.foot, ((-_CARRIAGE * r, _CARRIAGE * r), (-1.5 * h, 1.5 * h)), r)
     on_top = [] if beside else stand(site, slides[-1].child, plan.mount, seats[0])

@@ -7,9 +7,8 @@ from typing import Final
 
 from chainbuild.chain.bodies.body import Colour
 from chainbuild.painting.colours import INK_COLOUR
+from chainbuild.painting.views import Spot
 from chainbuild.shown import fields_shown
-
-Spot = tuple[float, float]
 
 TEXT_SIZE: Final = 13.0  # pixels
 HALO: Final = 2.0  # pixels of ground on each side of what is set off from the bodies

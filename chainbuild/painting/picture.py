@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, get_args
@@ -10,22 +10,23 @@ from typing import TYPE_CHECKING, Final, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from chainbuild.arrays import Matrix
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.files import as_folder, open_binary_atomic, write_text
 from chainbuild.kinematics.inputs import axis_rows
 from chainbuild.painting.colours import INK_COLOUR
 from chainbuild.painting.marks import Caption, Marks
 from chainbuild.painting.overlay.dimensions import draw_dimensions
-from chainbuild.painting.overlay.placing import Box, Wish, label_width, place_labels
+from chainbuild.painting.overlay.placing import LabelBox, Wish, label_width, place_labels
 from chainbuild.painting.overlay.trace import draw_trace
 from chainbuild.painting.overlay.triads import draw_triads
 from chainbuild.painting.raster.lines import draw_marks
 from chainbuild.painting.raster.pixels import painted
 from chainbuild.painting.raster.png import png_bytes
-from chainbuild.painting.stage import Stage, framed
+from chainbuild.painting.raster.sight import render
+from chainbuild.painting.stage import Stage, coordinate, framed
 from chainbuild.painting.vector.svg import Sheet
-from chainbuild.painting.views import VIEWS, PictureView, View, ViewName, Window
+from chainbuild.painting.views import BACK, VIEWS, PictureView, View, ViewName, Window
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -35,8 +36,10 @@ _SIZE: Final = (960, 720)  # pixels of a picture
 _PANE: Final = (640, 480)  # of each of the four on a sheet
 _MARGIN: Final = 36  # pixels around the machine
 _LABELLED: Final = 52  # likewise with room for names
+_COARSE: Final = 4  # pixels in one: fine enough to tell where bodies are
 _TITLE: Final = 15.0  # pixels of text: the name of a view
 # What stands where on a sheet: above the front what is seen from above, beside it what is seen from the right.
+_AWAY: Final = 0.6  # cosine: a tool that hangs down, 0.44, is seen from the front
 _SHEET: Final[tuple[tuple[ViewName, int, int], ...]] = (("top", 0, 0), ("iso", 1, 0), ("front", 0, 1), ("right", 1, 1))
 
 
@@ -70,7 +73,8 @@ def picture(
         path: The file, NAME.svg or NAME.png; an existing one is replaced.
         axes: Axis values (n_axes,), mm and degrees; None: those of the first row of `path_axes`, else every axis at
             0 or at the limit next to it.
-        view: From where; "sheet": from all four sides, the plain ones to one scale.
+        view: From where; "sheet": from all four sides, the plain ones to one scale; "detail": the head or wrist
+            from near.
         frames: Whether base, flange, tool and workpiece are drawn.
         dimensions: Lengths of the machine data to draw, as `chainbuild.dimensions` returns them.
         path_axes: Rows of axis values (n, n_axes): the trace of the tool on the workpiece is drawn.
@@ -113,6 +117,9 @@ def _panes(
     """Return the views of a picture, and its size in pixels."""
     margin = _LABELLED if labelled else _MARGIN
     points = [] if trace is None else trace.tolist()
+    if view == "detail":
+        seen = _near(stage.pointing)
+        return [_Pane(seen, framed(stage.tool_end, seen, *_SIZE, margin), 0, 0)], _SIZE
     if view != "sheet":
         window = framed(stage.bodies, VIEWS[view], *_SIZE, margin, points)
         return [_Pane(VIEWS[view], window, 0, 0)], _SIZE
@@ -131,6 +138,13 @@ def _panes(
     return panes, (2 * _PANE[0], 2 * _PANE[1])
 
 
+def _near(pointing: Vector) -> View:
+    """Return the view of a detail: from behind where a tool points away, so that its tip is seen."""
+    length = float(np.sqrt((pointing * pointing).sum()))
+    away = -coordinate(pointing, VIEWS["iso"].toward)
+    return BACK if length > 0.0 and away > _AWAY * length else VIEWS["iso"]
+
+
 def _marks(
     stage: Stage, panes: Sequence[_Pane], lengths: Sequence[Dimension], trace: Matrix | None, *, frames: bool
 ) -> Marks:
@@ -138,7 +152,7 @@ def _marks(
     marks = Marks()
     for pane in panes:
         window = pane.window.moved(pane.x, pane.y)
-        area: Box = (pane.x, pane.y, pane.x + window.width, pane.y + window.height)
+        area: LabelBox = (pane.x, pane.y, pane.x + window.width, pane.y + window.height)
         if pane.title:
             middle = pane.x + _TITLE + label_width(pane.title, _TITLE) / 2.0
             marks.captions.append(Caption(pane.title, middle, pane.y + 2.0 * _TITLE, INK_COLOUR, _TITLE))
@@ -148,8 +162,22 @@ def _marks(
         wishes += draw_dimensions(marks, lengths, stage, pane.view, window)
         if frames:
             wishes += draw_triads(marks, stage, pane.view, window)
-        place_labels(marks, wishes, area)
+        if wishes:
+            place_labels(marks, wishes, area, _covering(stage, pane))
     return marks
+
+
+def _covering(stage: Stage, pane: _Pane) -> Callable[[LabelBox], float]:
+    """Return a function of a box in pixels of the whole picture: the share of it that lies on bodies."""
+    drawn = render(stage.bodies, pane.view, pane.window.coarser(_COARSE)).bodies >= 0
+
+    def share(box: LabelBox) -> float:
+        left, upper, right, lower = (
+            int((edge - start) / _COARSE) for edge, start in zip(box, (pane.x, pane.y) * 2, strict=True)
+        )
+        return float(drawn[upper : lower + 1, left : right + 1].mean())
+
+    return share
 
 
 def _svg(stage: Stage, panes: Sequence[_Pane], size: tuple[int, int], marks: Marks) -> str:

@@ -12,10 +12,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from chainbuild.arrays import Matrix
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies.body import Body
 from chainbuild.chain.elements import BASE_LINK
-from chainbuild.chain.poses import link_placements
+from chainbuild.chain.poses import link_placements, path_to
 from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.drawing.shown import shown_chain
 from chainbuild.drawing.site import Site
@@ -26,6 +26,10 @@ from chainbuild.shown import fields_shown
 _GRID: Final = 1e-6  # m: places are rounded to it
 _FINE: Final = 1e-9  # likewise directions
 _OFF_HALF: Final = 0.4871  # rounds up from here: a half, where data may well lie, would be up to the last bit
+
+
+_LAST_TURNS: Final = 3  # axes that a detail shows: a wrist or a head has no more
+_HOLDING: Final = ("cheek", "bridge", "housing", "guide")  # parts of its carrier that a head hangs in
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,7 +67,7 @@ class Stage:
 
     def __init__(self, robot: Mechanism, axes: ArrayLike | None = None, bodies: Iterable[Body] | None = None) -> None:
         chain, site = shown_chain(robot.chain), Site(robot.chain)
-        self._robot = robot
+        self._robot, self._chain = robot, chain
         self.axes = site.home if axes is None else robot.axis_values(axes)
         self.size = site.size
         robot.q(self.axes)  # raises where the machine has no pose
@@ -73,6 +77,27 @@ class Stage:
             PlacedBody(body, snapped(self._links[body.link] @ body.T_link_body))
             for body in (drawn_bodies(chain) if bodies is None else bodies)
         )
+
+    @property
+    def tool_end(self) -> list[PlacedBody]:
+        """What lies beyond the slides of a machine tool, or the last axes of an arm, with what holds it."""
+        path = path_to(self._chain, self._chain.frame("tool").link)
+        turns = [n for n, joint in enumerate(path) if joint.kind == "revolute"][-_LAST_TURNS:]
+        beyond = {joint.child for joint in path[turns[0] :]} if turns else {path[-1].child} if path else set()
+        holder = path[turns[0]].parent if turns else ""
+        return [
+            placed
+            for placed in self.bodies
+            if placed.body.link in beyond or (placed.body.link == holder and placed.body.part in _HOLDING)
+        ] or list(self.bodies)
+
+    @property
+    def pointing(self) -> Vector:
+        """Where the tool points (3,), from what carries it to its tip; no unit vector."""
+        link = self._chain.frame("tool").link
+        centres = [placed.T[:3, 3] for placed in self.bodies if placed.body.link == link]
+        tip: Vector = self.frame("tool")[:3, 3]
+        return tip - np.mean(centres, axis=0) if centres else np.zeros(3)
 
     def place(self, link: str, T_link: Matrix) -> Matrix:
         """Return a frame of a link (4, 4) in the site."""

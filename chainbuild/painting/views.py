@@ -10,8 +10,9 @@ from typing import Final, Literal
 from chainbuild.shown import fields_shown
 
 ViewName = Literal["iso", "front", "top", "right"]
-PictureView = Literal["iso", "front", "top", "right", "sheet"]
+PictureView = Literal["iso", "front", "top", "right", "sheet", "detail"]
 Arrow = tuple[float, float, float]
+Spot = tuple[float, float]  # pixels to the right and down
 
 # Degrees: the operator stands at −Y; from his right, and low enough to see what hangs over a table.
 _TURN: Final = 32.0
@@ -35,8 +36,9 @@ class View:
     toward: Arrow
 
 
-def _iso() -> View:
-    ct, st = math.cos(math.radians(_TURN)), math.sin(math.radians(_TURN))
+def _iso(turn: float = 0.0) -> View:
+    angle = math.radians(_TURN + turn)
+    ct, st = math.cos(angle), math.sin(angle)
     cr, sr = math.cos(math.radians(_RISE)), math.sin(math.radians(_RISE))
     return View(_short(ct, st, 0.0), _short(-sr * st, sr * ct, cr), _short(cr * st, -cr * ct, sr))
 
@@ -53,6 +55,9 @@ VIEWS: Final[dict[ViewName, View]] = {
     "top": View((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
     "right": View((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
 }
+
+
+BACK: Final = _iso(180.0)  # from behind, the left and above: for what points away from whoever looks
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +80,7 @@ class Window:
     width: int
     height: int
 
-    def spot(self, view: View, point: Sequence[float]) -> tuple[float, float]:
+    def spot(self, view: View, point: Sequence[float]) -> Spot:
         """Return where a point (3,) of the site is seen, in pixels from the upper left corner."""
         x, y, z = point[0], point[1], point[2]
         u = x * view.right[0] + y * view.right[1] + z * view.right[2]
@@ -90,6 +95,10 @@ class Window:
     def moved(self, x: int, y: int) -> Window:
         """Return the same part of the view further right and down, within a larger picture."""
         return Window(self.left - x / self.scale, self.top + y / self.scale, self.scale, self.width, self.height)
+
+    def coarser(self, times: int) -> Window:
+        """Return the same part of the view with fewer pixels."""
+        return Window(self.left, self.top, self.scale / times, self.width // times, self.height // times)
 
     def finer(self, times: int) -> Window:
         """Return the same part of the view with more pixels."""

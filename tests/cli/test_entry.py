@@ -22,7 +22,7 @@ from tests.kit.command_line import ARM, AXES, PROGRAM, Run
 
 pytestmark = pytest.mark.usefixtures("heeds_interrupts")
 
-COMMANDS = ["info", "check", "fk", "ik", "urdf", "inspect", "demo", "types", "singularity", "warm"]
+COMMANDS = ["info", "check", "fk", "ik", "urdf", "inspect", "picture", "demo", "types", "singularity", "warm"]
 
 
 def test_version(run: Run) -> None:
@@ -89,6 +89,9 @@ def test_common_options_are_everywhere(run: Run, monkeypatch: pytest.MonkeyPatch
         (["fk", "x"], "--axes"),
         (["ik", "x"], "--poses"),
         (["inspect", "x"], "--export"),
+        (["picture", "x"], "--output"),
+        (["picture", "x", "-o", "m.svg", "--view", "back"], "--view"),
+        (["picture", "kr6r900_2", "-o", "m.svg", "--at", "0,a"], "--at 0,a: expected numbers separated by commas"),
         (["info", "x", "--channel", "one"], "--channel"),
         (["info", "x", "--tool-length", "long"], "--tool-length"),
         (["info", "x", "--convention", "name"], "--convention name: expected NAME=CHOICE"),
@@ -122,6 +125,9 @@ def test_wrong_usage_ends_with_2(run: Run, words: list[str], message: str) -> No
         (["fk", "kr6r900_2", "--at", "0,-90,90"], "chainbuild: expected 6 axis values, got 3"),
         (["check", "missing.lis"], "missing.lis: no such file"),
         (["inspect", ARM, "--export", "no/page.html"], "no/page.html: "),
+        (["picture", ARM, "-o", "no/m.svg"], "no/m.svg: the file cannot be written"),
+        (["picture", ARM, "-o", "m.jpg"], "chainbuild: m.jpg: the suffix .jpg says no kind of picture"),
+        (["picture", "kr6r900_2", "-o", "m.svg", "--at", "0,-90,nan,0,0,0"], "chainbuild: axis A3 has the value nan"),
         (["urdf", ARM, "-o", "/dev/null"], "/dev/null/kin45_kr6r900_2: the folder cannot be created"),
     ],
 )

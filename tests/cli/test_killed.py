@@ -24,6 +24,7 @@ COMMANDS = {
     "urdf": "urdf kr6r900 -o out",
     "demo": "demo kr6r900 -o out",
     "inspect": "inspect kr6r900 --export page.html",
+    "picture": "picture kr6r900 -o m.png",
     "srdf": "collide kr6r900 --pairs --samples 50 --srdf out",
     "collide": f"collide kr6r900 --at {AT} --picture distance.svg",
     "singularity": f"singularity kr6r900 --at {AT} --picture measure.svg",

@@ -20,7 +20,7 @@ COMMANDS = (
     "info m.lis", "info m.lis --json", "check m.lis", "fk m.lis --at 30",
     "crosscheck m.lis --recording poses.csv", "ik m.lis --poses poses.csv",
     "singularity m.lis --at 30", "collide m.lis --at 30", "workspace m.lis", "urdf m.lis -o out",
-    "inspect m.lis --export page.html",
+    "inspect m.lis --export page.html", "picture m.lis -o m.svg --frames --dimensions",
 )  # fmt: skip
 
 

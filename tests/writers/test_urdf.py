@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 import xml.etree.ElementTree as ET
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -17,8 +18,10 @@ import yourdfpy
 
 import chainbuild
 from chainbuild.chain import assemble as recipe
+from chainbuild.chain.bodies.shapes import solid_bodies
 from chainbuild.chain.elements import Axis, Chain, Frame, Loop
 from chainbuild.convention import UsedConvention, conventions
+from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.errors import ChainError, FileAccessError
 from chainbuild.frames import rot_x, rot_y, rot_z, urdf_rpy
 from chainbuild.robot import Robot
@@ -96,6 +99,12 @@ def test_limits_and_speeds_are_those_of_the_model(tmp_path: Path) -> None:
     }  # fmt: skip
 
 
+def bare_of_drawing(chain: Chain) -> list[str]:
+    """Return the links that nothing is drawn of: those that only carry freedoms of a platform."""
+    drawn = {body.link for body in drawn_bodies(chain)}
+    return [link.name for link in chain.links if link.name not in drawn]
+
+
 @pytest.mark.parametrize("make", ALL)
 def test_structure(make: Callable[[], Chain]) -> None:
     chain = make()
@@ -107,9 +116,16 @@ def test_structure(make: Callable[[], Chain]) -> None:
     assert sorted(children) == sorted(set(links) - {"base"})
     kinds = {joint.get("type") for joint in root.findall("joint")}
     assert kinds <= {"revolute", "prismatic", "fixed"}
+    tips = {"tool": "tool", "table": "workpiece"}
+    solid = Counter(tips.get(body.part, body.link) for body in solid_bodies(chain))
+    bare = set(bare_of_drawing(chain))
     for link in root.findall("link"):
-        assert len(link.findall("visual")) == len(link.findall("collision")) == 1
-        assert len(link.findall("visual/geometry/*")) == 1
+        visuals = link.findall("visual")
+        assert len(link.findall("visual/geometry/*")) == len(link.findall("visual/material")) == len(visuals)
+        assert bool(visuals) != (link.get("name") in bare)
+        assert len(link.findall("collision")) == solid[link.get("name", "")]
+    materials = [material.get("name") for material in root.iter("material")]
+    assert len(set(materials)) == len(materials)
     for element in root.iter():
         for value in element.attrib.values():
             assert "nan" not in value

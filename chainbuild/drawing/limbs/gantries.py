@@ -10,31 +10,31 @@ import numpy as np
 from chainbuild.arrays import Vector
 from chainbuild.chain.bodies.body import Body, Part
 from chainbuild.chain.elements import BASE_LINK, Joint
-from chainbuild.drawing.limbs.pieces import Range, block, upright
-from chainbuild.drawing.limbs.seats import UPRIGHT, Seat
+from chainbuild.drawing.limbs.pieces import Extent, block, upright
+from chainbuild.drawing.limbs.plan import UPRIGHT
+from chainbuild.drawing.limbs.seats import Seat
 from chainbuild.drawing.site import Site
 
 _Z: Final = np.array([0.0, 0.0, 1.0])
 
 
-def gantry(site: Site, slides: Sequence[Joint], mount: Vector, seat: Seat, *, foot: bool) -> list[Body]:
+def gantry(site: Site, slides: Sequence[Joint], mount: Vector, seat: Seat) -> list[Body]:
     """Return the bodies of a gantry down to where an arm hangs.
 
     Args:
         site: The site.
         slides: Its linear axes from the floor.
-        mount: (3,) where the arm hangs [m].
+        mount: (3,) the lower end of the ram, where the arm hangs [m].
         seat: Seat of the arm's first joint.
-        foot: Whether the arm has a foot of its own; else the ram reaches down to its first joint.
     """
-    return _Gantry(site, slides, mount, seat, foot).bodies()
+    return _Gantry(site, slides, mount, seat).bodies()
 
 
 class _Gantry:
     """Measures of a gantry, in a frame with x along its bridge's way, y along the bridge, z up."""
 
-    def __init__(self, site: Site, slides: Sequence[Joint], mount: Vector, seat: Seat, foot: bool) -> None:
-        self.site, self.slides, self.seat, self.foot = site, slides, seat, foot
+    def __init__(self, site: Site, slides: Sequence[Joint], mount: Vector, seat: Seat) -> None:
+        self.site, self.slides, self.seat = site, slides, seat
         level = [joint for joint in slides if abs(site.direction(joint)[2]) < UPRIGHT]
         self.lift = next((joint for joint in slides if joint not in level), None)
         self.travel = level[0] if len(level) > 1 else None
@@ -49,8 +49,8 @@ class _Gantry:
         h = self.half
         self.sleeve = 1.5 * h
         self.beam = 3.2 * h  # height of the bridge
-        # The bridge hangs over the highest place of the arm's foot.
-        self.below = float(mount[2]) + self.strokes[2][1] + 0.4 * r
+        # The bridge lies over the highest place of the arm's foot and shoulder.
+        self.below = max(self.hang + 0.4 * r, float(seat.place[2]) + 1.7 * r) + self.strokes[2][1]
         self.top = self.below + self.beam
         # Beside the ram, which passes the bridge.
         self.bridge = (-self.sleeve - 2.4 * h, -self.sleeve)
@@ -64,7 +64,7 @@ class _Gantry:
         low, high = sorted(end * d for end in self.site.stroke(joint))
         return low, high
 
-    def _box(self, link: str, part: Part, x: Range, y: Range, z: Range) -> Body:
+    def _box(self, link: str, part: Part, x: Extent, y: Extent, z: Extent) -> Body:
         return block(self.site, link, part, self.R, self.at, x, y, z)
 
     def bodies(self) -> list[Body]:
@@ -115,8 +115,7 @@ class _Gantry:
             self._box(link, "carriage", (-s, s), (-1.6 * s, 1.6 * s), (self.below, self.top)),
             self._box(link, "carriage", (self.bridge[0], s), (-1.6 * s, 1.6 * s), (self.top, self.top + 0.8 * h)),
         ]
-        end = self.hang if self.foot else float(self.seat.place[2])
         high = self.top + 1.6 * h - self.strokes[2][0]
         ram = self.slides[-1].child
-        bodies.append(self._box(ram, "ram", (-h, h), (-h, h), (end, high)))
+        bodies.append(self._box(ram, "ram", (-h, h), (-h, h), (self.hang, high)))
         return bodies

@@ -11,7 +11,7 @@ from chainbuild.arrays import Vector
 from chainbuild.chain.bodies.body import JOINT_COLOUR, Body
 from chainbuild.chain.elements import BASE_LINK, Joint
 from chainbuild.drawing.limbs.links import arm_to
-from chainbuild.drawing.limbs.pieces import Range, bar, block, tube, turned, upright
+from chainbuild.drawing.limbs.pieces import Extent, bar, block, tube, turned, upright
 from chainbuild.drawing.limbs.seats import Seat
 from chainbuild.drawing.site import Site
 
@@ -43,18 +43,21 @@ def stand(site: Site, link: str, mount: Vector, seat: Seat) -> list[Body]:
     """
     r = seat.radius
     up = seat.axis if seat.kind == "roll" else _Z
+    if seat.kind == "stack":
+        mount = np.array([*seat.place[:2], mount[2]])  # a pillar right under the arm
+    elif seat.kind == "roll":
+        mount = seat.corner
     side = (-_FOOT * r, _FOOT * r)
     plate = block(site, link, "foot", turned(up, np.eye(3)[1]), mount, (0.0, _PLATE * r), side, side)
     top = mount + up * _PLATE * r
     if seat.kind == "roll":
         return [plate, *tube(site, link, "foot", top, seat.place, 1.12 * r)]
     if seat.kind == "stack":
-        below = np.array([seat.place[0], seat.place[1], top[2]])
-        return [plate, *tube(site, link, "foot", below, seat.place, 1.05 * r)]
+        return [plate, *tube(site, link, "foot", top, seat.place, 1.05 * r)]
     return [plate, *arm_to(site, link, top, seat)]
 
 
-def tracks(site: Site, slides: Sequence[Joint], top: Vector, carriage: tuple[Range, Range], r: float) -> list[Body]:
+def tracks(site: Site, slides: Sequence[Joint], top: Vector, carriage: tuple[Extent, Extent], r: float) -> list[Body]:
     """Return tracks on the floor, or on one another, with their carriages.
 
     Args:
@@ -90,7 +93,7 @@ def tracks(site: Site, slides: Sequence[Joint], top: Vector, carriage: tuple[Ran
     return bodies
 
 
-class Column:
+class LiftColumn:
     """A column, and what rides up and down on it with the arm.
 
     Args:

@@ -31,7 +31,7 @@ def limb(site: Site, start: Seat, end: Seat) -> list[Body]:
     """
     link = start.link
     if start.kind == "stack":
-        hood = _hood(site, start, end) if end.kind == "roll" else []
+        hood = _hood(site, start, end) if end.kind in ("roll", "quill") else []
         return [*slab(site, start, end.place), *hood]
     if start.kind == "hinge" and not start.parent_forks:
         return _twin(site, start, end)
@@ -40,11 +40,21 @@ def limb(site: Site, start: Seat, end: Seat) -> list[Body]:
 
 
 def arm_to(site: Site, link: str, root: Vector, end: Seat) -> list[Body]:
-    """Return the arm from a point of what carries a robot to its first joint."""
+    """Return the arm from a point of what carries a robot to its first joint.
+
+    Args:
+        site: The site.
+        link: Link that carries it.
+        root: (3,) the point [m].
+        end: Seat of the first joint.
+    """
     wide = (end.half + end.plate if end.parent_forks else end.half) * _FIT
     neck = bar(site, link, "neck", root, _target(end, root), end.axis, (-wide, wide), 1.5 * end.radius)
     if end.kind == "hinge":
         return [*neck, *(fork(site, link, end, root) if end.parent_forks else boss(site, link, end))]
+    if end.kind == "roll":
+        turning = tube(site, link, "housing", end.corner, end.place, _TUBE * end.radius)
+        return [*neck, site.ball(link, "housing", end.corner, _TUBE * end.radius), *turning]
     return [*neck, *slide_end(site, link, end, root)]
 
 
@@ -58,7 +68,7 @@ def _start(site: Site, link: str, start: Seat, end: Seat) -> tuple[Vector, list[
     return slide_start(site, start, end.corner)
 
 
-def leans(start: Seat, end: Seat) -> bool:
+def _leans(start: Seat, end: Seat) -> bool:
     """Return whether the arm on a roll leaves its axis, or has to fit between plates."""
     if end.kind != "hinge":
         return end.kind in ("column", "stack")
@@ -68,7 +78,7 @@ def leans(start: Seat, end: Seat) -> bool:
 
 def _turntable(site: Site, start: Seat, end: Seat) -> tuple[Vector, list[Body]]:
     """Return where a leaning neck or a column begins, and the disc that it stands on."""
-    if not leans(start, end):
+    if not _leans(start, end):
         return start.place, []
     way = end.place - start.place
     lean = float(np.linalg.norm(np.cross(way, start.axis)) / np.linalg.norm(way)) if end.kind == "hinge" else 0.0
@@ -102,7 +112,7 @@ def _between(site: Site, link: str, start: Seat, end: Seat, root: Vector) -> lis
     target = _target(end, root)
     wide = (end.half + end.plate if end.kind == "hinge" and end.parent_forks else end.half) * _FIT
     if start.kind == "roll":
-        if end.kind != "hinge" or not leans(start, end):
+        if end.kind != "hinge" or not _leans(start, end):
             radius = max(0.95 * start.radius, wide if end.kind == "hinge" else 0.0)
             return tube(site, link, "arm", root, target, radius, origin="data")
         # A neck that leans out, as wide as what it carries.
@@ -128,15 +138,13 @@ def _end(site: Site, link: str, start: Seat, end: Seat, root: Vector) -> list[Bo
         return fork(site, link, end, root) if end.parent_forks else boss(site, link, end)
     if end.kind == "roll":
         return _collar(site, link, start, end)
-    if end.kind == "stack":
+    if end.kind in ("stack", "quill"):
         return []
     return slide_end(site, link, end, root)
 
 
 def _collar(site: Site, link: str, start: Seat, end: Seat) -> list[Body]:
     """Return the housing that a roll turns in, and the motors behind it."""
-    if start.kind == "stack":
-        return []
     room = start.half * _FIT if start.kind == "hinge" else 0.95 * start.radius
     radius = min(_TUBE * end.radius, room)
     beside = float(np.linalg.norm(end.corner - start.place))

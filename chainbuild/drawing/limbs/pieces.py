@@ -12,7 +12,7 @@ from chainbuild.drawing.limbs.seats import Seat
 from chainbuild.drawing.site import Site
 from chainbuild.frames import unit
 
-Range = tuple[float, float]
+Extent = tuple[float, float]
 
 _SHORT: Final = 1e-6  # m: what is shorter cannot be seen
 _BOSS: Final = 0.92  # radius of what a fork holds, over the fork's
@@ -71,7 +71,7 @@ def bar(
 
 
 def block(
-    site: Site, link: str, part: Part, R: Matrix, at: Vector, x: Range, y: Range, z: Range, *,
+    site: Site, link: str, part: Part, R: Matrix, at: Vector, x: Extent, y: Extent, z: Extent, *,
     colour: Colour | None = None,
 ) -> Body:  # fmt: skip
     """Return a box by what it spans about a point, along the axes of a turn.
@@ -143,7 +143,7 @@ def fork(site: Site, link: str, seat: Seat, start: Vector) -> list[Body]:
     root = fork_root(seat, start)
     flat = root - seat.axis * float((root - seat.place) @ seat.axis)
     way = seat.place - flat
-    room = min(_WEB * seat.radius, float(np.linalg.norm(root - start)))
+    room = min(_WEB * seat.radius, float(np.linalg.norm(root - start))) if np.linalg.norm(way) > _SHORT else 0.0
     back = flat - room * unit(way) if room > _SHORT else flat
     wide = seat.half + seat.plate
     return [

@@ -13,6 +13,8 @@ from chainbuild.drawing.limbs.seats import Seat
 from chainbuild.drawing.site import Site
 from chainbuild.frames import unit
 
+_ABOVE: Final = 2.6  # how far a quill comes out above its arm where it is down, over its radius
+_QUILL: Final = 0.6  # radius of a quill over that of its seat
 _Z: Final = np.array([0.0, 0.0, 1.0])
 
 
@@ -38,6 +40,9 @@ def slide_start(site: Site, seat: Seat, end: Vector) -> tuple[Vector, list[Body]
         R, step = _stacked(seat)
         return seat.ahead, [block(site, link, "slide", R, seat.place, (0.5 * step, step), (-r, r), (-r, r))]
     _, high = outward(site, seat)
+    if seat.kind == "quill":
+        top = seat.corner - (high + _ABOVE * r) * seat.axis
+        return end, [site.cylinder(link, "spindle", top, end, _QUILL * r)]
     front = float((seat.place - seat.corner) @ seat.axis)
     tip = max(float((end - seat.corner) @ seat.axis), front)
     back = 0.0 if front == 0.0 else -front - 0.3 * r - high  # still held by its housing where it is out

@@ -9,7 +9,8 @@ import numpy as np
 from chainbuild.chain.bodies.body import TOOL_COLOUR, Body
 from chainbuild.drawing.limbs.links import slab
 from chainbuild.drawing.limbs.pieces import boss, ring, tube
-from chainbuild.drawing.limbs.seats import Seat, line_point
+from chainbuild.drawing.limbs.plan import line_point
+from chainbuild.drawing.limbs.seats import Seat
 from chainbuild.drawing.limbs.slides import slide_start
 from chainbuild.drawing.site import Site
 
@@ -36,7 +37,7 @@ def tip_bodies(site: Site, seat: Seat, quill: float = 0.0) -> list[Body]:
     elif seat.kind == "stack":
         bodies += slab(site, seat, end)
         root = line_point(end, seat.axis, seat.place)
-    elif seat.kind in ("column", "ram", "plate"):
+    elif seat.kind in ("column", "ram", "plate", "quill"):
         root, bodies = slide_start(site, seat, line_point(seat.corner, seat.axis, end))
     elif seat.kind == "roll":
         bodies.append(ring(site, link, seat, 0.9 * r))

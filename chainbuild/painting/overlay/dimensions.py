@@ -8,12 +8,12 @@ from typing import Final
 
 from chainbuild.chain.bodies.body import Colour
 from chainbuild.frames import translation
-from chainbuild.painting.marks import Marks, Spot, Stroke
+from chainbuild.painting.marks import Marks, Stroke
 from chainbuild.painting.overlay.measures import Dimension
 from chainbuild.painting.overlay.placing import Wish
 from chainbuild.painting.overlay.triads import arrow_head
 from chainbuild.painting.stage import Stage
-from chainbuild.painting.views import View, Window
+from chainbuild.painting.views import Spot, View, Window
 
 _Line = tuple[Spot, Spot]
 

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
 from chainbuild.chain.bodies.body import Colour
-from chainbuild.painting.marks import TEXT_SIZE, Caption, Marks, Spot, Stroke
+from chainbuild.painting.marks import TEXT_SIZE, Caption, Marks, Stroke
 from chainbuild.painting.raster.letters import text_width
+from chainbuild.painting.views import Spot
 from chainbuild.shown import fields_shown
 
-Box = tuple[float, float, float, float]  # left, upper, right, lower border
+LabelBox = tuple[float, float, float, float]  # left, upper, right, lower border
 
 _DISTANCES: Final = (9.0, 22.0, 40.0, 62.0, 90.0, 125.0, 170.0)  # pixels from what is named, nearest first
 _DIRECTIONS: Final = 12  # that are tried at each distance, clockwise from the right
@@ -22,6 +23,7 @@ _GAP: Final = 4.0  # pixels between labels, and to the border of the picture
 _RISE: Final = 0.7  # of a text's size: the height of capitals
 _DESCENT: Final = 0.2  # likewise what hangs below the line
 _CROSSED: Final = 30.0  # pixels farther away are better than a line through the letters
+_COVERED: Final = 45.0  # likewise than letters on bodies
 _WIDEST: Final = 0.62  # of a text's size a letter: in fonts wider than ours, which an SVG may be shown with
 
 
@@ -42,26 +44,33 @@ class Wish:
     colour: Colour
 
 
-def place_labels(marks: Marks, wishes: Iterable[Wish], area: Box, size: float = TEXT_SIZE) -> None:
-    """Add labels to marks, clear of each other, of the captions that are there, and of lines where there is room.
+def place_labels(
+    marks: Marks,
+    wishes: Iterable[Wish],
+    area: LabelBox,
+    covered: Callable[[LabelBox], float] = lambda box: 0.0,
+    size: float = TEXT_SIZE,
+) -> None:
+    """Add labels to marks, clear of each other and of the captions there, of lines and bodies where there is room.
 
     Args:
         marks: Lines that are drawn, captions that have a place; the labels are added.
         wishes: The labels, the most important first.
         area: Part of the picture where labels may be.
+        covered: Returns the share of a box that lies on bodies.
         size: Of the text, in pixels.
     """
     taken = [caption_box(caption) for caption in marks.captions]
     segments = [pair for stroke in marks.strokes for pair in pairwise(stroke.spots)]
     for wish in wishes:
         width = label_width(wish.text, size)
-        best: tuple[float, Box] | None = None
+        best: tuple[float, LabelBox] | None = None
         for box, distance in _candidates(wish.spot, width, (_RISE + _DESCENT) * size):
             if best is not None and distance >= best[0]:
                 break
             if not _inside(box, area) or any(_overlap(box, other) for other in taken):
                 continue
-            cost = distance + _CROSSED * any(_crosses(segment, box) for segment in segments)
+            cost = distance + _CROSSED * any(_crosses(segment, box) for segment in segments) + _COVERED * covered(box)
             if best is None or cost < best[0]:
                 best = cost, box
         box = best[1] if best is not None else _lowest_free(taken, area, width, (_RISE + _DESCENT) * size)
@@ -78,14 +87,14 @@ def label_width(text: str, size: float) -> float:
     return size * max(text_width(text), _WIDEST * len(text))
 
 
-def caption_box(caption: Caption) -> Box:
+def caption_box(caption: Caption) -> LabelBox:
     """Return what a text covers."""
     half = label_width(caption.text, caption.size) / 2.0
     upper, lower = caption.y - _RISE * caption.size, caption.y + _DESCENT * caption.size
     return caption.x - half, upper, caption.x + half, lower
 
 
-def _candidates(spot: Spot, width: float, height: float) -> Iterable[tuple[Box, float]]:
+def _candidates(spot: Spot, width: float, height: float) -> Iterable[tuple[LabelBox, float]]:
     """Yield boxes around a spot and how far they are from it."""
     for distance in _DISTANCES:
         for k in range(_DIRECTIONS):
@@ -94,7 +103,7 @@ def _candidates(spot: Spot, width: float, height: float) -> Iterable[tuple[Box, 
             yield (x - width / 2.0, y - height / 2.0, x + width / 2.0, y + height / 2.0), distance
 
 
-def _lowest_free(taken: Sequence[Box], area: Box, width: float, height: float) -> Box:
+def _lowest_free(taken: Sequence[LabelBox], area: LabelBox, width: float, height: float) -> LabelBox:
     """Return a place at the left border, over what is there already."""
     lower = area[3] - _GAP
     left = area[0] + _GAP
@@ -103,16 +112,16 @@ def _lowest_free(taken: Sequence[Box], area: Box, width: float, height: float) -
     return left, lower - height, left + width, lower
 
 
-def _inside(box: Box, area: Box) -> bool:
+def _inside(box: LabelBox, area: LabelBox) -> bool:
     across = box[0] >= area[0] + _GAP and box[2] <= area[2] - _GAP
     return across and box[1] >= area[1] + _GAP and box[3] <= area[3] - _GAP
 
 
-def _overlap(a: Box, b: Box) -> bool:
+def _overlap(a: LabelBox, b: LabelBox) -> bool:
     return a[0] < b[2] + _GAP and b[0] < a[2] + _GAP and a[1] < b[3] + _GAP and b[1] < a[3] + _GAP
 
 
-def _crosses(segment: tuple[Spot, Spot], box: Box) -> bool:
+def _crosses(segment: tuple[Spot, Spot], box: LabelBox) -> bool:
     """Tell whether a line runs through a box."""
     (x, y), (x1, y1) = segment
     begin, end = 0.0, 1.0

@@ -6,8 +6,8 @@ from typing import Final
 
 from chainbuild.arrays import Matrix
 from chainbuild.chain.bodies.body import Colour
-from chainbuild.painting.marks import Marks, Spot, Stroke
-from chainbuild.painting.views import View, Window
+from chainbuild.painting.marks import Marks, Stroke
+from chainbuild.painting.views import Spot, View, Window
 
 _COLOUR: Final[Colour] = (0.78, 0.08, 0.42)  # as no body and no axis
 _DENSE: Final = 0.5  # pixels between corners: nearer ones cannot be told apart

@@ -10,10 +10,10 @@ from chainbuild.arrays import Matrix
 from chainbuild.chain.bodies.body import Colour
 from chainbuild.chain.elements import FRAME_NAMES
 from chainbuild.painting.colours import INK_COLOUR
-from chainbuild.painting.marks import Marks, Spot, Stroke
+from chainbuild.painting.marks import Marks, Stroke
 from chainbuild.painting.overlay.placing import Wish
 from chainbuild.painting.stage import Stage, coordinate
-from chainbuild.painting.views import View, Window
+from chainbuild.painting.views import Spot, View, Window
 
 # As everywhere.
 _COLOURS: Final[tuple[Colour, Colour, Colour]] = ((0.86, 0.16, 0.16), (0.13, 0.62, 0.20), (0.13, 0.33, 0.87))

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Final
 
-Spot = tuple[float, float]
+from chainbuild.painting.views import Spot
 
 # Strokes of each letter: corners as two digits, x and y on a grid where letters stand on y = 2, x-heights end at 7 and
 # capitals at 9. "~": rounded; "o": rounded and closed.
@@ -26,7 +26,7 @@ _STROKES: Final = {
     "q": f"47 40|{_BOWL}", "r": "02 07|~05 07 37", "s": "~46 47 07 05 44 42 02 03", "t": "~19 12 32|07 37",
     "u": "~07 02 42|47 42", "v": "07 22 47", "w": "07 12 25 32 47", "x": "02 47|07 42", "y": "07 22|47 10",
     "z": "07 47 02 42",
-    "0": "o09 02 42 49", "1": "17 29 22", "2": "~08 09 49 46 02|02 42", "3": "~08 09 49 46 16|~16 46 42 02 03",
+    "0": "o09 02 32 39", "1": "17 29 22", "2": "~08 09 49 46 02|02 42", "3": "~08 09 49 46 16|~16 46 42 02 03",
     "4": "32 39 04 44", "5": "49 09 06|~06 46 42 02 03", "6": "~48 49 09 02 42 46 06 04", "7": "09 49 12",
     "8": "o06 09 49 46|o06 02 42 46", "9": "~03 02 42 49 09 05 45 47",
     "=": "06 36|04 34", "-": "05 35", "−": "05 35", "+": "05 45|27 23", "_": "01 41", "[": "29 09 00 20",

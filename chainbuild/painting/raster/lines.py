@@ -11,9 +11,10 @@ import numpy as np
 from chainbuild.arrays import Matrix
 from chainbuild.chain.bodies.body import Colour
 from chainbuild.painting.colours import GROUND_COLOUR
-from chainbuild.painting.marks import HALO, Caption, Marks, Spot
+from chainbuild.painting.marks import HALO, Caption, Marks
 from chainbuild.painting.raster.letters import text_strokes, text_width
 from chainbuild.painting.raster.png import Pixels
+from chainbuild.painting.views import Spot
 
 _THICK: Final = 0.1  # of a text's size: its strokes
 

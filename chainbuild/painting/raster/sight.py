@@ -18,7 +18,7 @@ from chainbuild.painting.views import View, Window
 from chainbuild.shown import fields_shown
 
 Plane = NDArray[np.floating[Any]]
-Numbers = NDArray[np.int32]
+FaceNumbers = NDArray[np.int32]
 
 _NEARER: Final = 2e-5  # m: where faces lie in each other, the first body stays
 _EDGE_ON: Final = 1e-7  # cosine below which the line of sight runs along a face
@@ -39,11 +39,11 @@ class Buffers:
     __repr__ = fields_shown
 
     depth: Plane
-    face: Numbers
+    face: FaceNumbers
     shade: Plane
 
     @property
-    def bodies(self) -> Numbers:
+    def bodies(self) -> FaceNumbers:
         """(rows, columns) number of the body that each pixel shows, `NOTHING` where there is none."""
         return self.face // _FACES
 
@@ -163,7 +163,7 @@ def _draw(buffers: Buffers, number: int, solid: PlacedBody, sight: _Sight) -> No
     buffers.shade[place][seen] = MIDDLE + GAIN * _cosines(solid, sight, near, side, seen)
 
 
-def _cosines(solid: PlacedBody, sight: _Sight, near: Plane, side: Numbers, seen: NDArray[np.bool_]) -> Plane:
+def _cosines(solid: PlacedBody, sight: _Sight, near: Plane, side: FaceNumbers, seen: NDArray[np.bool_]) -> Plane:
     """Return the cosine to the light where the lines of sight meet a body."""
     kind, size = solid.body.kind, solid.body.dimensions
     signs = [1.0 if part > 0.0 else -1.0 for part in sight.toward]
@@ -181,7 +181,7 @@ def _cosines(solid: PlacedBody, sight: _Sight, near: Plane, side: Numbers, seen:
 _COARSE: Final = (480, 360)  # pixels: what cannot be seen there is hidden or too small
 
 
-def body_pixels(solids: Sequence[PlacedBody], view: View) -> Numbers:
+def body_pixels(solids: Sequence[PlacedBody], view: View) -> FaceNumbers:
     """Return which body every pixel of a small picture shows (rows, columns), `NOTHING` where there is none.
 
     Args:

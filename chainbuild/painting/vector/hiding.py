@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from chainbuild.arrays import Matrix
-from chainbuild.painting.vector.facets import CONTACT, HIDDEN, OUTLINE, Facet, Hull, Point, crossed, dot
+from chainbuild.painting.vector.facets import CONTACT_EDGE, HIDDEN_EDGE, OUTLINE_EDGE, Corner, Facet, Hull, crossed, dot
 from chainbuild.painting.views import Arrow
 
 _EPS: Final = 2e-6  # m: corners that lie this near to a plane lie in it
@@ -80,7 +80,7 @@ def _shadow(hull: Hull, toward: Arrow) -> _Shadow:
     sides = []
     for facet in hull.facets:
         for k, kind in enumerate(facet.edges):
-            if kind == OUTLINE:
+            if kind == OUTLINE_EDGE:
                 one, other = facet.points[k], facet.points[(k + 1) % len(facet.points)]
                 edge = other[0] - one[0], other[1] - one[1], other[2] - one[2]
                 normal = _unit(crossed(edge, toward))
@@ -88,13 +88,13 @@ def _shadow(hull: Hull, toward: Arrow) -> _Shadow:
     return _Shadow(np.array([*planes, *sides]), len(planes))
 
 
-def _normal(facet: Facet) -> Point:
+def _normal(facet: Facet) -> Corner:
     """Return the normal of a facet, from corners far apart."""
     a, b, c = facet.points[0], facet.points[len(facet.points) // 3], facet.points[2 * len(facet.points) // 3]
     return _unit(crossed((b[0] - a[0], b[1] - a[1], b[2] - a[2]), (c[0] - a[0], c[1] - a[1], c[2] - a[2])))
 
 
-def _unit(vector: Point) -> Point:
+def _unit(vector: Corner) -> Corner:
     length = math.sqrt(dot(vector, vector))
     return vector[0] / length, vector[1] / length, vector[2] / length
 
@@ -117,7 +117,7 @@ def _without(piece: Facet, planes: Sequence[tuple[list[float], bool]], flush: fl
         if min(distances) >= -_EPS:
             return [piece]
         if max(distances) > _EPS:
-            measured.append(((a, b, c), level, CONTACT if face else HIDDEN))
+            measured.append(((a, b, c), level, CONTACT_EDGE if face else HIDDEN_EDGE))
     parts: list[Facet] = []
     inside: Facet | None = piece
     for normal, level, kind in measured:
@@ -145,7 +145,7 @@ def _half(facet: Facet, distances: Sequence[float], sign: float, cut: int) -> Fa
         sign: Side that is kept.
         cut: What the new edge is.
     """
-    points: list[Point] = []
+    points: list[Corner] = []
     edges: list[int] = []
     count = len(facet.points)
     for k, (point, distance) in enumerate(zip(facet.points, distances, strict=True)):
@@ -161,7 +161,7 @@ def _half(facet: Facet, distances: Sequence[float], sign: float, cut: int) -> Fa
     return Facet(facet.face, tuple(points), tuple(edges)) if len(points) > 2 else None
 
 
-def _crossing(one: Point, here: float, other: Point, there: float) -> Point:
+def _crossing(one: Corner, here: float, other: Corner, there: float) -> Corner:
     """Return where the line between two points on both sides of a plane meets it, the same from either end."""
     if other < one:
         one, here, other, there = other, there, one, here

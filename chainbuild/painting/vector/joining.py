@@ -8,7 +8,8 @@ from typing import Final
 
 import numpy as np
 
-Spot = tuple[float, float]
+from chainbuild.painting.views import Spot
+
 Edge = tuple[Spot, Spot, int]  # from, to, what it is
 
 _NEAR: Final = 0.02  # pixels: corners this near are one, and a corner this near to an edge lies on it

@@ -1,4 +1,4 @@
-"""A picture as SVG: filled faces in their order, round bodies with gradients, lines on them."""
+"""A picture as SVG: filled faces, round bodies with gradients, lines over them; coordinates are tenths of a pixel."""
 
 from __future__ import annotations
 
@@ -11,15 +11,26 @@ from chainbuild.files import printable_tree
 from chainbuild.painting.colours import GAIN, GROUND_COLOUR, INK_COLOUR, LIGHT, MIDDLE, hex_colour, lit
 from chainbuild.painting.marks import HALO, Marks
 from chainbuild.painting.stage import PlacedBody
-from chainbuild.painting.vector.facets import CONTACT, CREASE, OUTLINE, SIDE_FACE, Facet, Hull, dot, hull_of
+from chainbuild.painting.vector.facets import (
+    CONTACT_EDGE,
+    CREASE_EDGE,
+    OUTLINE_EDGE,
+    SIDE_FACE,
+    Facet,
+    Hull,
+    dot,
+    hull_of,
+)
 from chainbuild.painting.vector.hiding import seen_pieces
-from chainbuild.painting.vector.joining import Spot, border, chained
-from chainbuild.painting.views import View, Window
+from chainbuild.painting.vector.joining import border, chained
+from chainbuild.painting.views import Spot, View, Window
 
-_BOLD: Final = "1.1"  # pixels: where a body ends
-_THIN: Final = "0.5"  # likewise where faces meet
-_SEAM: Final = "0.6"  # likewise a border in a face's own colour, so that no ground shows between two pieces
-_STOPS: Final = 6  # of a gradient across a round body
+# Tenths of a pixel.
+_BOLD: Final = "11"  # where a body ends
+_THIN: Final = "5"  # where faces meet
+_SEAM: Final = "6"  # a border in a face's own colour, so that no ground shows between two faces
+_ROUND: Final = {"stroke-linejoin": "round", "stroke-linecap": "round"}
+_STOPS: Final = 4  # of a gradient across a round body, from the first
 
 
 class Sheet:
@@ -31,7 +42,7 @@ class Sheet:
     """
 
     def __init__(self, width: int, height: int) -> None:
-        size = {"viewBox": f"0 0 {width} {height}", "width": f"{width}", "height": f"{height}"}
+        size = {"viewBox": f"0 0 {width}0 {height}0", "width": f"{width}", "height": f"{height}"}
         self.root = ET.Element("svg", {"xmlns": "http://www.w3.org/2000/svg", **size, "font-family": "sans-serif"})
         self._definitions = ET.SubElement(self.root, "defs")
         ET.SubElement(self.root, "rect", {"width": "100%", "height": "100%", "fill": hex_colour(GROUND_COLOUR)})
@@ -44,9 +55,9 @@ class Sheet:
             view: From where one looks.
             window: What of it fills the picture.
         """
-        hulls = [hull_of(body, view) for body in placed]
+        hulls = [hull_of(body, view, window.scale) for body in placed]
         brush = _Brush(placed, hulls, view, window, self._definitions)
-        parent = ET.SubElement(self.root, "g", {"stroke-linejoin": "round", "stroke-linecap": "round"})
+        parent = ET.SubElement(self.root, "g", {"stroke-width": _SEAM, **_ROUND})
         for number, pieces in enumerate(seen_pieces(hulls, view.toward)):
             brush.fill(parent, number, pieces)
         brush.draw_lines(parent)
@@ -54,20 +65,20 @@ class Sheet:
     def mark(self, marks: Marks) -> None:
         """Draw lines, then texts."""
         ground = hex_colour(GROUND_COLOUR)
-        parent = ET.SubElement(self.root, "g", {"fill": "none", "stroke-linejoin": "round", "stroke-linecap": "round"})
+        parent = ET.SubElement(self.root, "g", {"fill": "none", **_ROUND})
         for stroke in marks.strokes:
             data = path_data(stroke.spots) or _dot(stroke.spots[0])
             if stroke.halo:
-                width = number_of(stroke.width + 2.0 * HALO)
+                width = tenths(stroke.width + 2.0 * HALO)
                 ET.SubElement(
                     parent, "path", {"d": data, "stroke": ground, "stroke-width": width, "stroke-opacity": ".85"}
                 )
-            ink = {"stroke": hex_colour(stroke.colour), "stroke-width": number_of(stroke.width)}
+            ink = {"stroke": hex_colour(stroke.colour), "stroke-width": tenths(stroke.width)}
             ET.SubElement(parent, "path", {"d": data, **ink})
         for caption in marks.captions:
-            place = {"x": number_of(caption.x), "y": number_of(caption.y), "text-anchor": "middle"}
-            halo = {"stroke": ground, "stroke-width": number_of(2.0 * HALO), "paint-order": "stroke"}
-            font = {"font-size": number_of(caption.size), "fill": hex_colour(caption.colour)}
+            place = {"x": tenths(caption.x), "y": tenths(caption.y), "text-anchor": "middle"}
+            halo = {"stroke": ground, "stroke-width": tenths(2.0 * HALO), "paint-order": "stroke"}
+            font = {"font-size": tenths(caption.size), "fill": hex_colour(caption.colour)}
             ET.SubElement(self.root, "text", {**place, **halo, **font, "stroke-linejoin": "round"}).text = caption.text
 
     def text(self) -> str:
@@ -84,7 +95,7 @@ class _Brush:
         self._placed, self._hulls, self._view, self._window = placed, hulls, view, window
         self._definitions = definitions
         self._fills: dict[int, str] = {}
-        self._lines: dict[int, dict[tuple[Spot, Spot], None]] = {OUTLINE: {}, CREASE: {}}
+        self._lines: dict[int, dict[tuple[Spot, Spot], None]] = {OUTLINE_EDGE: {}, CREASE_EDGE: {}}
 
     def fill(self, parent: ET.Element, number: int, pieces: Sequence[Facet]) -> None:
         """Paint the faces of a body, and keep their lines."""
@@ -99,16 +110,16 @@ class _Brush:
             data = "".join(path_data(chain) for chain in chained((a, b) for a, b, _ in edges))
             if data:
                 seam = hex_colour(self._colour(number, face))
-                ink = {"fill": self._fill(number, face), "stroke": seam, "stroke-width": _SEAM}
+                ink = {"fill": self._fill(number, face), "stroke": seam}
                 ET.SubElement(parent, "path", {"d": data, **ink})
             for a, b, kind in edges:
-                found = self._lines.get(CREASE if kind == CONTACT else kind)
+                found = self._lines.get(CREASE_EDGE if kind == CONTACT_EDGE else kind)
                 if found is not None and (b, a) not in found:
                     found[a, b] = None
 
     def draw_lines(self, parent: ET.Element) -> None:
         """Draw the lines of all faces over them."""
-        for kind, width in ((CREASE, _THIN), (OUTLINE, _BOLD)):
+        for kind, width in ((CREASE_EDGE, _THIN), (OUTLINE_EDGE, _BOLD)):
             data = "".join(path_data(chain) for chain in chained(self._lines[kind]))
             if data:
                 ink = {"fill": "none", "stroke": hex_colour(INK_COLOUR), "stroke-width": width}
@@ -148,7 +159,7 @@ class _Brush:
             self._window.spot(self._view, [c + sign * radius * d for c, d in zip(hull.centre, x, strict=True)])
             for sign in (-1.0, 1.0)
         )
-        ends = {"x1": number_of(begin[0]), "y1": number_of(begin[1]), "x2": number_of(end[0]), "y2": number_of(end[1])}
+        ends = {"x1": tenths(begin[0]), "y1": tenths(begin[1]), "x2": tenths(end[0]), "y2": tenths(end[1])}
         gradient = ET.SubElement(
             self._definitions, "linearGradient", {"id": name, "gradientUnits": "userSpaceOnUse", **ends}
         )
@@ -164,7 +175,7 @@ class _Brush:
         u, v = self._window.spot(self._view, hull.centre)
         across = (LIGHT[0] ** 2 + LIGHT[1] ** 2) ** 0.5
         circle = {"cx": u + LIGHT[0] * radius, "cy": v - LIGHT[1] * radius, "r": (1.0 + across) * radius}
-        places = {key: number_of(value) for key, value in circle.items()}
+        places = {key: tenths(value) for key, value in circle.items()}
         gradient = ET.SubElement(
             self._definitions, "radialGradient", {"id": name, "gradientUnits": "userSpaceOnUse", **places}
         )
@@ -185,33 +196,26 @@ def _is_flat(body: Body, face: int) -> bool:
 def path_data(spots: Sequence[Spot]) -> str:
     """Return a line as an SVG path, closed where it ends as it begins; "" for one too short to be seen.
 
-    Corners are rounded to tenths of a pixel and told from one to the next, which is shorter.
+    Corners are told from one to the next, which is shorter.
     """
-    tenths = [(round(10.0 * x), round(10.0 * y)) for x, y in spots]
-    tenths = [here for n, here in enumerate(tenths) if n == 0 or here != tenths[n - 1]]
+    rounded = [(round(10.0 * x), round(10.0 * y)) for x, y in spots]
+    rounded = [here for n, here in enumerate(rounded) if n == 0 or here != rounded[n - 1]]
     closed = spots[0] == spots[-1]
-    if len(tenths) < (4 if closed else 2):
+    if len(rounded) < (4 if closed else 2):
         return ""
-    (x, y), *others = tenths[: -1 if closed else None]
-    words = []
+    (x, y), *others = rounded[: -1 if closed else None]
+    words = [f"M{x} {y}l"]
     for here in others:
-        words.append(_pair(here[0] - x, here[1] - y))
+        words.append(f"{here[0] - x} {here[1] - y}")
         x, y = here
-    return f"M{_pair(*tenths[0])}l{' '.join(words).replace(' -', '-')}{'z' if closed else ''}"
+    return f"{words[0]}{' '.join(words[1:])}{'z' if closed else ''}".replace(" -", "-")
 
 
 def _dot(spot: Spot) -> str:
     """Return a line without length, which round ends make a dot."""
-    return f"M{number_of(spot[0])} {number_of(spot[1])}h0"
+    return f"M{tenths(spot[0])} {tenths(spot[1])}h0"
 
 
-def _pair(x: int, y: int) -> str:
-    """Return two numbers in tenths as text, as short as SVG permits."""
-    one, other = number_of(x / 10.0), number_of(y / 10.0)
-    return one + other if other.startswith("-") else f"{one} {other}"
-
-
-def number_of(value: float) -> str:
-    """Return a coordinate as text with one decimal at most."""
-    text = f"{value:.1f}".removesuffix(".0")
-    return "0" if text == "-0" else text
+def tenths(value: float) -> str:
+    """Return pixels as text, in tenths."""
+    return f"{round(10.0 * value)}"
