@@ -230,6 +230,10 @@ def test_balls_of_a_small_platform_keep_clear_of_one_another() -> None:
     bodies = drawn_bodies(chain)
     rods = parts(bodies, "rod")
     assert {body.dimensions[0] for body in rods} == {0.006}
+    starts = zip(chain.axes, (800.0, 700.0, 700.0), strict=True)
+    aside = replace(chain, axes=tuple(replace(axis, lower=low, upper=1100.0, assumed=False) for axis, low in starts))
+    assert np.hypot(*Site(aside).tip[:2]) > 0.05
+    assert {body.dimensions[0] for body in parts(drawn_bodies(aside), "rod")} == {0.006}
     axes = np.full(3, 700.0)
     balls = [body for body in bodies if body.kind == "sphere"]
     assert len(balls) == 6
@@ -259,6 +263,9 @@ def test_columns_of_other_strokes_end_at_one_height() -> None:
     tops = {round(float(body.T_link_body[2, 3] + body.dimensions[2] / 2), 6) for body in parts(bodies, "column")}
     assert len(tops) == 1
     assert min(site.bounds(beam)[0, 2] for beam in parts(bodies, "beam")) == pytest.approx(tops.pop(), abs=1e-6)
+    assert max(site.bounds(guide)[1, 2] for guide in parts(bodies, "guide")) == pytest.approx(
+        max(site.bounds(column)[1, 2] for column in parts(bodies, "column")), abs=1e-6
+    )
     guides = sorted(body.dimensions[2] for body in parts(bodies, "guide"))
     assert guides[2] - guides[0] == pytest.approx(0.2, abs=2e-6)
     assert guides[1] == pytest.approx(guides[0], abs=2e-6)
@@ -270,6 +277,30 @@ def test_a_ring_joins_the_columns() -> None:
     home = home_and_middle(chain)[0]
     table = np.abs(gaps_between(chain, parts(bodies, "beam"), parts(bodies, "column"), home)) < CONTACT
     assert np.sum(table, axis=0).tolist() == np.sum(table, axis=1).tolist() == [2, 2, 2]
+
+
+@pytest.mark.parametrize("first", [-810.0, -900.0])
+def test_the_floor_is_under_hanging_rods(first: float) -> None:
+    """Carriages above the table: the rods end 477 mm lower, and 4.4 radii of a rod over the floor at the lowest."""
+    chain, _ = drawn("rod_table_kin19", "kin19_carriages=above")
+    limits = {"Z1": first}
+    axes = tuple(replace(axis, lower=limits.get(axis.name, axis.lower)) for axis in chain.axes)
+    other = replace(chain, axes=axes)
+    (bed,) = parts(drawn_bodies(other), "bed")
+    rods = 0.5**2 - 0.15**2
+    lowest = first / 1000 - rods**0.5 - 4.4 * 0.008
+    assert Site(other).bounds(bed)[1, 2] == pytest.approx(lowest, abs=1e-5)
+
+
+def test_posts_stand_beyond_the_stretched_levers() -> None:
+    """Six radii of a rod beyond them, under the ends of the beams."""
+    _, bodies = drawn("delta_kin37")
+    r = 0.008
+    for post, beam in zip(parts(bodies, "post"), parts(bodies, "beam"), strict=True):
+        place = post.T_link_body[:3, 3]
+        assert np.hypot(*place[:2]) == pytest.approx(0.15 + 0.2 + 6 * r, abs=1e-6)
+        out = place * (1.0, 1.0, 0.0) / np.hypot(*place[:2])
+        assert span(beam, beam.T_link_body, out) == pytest.approx((0.0, 0.35 + 8.5 * r), abs=1e-5)
 
 
 def test_levers_turn_clear_of_plate_and_motors() -> None:
@@ -400,9 +431,12 @@ def test_the_bed_follows_a_workpiece_below_the_tips() -> None:
             for frame in chain.frames
         )
         other = replace(chain, frames=frames)
-        (table,) = parts(drawn_bodies(other), "table")
+        bodies = drawn_bodies(other)
+        (table,) = parts(bodies, "table")
         height = table.T_link_body[2, 3] + table.dimensions[1] / 2
         assert height == pytest.approx(zero if follows else 0.06 - 0.09 * machine_size(other), abs=1e-5)
+        (part,) = parts(bodies, "workpiece")
+        assert part.dimensions[2] == pytest.approx(min(0.6 * (0.06 - height), part.dimensions[0]), abs=1e-5)
 
 
 def test_the_overlay_gives_the_part() -> None:

@@ -10,7 +10,7 @@ import pytest
 
 import chainbuild
 from chainbuild.chain.bodies.body import BASE_COLOUR, PART_COLOUR, WORKPIECE_SIDE, Body
-from chainbuild.chain.bodies.shapes import shown_limits
+from chainbuild.chain.bodies.shapes import machine_size, shown_limits
 from chainbuild.chain.elements import BASE_LINK, Chain
 from chainbuild.chain.poses import frame_placement
 from chainbuild.drawing.machine import drawn_bodies
@@ -25,16 +25,17 @@ BUILT: dict[str, dict[int | str, float]] = {
     "13": {1: 60.0},
     "13 beside the axis": {1: 60.0, 4: 20.0},
     "202 to the right": {1: 80.0, 10: 1.0},
+    "202 off the zero": {1: 80.0, 6: 50.0, 7: 30.0, 8: -40.0},
     "205 about X": {1: 50.0, 2: 80.0, 17: 1.0},
     "36 off the zero": {1: 100.0, 2: 325.0, 3: 225.0, 4: 50.0, 5: 20.0},
     "36 with absolute angles": {1: 100.0, 2: 325.0, 3: 225.0, 7: 1.0},
     "85 with a short lever": {1: 800.0, 2: 200.0},
 }
 MACHINES = (*SHIPPED, *BUILT)
-LATHES = ("c_face_kin14", "cyl_2rot_kin202", "13", "13 beside the axis", "202 to the right")
+LATHES = ("c_face_kin14", "cyl_2rot_kin202", "13", "13 beside the axis", "202 to the right", "202 off the zero")
 # Parts that touch faces: neither stands inside the other, and there is no gap.
 BEFORE_A_COLUMN = "slide ram, slide guide, guide column, column bed"
-LATHE = f"{BEFORE_A_COLUMN}, table housing, workpiece table, cheek table"
+LATHE = f"{BEFORE_A_COLUMN}, table housing, workpiece table, cheek table, cheek workpiece"
 TOUCHING = {
     "c_face_kin14": f"{LATHE}, spindle ram, spindle tool",
     "cyl_2rot_kin202": f"{LATHE}, ram housing",
@@ -44,6 +45,7 @@ TOUCHING = {
     "13": LATHE,
     "13 beside the axis": LATHE,
     "202 to the right": f"{LATHE}, ram housing",
+    "202 off the zero": f"{LATHE}, ram housing",
     "205 about X": f"{BEFORE_A_COLUMN}, plate ram, tool plate",
     "85 with a short lever": "carriage guide, guide bed, cheek carriage, spindle lever, spindle tool",
 }
@@ -241,7 +243,8 @@ def test_the_spindle_turns_chuck_and_part_about_its_axis(name: str) -> None:
     assert heights == sorted(heights)
     jaws = [T[:2, 3] - axis for T in placements(chain, parts(bodies, "cheek"), low)]
     assert np.sum(jaws, axis=0) == pytest.approx([0.0, 0.0], abs=1e-6)
-    assert {round(float(np.linalg.norm(jaw)), 6) for jaw in jaws} == {round(float(np.linalg.norm(jaws[0])), 6)}
+    half = (part.dimensions[0] + 0.95 * chuck.dimensions[0]) / 2
+    assert [float(np.linalg.norm(jaw)) for jaw in jaws] == [pytest.approx(half, abs=1e-6)] * 3
 
 
 def test_a_level_tool_turns_the_part_and_an_upright_one_faces_it() -> None:
@@ -254,6 +257,26 @@ def test_a_level_tool_turns_the_part_and_an_upright_one_faces_it() -> None:
         lowest = min(frame_placement(chain, "tool", corner)[2, 3] for corner in corners(chain))
         assert (top > lowest + 0.1) == beside
         assert beside or top < lowest
+
+
+@pytest.mark.parametrize("stroke", [500.0, 100.0])
+def test_a_turned_part_is_as_long_as_the_stroke_or_nine_radii(stroke: float) -> None:
+    chain, _ = drawn("cyl_2rot_kin202")
+    axes = tuple(replace(axis, upper=stroke) if axis.name == "ZQ" else axis for axis in chain.axes)
+    bodies = drawn_bodies(replace(chain, axes=axes))
+    (part,), (chuck,) = parts(bodies, "workpiece"), parts(bodies, "table")
+    radius, length = part.dimensions
+    assert radius == pytest.approx(0.6 * 0.04, abs=1e-6)
+    assert length == pytest.approx(min(9 * radius, stroke / 1000 + 2 * radius), abs=2e-6)
+    spindle = 0.06 * max(stroke / 1000, machine_size(chain), 0.28)
+    assert chuck.dimensions[0] == pytest.approx(1.9 * max(radius, spindle), abs=1e-6)
+
+
+def test_a_faced_part_is_as_wide_as_the_tip_goes() -> None:
+    _, bodies = drawn("c_face_kin14")
+    (part,), (chuck,) = parts(bodies, "workpiece"), parts(bodies, "table")
+    assert part.dimensions == (pytest.approx(0.4 * 0.25, abs=1e-6), pytest.approx(0.4 * 0.25, abs=1e-6))
+    assert chuck.dimensions[0] == pytest.approx(1.9 * 0.1, abs=1e-6)
 
 
 def test_the_tool_that_crosses_the_spindle_faces_the_part() -> None:
@@ -286,6 +309,48 @@ def test_the_disc_turns_about_its_middle_and_holds_the_tool_off_it(name: str) ->
     assert disc.dimensions[0] > off
     # The tool sits on the face of the disc, which is between it and the ram.
     assert abs((flange - middle) @ joint.direction) == pytest.approx(disc.dimensions[1] / 2, abs=2e-6)
+
+
+def test_the_ram_holds_an_upright_disc_in_its_middle() -> None:
+    chain, bodies = drawn("205 about X")
+    site = Site(chain)
+    (disc,), (ram,) = parts(bodies, "plate"), parts(bodies, "ram")
+    low, high = site.bounds(ram)[:, 2]
+    middle = float((site.links[disc.link] @ disc.T_link_body)[2, 3])
+    assert low < middle - 0.4 * ram.dimensions[0]
+    assert middle < high
+    assert site.bounds(ram)[0, 0] == pytest.approx(site.bounds(disc)[1, 0], abs=1e-6)
+
+
+def test_a_disc_without_tool_length_has_its_tool_in_it() -> None:
+    chain = build(205, {2: 80.0, 16: 1.0}).robot.chain
+    bodies = drawn_bodies(chain)
+    axes = home_and_middle(chain)[0]
+    ((start, end),) = ends(chain, bodies, "tool", axes).values()
+    assert end == pytest.approx(frame_placement(chain, "tool", axes)[:3, 3], abs=1e-6)
+    assert start[2] > end[2]
+
+
+@pytest.mark.parametrize("length", [0.0, 100.0])
+def test_the_ram_begins_above_tool_and_spindle(length: float) -> None:
+    """Where the data put the slide, and 2.5 radii of the spindle above the tip at least."""
+    chain = chainbuild.load("c_face_kin14").chain(tool_length_mm=length)
+    bodies, site = drawn_bodies(chain), Site(chain)
+    (ram,), (spindle,) = parts(bodies, "ram"), parts(bodies, "spindle")
+    assert spindle.dimensions[0] == pytest.approx(0.06 * 0.45, abs=1e-6)
+    under = max(0.0, float(site.tip[2]) + 2.5 * spindle.dimensions[0])
+    assert site.bounds(ram)[0, 2] == pytest.approx(under, abs=1e-6)
+
+
+@pytest.mark.parametrize("length", [80.0, 30.0])
+def test_the_tool_sticks_out_of_its_turret(length: float) -> None:
+    chain = build(202, {1: length}).robot.chain
+    axes = (replace(chain.axes[0], lower=120.0, upper=400.0, assumed=False), *chain.axes[1:])
+    axes = tuple(replace(a, lower=0.0, upper=500.0, assumed=False) if a.name.startswith("Z") else a for a in axes)
+    chain = replace(chain, axes=axes)
+    (turret,) = [body for body in parts(drawn_bodies(chain), "housing") if body.link != BASE_LINK]
+    assert turret.dimensions[0] == pytest.approx(1.2 * min(0.06 * 0.5, 0.45 * length / 1000), abs=1e-6)
+    assert turret.dimensions[0] < length / 1000
 
 
 @pytest.mark.parametrize("name", ["scara_kin36", "36 off the zero", "36 with absolute angles"])
