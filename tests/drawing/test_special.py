@@ -39,7 +39,7 @@ LATHE = f"{BEFORE_A_COLUMN}, table housing, workpiece table, cheek table, cheek 
 TOUCHING = {
     "c_face_kin14": f"{LATHE}, spindle ram, spindle tool",
     "cyl_2rot_kin202": f"{LATHE}, ram housing",
-    "scara_kin36": "foot bed, column foot, column joint, workpiece bed, tool ram",
+    "scara_kin36": "foot bed, column foot, column joint, housing joint, workpiece bed, tool ram",
     "lever_kin85": "carriage guide, guide bed, cheek carriage, workpiece bed, spindle lever, spindle tool",
     "eccentric_disc_kin205": f"{BEFORE_A_COLUMN}, plate ram, tool plate, workpiece bed",
     "13": LATHE,
@@ -359,6 +359,7 @@ def test_the_arms_of_a_scara_reach_from_axis_to_axis(name: str) -> None:
     arms = parts(bodies, "arm")
     assert [arm.link for arm in arms] == ["C1_link", "C2_link"]
     assert [round(arm.dimensions[0], 6) for arm in arms] == [0.325, 0.225]
+    assert [arm.dimensions[1] for arm in arms] == [pytest.approx(2 * 0.16 * 0.225, abs=1e-6)] * 2
     site = Site(chain)
     for arm, joint, after in zip(arms, site.tool_path, site.tool_path[1:], strict=False):
         T = site.links[arm.link] @ arm.T_link_body
@@ -393,11 +394,70 @@ def test_the_lever_swings_between_the_cheeks_of_its_tower(name: str) -> None:
     assert np.linalg.norm(lever.T_link_body[:3, 3] + half * along) == pytest.approx(0.8 * np.linalg.norm(way), abs=2e-6)
     assert np.cross(lever.T_link_body[:3, 3], along) == pytest.approx(np.zeros(3), abs=1e-6)
     cheeks = parts(bodies, "cheek")
+    (pin,) = parts(bodies, "joint")
+    assert pin.dimensions[1] == pytest.approx(2.4 * lever.dimensions[1], abs=2e-6)
+    assert pin.T_link_body[:3, 3] == pytest.approx(np.zeros(3), abs=1e-9)
+    assert abs(pin.T_link_body[1, 2]) == pytest.approx(1.0)
     for axes in corners(chain):
         (T, *places) = placements(chain, [lever, *cheeks], axes)
         assert min(gap(lever, T, cheek, place) for cheek, place in zip(cheeks, places, strict=True)) > 0.0
         sides = [place[1, 3] - T[1, 3] for place in places]
         assert sides[0] == pytest.approx(-sides[1], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "limits"),
+    [
+        ("36", {1: 100.0, 2: 325.0, 3: 225.0}, {"C1": (-130.0, 130.0), "C2": (5.0, 145.0), "Z": (0.0, 300.0)}),
+        ("85", {1: 300.0, 2: 600.0}, {"X": (-500.0, 500.0), "C": (-80.0, 80.0)}),
+        ("205", {1: 50.0, 2: 80.0, 16: 1.0}, {"X": (-200.0, 200.0), "C": (5.0, 175.0), "Z": (-150.0, 100.0)}),
+    ],
+)
+def test_a_tip_that_goes_below_the_zero_lowers_the_bed(
+    name: str, values: dict[int | str, float], limits: dict[str, tuple[float, float]]
+) -> None:
+    """The bed is nine hundredths of the extent below the lowest tip, and the part takes six tenths of that."""
+    chain = build(int(name), values).robot.chain
+    axes = tuple(
+        replace(a, lower=limits[a.name][0], upper=limits[a.name][1], assumed=False) if a.name in limits else a
+        for a in chain.axes
+    )
+    chain = replace(chain, axes=axes)
+    bodies, site = drawn_bodies(chain), Site(chain)
+    lowest = min(frame_placement(chain, "tool", corner)[2, 3] for corner in corners(chain))
+    assert lowest < 0.0
+    slides = [(b - a) / 1000 for key, (a, b) in limits.items() if key in "XZ"]
+    room = 0.09 * max(machine_size(chain), *slides)
+    (bed,), (part,) = parts(bodies, "bed"), parts(bodies, "workpiece")
+    top = site.bounds(bed)[1, 2]
+    assert top == pytest.approx(lowest - room, abs=1e-5)
+    assert site.bounds(part)[:, 2] == pytest.approx((top, top + min(0.6 * room, part.dimensions[0])), abs=1e-5)
+    if name == "85":
+        (guide,), (carriage,) = parts(bodies, "guide"), parts(bodies, "carriage")
+        assert site.bounds(guide)[:, 2] == pytest.approx((top, top + 0.13 * room), abs=1e-5)
+        assert site.bounds(carriage)[1, 2] == pytest.approx(top + 0.45 * room, abs=1e-5)
+
+
+def test_the_bed_of_a_lathe_reaches_under_headstock_and_column() -> None:
+    """The tool that points to the right comes from the other side: there the headstock is beyond the column."""
+    chain, _ = drawn("202 to the right")
+    axes = tuple(replace(a, lower=-400.0, upper=-120.0, assumed=False) if a.name == "XQ" else a for a in chain.axes)
+    chain = replace(chain, axes=axes)
+    bodies, site = drawn_bodies(chain), Site(chain)
+    (bed,), (column,) = parts(bodies, "bed"), parts(bodies, "column")
+    (stock,) = [body for body in parts(bodies, "housing") if body.link == BASE_LINK]
+    edge = 0.06 * max(
+        machine_size(chain), *(site.stroke(joint)[1] - site.stroke(joint)[0] for joint in site.tool_path[:2])
+    )
+    assert site.bounds(stock)[1, 0] > site.bounds(column)[1, 0]
+    assert site.bounds(bed)[:, 0] == pytest.approx(
+        (site.bounds(column)[0, 0] - edge, site.bounds(stock)[1, 0] + edge), abs=1e-5
+    )
+    assert site.bounds(bed)[:, 1] == pytest.approx(
+        (site.bounds(stock)[0, 1] - edge, site.bounds(column)[1, 1]), abs=1e-5
+    )
+    for place in home_and_middle(chain):
+        assert overlaps(chain, bodies, place, CONTACT) == []
 
 
 def test_the_part_stands_where_the_lever_reaches_and_the_slide_does_not() -> None:

@@ -161,7 +161,7 @@ def _ram(site: Site, foot: Vector, over: float, r: float, below: _Below) -> list
     left, right = x + near - wide, x + far + wide
     rail, back = face - _RAIL * r, face + _COLUMN * r
     edges = min(left, middle[0] - below.half) - r, max(right, middle[0] + below.half) + r
-    front = min(middle[1] - below.half, y - half) - r
+    front = middle[1] - below.half - r
     return [
         site.box(slide.child, "ram", (x - half, y - half, z), (x + half, y + half, high - min(rises) + r), R),
         site.box(cross.child, "slide", (x - wide, y + half, low), (x + wide, rail, high), R),
