@@ -1,7 +1,8 @@
 """An arm of closed loops: its rod, the pin on which it swings, and the measures of what drives it.
 
-Every length of an arm's castings is a multiple of the radius of its rod. One rod stands for the pair that each arm of a
-tripod or a delta robot has: the pair shears as the platform moves aside, which no fixed body does.
+Every length of an arm's castings is a multiple of the radius of its rod. Where the platform never turns, each arm has
+two rods, as tripods and delta robots have to keep it level. The pair shears as the platform moves aside, which no fixed
+body does: both are of one link, and follow the line between them.
 """
 
 from __future__ import annotations
@@ -21,10 +22,12 @@ from chainbuild.shown import fields_shown
 BALL: Final = 1.6  # a joint's ball is thicker than the rod
 GAP: Final = 2.3  # half the fork that holds a pin: the ball fits, and the rod may lean by 30°
 CHEEK: Final = 3.1  # half its outer width
+PAIR: Final = CHEEK + 2.0  # half the distance of two rods: their balls clear the fork between them
 LUG: Final = 1.4  # half its height
 
 _ROD: Final = 0.016  # radius over length of a rod: slim, but to be seen in a small picture
 _ROD_AT_PIN: Final = 0.2  # of the way from a platform's middle to its pins: balls beside one another stay apart
+_PAIR_AT_PIN: Final = 0.13  # likewise for two rods
 _PIN: Final = 0.8  # radii of a rod: of the pin on which it swings
 _EDGE: Final = 4.0  # likewise: height of the foot, and how far it reaches beyond what stands on it
 
@@ -43,6 +46,7 @@ class Arm:
         end: Where it ends, at the pin of the platform.
         R: (3, 3) columns: horizontally outwards, along the hinge, up.
         radius: Of the rod [m].
+        pair: Whether two rods beside the line from start to end keep the platform from turning.
     """
 
     __repr__ = fields_shown
@@ -54,6 +58,7 @@ class Arm:
     end: Vector
     R: Matrix
     radius: float
+    pair: bool
 
     @property
     def hangs(self) -> bool:
@@ -87,27 +92,36 @@ def arms_of(site: Site, platform: str) -> list[Arm]:
         rods = [name for name in (loop.frame_a, loop.frame_b) if chain.frame(name).link != platform]
         path = site.path_to(chain.frame(rods[0]).link)
         if path[0].name in driven:
-            arms.append(_arm(site, path, site.frame(rods[0])[:3, 3], site.links[platform][:3, 3]))
+            level = all(joint.kind == "prismatic" for joint in site.path_to(platform))
+            arms.append(_arm(site, path, site.frame(rods[0])[:3, 3], site.links[platform][:3, 3], level))
     return arms
 
 
-def _arm(site: Site, path: tuple[Joint, ...], end: Vector, middle: Vector) -> Arm:
+def _arm(site: Site, path: tuple[Joint, ...], end: Vector, middle: Vector, pair: bool) -> Arm:
     start, hinge, rod = site.links[path[1].child][:3, 3], site.direction(path[1]), path[-1].child
     pin = float(np.hypot(*(end - middle)[:2]))
-    default = min(_ROD * float(np.linalg.norm(end - start)), _ROD_AT_PIN * pin)
+    default = min(_ROD * float(np.linalg.norm(end - start)), (_PAIR_AT_PIN if pair else _ROD_AT_PIN) * pin)
     R = np.column_stack([np.cross(hinge, UP), hinge, UP])
-    return Arm(path[0], path[1].child, rod, start, end, R, site.radius(rod, default))
+    return Arm(path[0], path[1].child, rod, start, end, R, site.radius(rod, default), pair)
 
 
 def rod_bodies(site: Site, arm: Arm, colour: Colour) -> list[Body]:
-    """Return a rod with balls at its ends, and the pin on which it swings."""
-    r, pin = arm.radius, (arm.at(0.0, -CHEEK, 0.0), arm.at(0.0, CHEEK, 0.0))
-    return [
-        site.cylinder(arm.swing, "joint", *pin, _PIN * r, colour=JOINT_COLOUR),
-        site.cylinder(arm.rod, "rod", arm.start, arm.end, r, colour=colour, origin="data"),
-        site.ball(arm.rod, "joint", arm.start, BALL * r, colour=JOINT_COLOUR),
-        site.ball(arm.rod, "joint", arm.end, BALL * r, colour=JOINT_COLOUR),
-    ]
+    """Return a rod, or a pair of them, with balls at the ends, and the pin on which it swings."""
+    r, half = arm.radius, (PAIR if arm.pair else CHEEK)
+    pin = arm.at(0.0, -half, 0.0), arm.at(0.0, half, 0.0)
+    bodies = [site.cylinder(arm.swing, "joint", *pin, _PIN * r, colour=JOINT_COLOUR)]
+    across = arm.R[:, 1] * (PAIR * r)
+    for aside in (-across, across) if arm.pair else (np.zeros(3),):
+        start, end = arm.start + aside, arm.end + aside
+        bodies += [
+            site.cylinder(arm.rod, "rod", start, end, r, colour=colour, origin="drawn" if arm.pair else "data"),
+            site.ball(arm.rod, "joint", start, BALL * r, colour=JOINT_COLOUR),
+            site.ball(arm.rod, "joint", end, BALL * r, colour=JOINT_COLOUR),
+        ]
+    if arm.pair:
+        ends = arm.end - across, arm.end + across
+        bodies.append(site.cylinder(arm.rod, "joint", *ends, _PIN * r, colour=JOINT_COLOUR))
+    return bodies
 
 
 def round_foot(site: Site, floor: float, reach: float, arm: Arm) -> Body:
