@@ -71,6 +71,23 @@ def test_round_bodies_have_gradients() -> None:
     assert stops == sorted(stops, reverse=True)
 
 
+def test_gradients_are_those_of_the_light() -> None:
+    window = Window(-1.0, 1.0, 100.0, 200, 200)
+    bodies = [placed("cylinder", (0.2, 0.4), (0, 0, 0)), placed("sphere", (0.3,), (0.6, 0, 0.5))]
+    root = ET.fromstring(svg_of(bodies, window, "front"))
+    (across,) = root.iter(f"{SVG}linearGradient")
+    assert [across.get(key) for key in ("x1", "y1", "x2", "y2")] == ["1200", "1000", "800", "1000"]
+    stops = [(stop.get("offset"), stop.get("stop-color")) for stop in across]
+    # 0.5 · (0.8 + 0.32 · light) at the right border, in the middle, at the left border.
+    assert [stops[0], stops[2], stops[4]] == [("0", "#575757"), ("0.5", "#7d7d7d"), ("1", "#757575")]
+    assert len(stops) == 5
+    (around,) = root.iter(f"{SVG}radialGradient")
+    # Brightest 0.36 of the radius to the left of the middle and 0.74 above it.
+    assert [around.get(key) for key in ("cx", "cy", "r")] == ["1492", "278", "547"]
+    stops = [(stop.get("offset"), stop.get("stop-color")) for stop in around]
+    assert (len(stops), stops[0], stops[-1][0]) == (5, ("0", "#8f8f8f"), "1")
+
+
 @pytest.mark.parametrize("name", MACHINES)
 def test_a_nudge_changes_nothing(name: str) -> None:
     bodies = Stage(Robot.load(name)).bodies
