@@ -9,11 +9,11 @@ from chainbuild.chain.bodies.body import Body
 from chainbuild.chain.elements import Chain
 from chainbuild.drawing.arms import arm_bodies
 from chainbuild.drawing.given import with_given
+from chainbuild.drawing.machine_tools.stands import machine_tool_bodies
+from chainbuild.drawing.machine_tools.tables import table_beside
 from chainbuild.drawing.parallel import parallel_bodies
 from chainbuild.drawing.site import Site
 from chainbuild.drawing.special import special_bodies
-from chainbuild.drawing.stands import machine_tool_bodies
-from chainbuild.drawing.tables import beside
 
 Build = Literal["machine tool", "arm", "parallel", "special"]
 
@@ -25,7 +25,7 @@ _SPECIAL: Final = tuple(f"KIN_TYP {number}" for number in (13, 14, 36, 85, 202, 
 def robot_bodies(site: Site) -> list[Body]:
     """Return the bodies of a robot, and of what carries the workpiece beside it."""
     robot = arm_bodies(site)
-    return [*robot, *beside(site, robot)]
+    return [*robot, *table_beside(site, robot)]
 
 
 _RULES: Final[dict[Build, Callable[[Site], list[Body]]]] = {

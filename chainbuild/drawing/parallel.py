@@ -14,8 +14,8 @@ from chainbuild.drawing.builds.delta import delta_bodies
 from chainbuild.drawing.builds.platform import bridge_bodies, table_guide, table_platform, tool_platform
 from chainbuild.drawing.builds.scissors import scissor_bodies
 from chainbuild.drawing.builds.struts import Arm, arms_of, platform_of, rod_bodies, round_foot
+from chainbuild.drawing.machine_tools.tables import standing
 from chainbuild.drawing.site import Site
-from chainbuild.drawing.tables import standing
 
 _TABLE: Final = 0.12  # of the machine's size: how high a fixed table stands over the floor
 _TABLE_WIDTH: Final = 0.6  # of the way to the columns: radius of a fixed table

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from chainbuild.arrays import Matrix
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.files import as_folder, open_binary_atomic, write_text
 from chainbuild.kinematics.inputs import axis_rows
@@ -24,9 +24,9 @@ from chainbuild.painting.raster.lines import draw_marks
 from chainbuild.painting.raster.pixels import painted
 from chainbuild.painting.raster.png import png_bytes
 from chainbuild.painting.raster.sight import render
-from chainbuild.painting.stage import Stage, framed
+from chainbuild.painting.stage import Stage, coordinate, framed
 from chainbuild.painting.vector.svg import Sheet
-from chainbuild.painting.views import VIEWS, PictureView, View, ViewName, Window
+from chainbuild.painting.views import BACK, VIEWS, PictureView, View, ViewName, Window
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -39,6 +39,7 @@ _LABELLED: Final = 52  # likewise with room for names
 _COARSE: Final = 4  # pixels in one: fine enough to tell where bodies are
 _TITLE: Final = 15.0  # pixels of text: the name of a view
 # What stands where on a sheet: above the front what is seen from above, beside it what is seen from the right.
+_AWAY: Final = 0.6  # cosine: a tool that hangs down, 0.44, is seen from the front
 _SHEET: Final[tuple[tuple[ViewName, int, int], ...]] = (("top", 0, 0), ("iso", 1, 0), ("front", 0, 1), ("right", 1, 1))
 
 
@@ -117,7 +118,8 @@ def _panes(
     margin = _LABELLED if labelled else _MARGIN
     points = [] if trace is None else trace.tolist()
     if view == "detail":
-        return [_Pane(VIEWS["iso"], framed(stage.tool_end, VIEWS["iso"], *_SIZE, margin), 0, 0)], _SIZE
+        seen = seen_from(stage.pointing)
+        return [_Pane(seen, framed(stage.tool_end, seen, *_SIZE, margin), 0, 0)], _SIZE
     if view != "sheet":
         window = framed(stage.bodies, VIEWS[view], *_SIZE, margin, points)
         return [_Pane(VIEWS[view], window, 0, 0)], _SIZE
@@ -134,6 +136,13 @@ def _panes(
         for name, column, row in _SHEET
     ]
     return panes, (2 * _PANE[0], 2 * _PANE[1])
+
+
+def seen_from(pointing: Vector) -> View:
+    """Return the view of a detail: from behind where a tool points away, so that its tip is seen."""
+    length = float(np.sqrt((pointing * pointing).sum()))
+    away = -coordinate(pointing, VIEWS["iso"].toward)
+    return BACK if length > 0.0 and away > _AWAY * length else VIEWS["iso"]
 
 
 def _marks(

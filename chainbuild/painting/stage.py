@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from chainbuild.arrays import Matrix
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies.body import Body
 from chainbuild.chain.elements import BASE_LINK
 from chainbuild.chain.poses import link_placements, path_to
@@ -90,6 +90,14 @@ class Stage:
             for placed in self.bodies
             if placed.body.link in beyond or (placed.body.link == holder and placed.body.part in _HOLDING)
         ] or list(self.bodies)
+
+    @property
+    def pointing(self) -> Vector:
+        """Where the tool points (3,), from what carries it to its tip; no unit vector."""
+        link = self._chain.frame("tool").link
+        centres = [placed.T[:3, 3] for placed in self.bodies if placed.body.link == link]
+        tip: Vector = self.frame("tool")[:3, 3]
+        return tip - np.mean(centres, axis=0) if centres else np.zeros(3)
 
     def place(self, link: str, T_link: Matrix) -> Matrix:
         """Return a frame of a link (4, 4) in the site."""

@@ -36,8 +36,9 @@ class View:
     toward: Arrow
 
 
-def _iso() -> View:
-    ct, st = math.cos(math.radians(_TURN)), math.sin(math.radians(_TURN))
+def _iso(turn: float = 0.0) -> View:
+    angle = math.radians(_TURN + turn)
+    ct, st = math.cos(angle), math.sin(angle)
     cr, sr = math.cos(math.radians(_RISE)), math.sin(math.radians(_RISE))
     return View(_short(ct, st, 0.0), _short(-sr * st, sr * ct, cr), _short(cr * st, -cr * ct, sr))
 
@@ -54,6 +55,9 @@ VIEWS: Final[dict[ViewName, View]] = {
     "top": View((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
     "right": View((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
 }
+
+
+BACK: Final = _iso(180.0)  # from behind, the left and above: for what points away from whoever looks
 
 
 @dataclass(frozen=True, slots=True)

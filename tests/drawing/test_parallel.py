@@ -133,6 +133,12 @@ def test_forks_hold_the_pins(name: str) -> None:
     assert gaps_between(chain, bars, balls, home).min() > 0.3 * radius
 
 
+def arm_end(site: Site, arm: Body) -> Vector:
+    """Return where a level arm of a platform ends, seen from its middle."""
+    T = site.links[arm.link] @ arm.T_link_body
+    return T[:3, 3] + T[:3, 0] * arm.dimensions[0] / 2
+
+
 @pytest.mark.parametrize("name", MACHINES[:4])
 def test_balls_sit_in_the_platform(name: str) -> None:
     """Their middles are outside, above a platform that hangs and below a table that stands."""
@@ -145,8 +151,67 @@ def test_balls_sit_in_the_platform(name: str) -> None:
         pin = site.frame(loop.frame_b)[:3, 3]
         height = abs(float(pin[2] - T[2, 3])) - plate.dimensions[1] / 2
         assert height == pytest.approx(0.8 * radius, abs=1e-6)
-        assert plate.dimensions[0] - np.linalg.norm(pin[:2] - T[:2, 3]) == pytest.approx(1.5 * radius, abs=1e-6)
+        if plate.part == "table":
+            over = plate.dimensions[0] - np.linalg.norm(pin[:2] - T[:2, 3])
+        else:  # an arm of the platform reaches to each pin
+            ends = [arm_end(site, body) for body in parts(bodies, "lever") if body.link == plate.link]
+            over = min(float(np.linalg.norm(end[:2] - pin[:2])) for end in ends)
+        assert over == pytest.approx(1.5 * radius, abs=1e-6)
         assert (pin[2] > T[2, 3]) == (name != "rod_table_kin19")
+
+
+def test_a_platform_that_is_not_in_the_middle_at_home() -> None:
+    """One carriage starts 100 mm higher: the hub stays in the middle of the pins, and has no bracket."""
+    chain, _ = drawn("tripod_kin12")
+    chain = replace(chain, axes=(replace(chain.axes[0], lower=800.0), *chain.axes[1:]))
+    bodies, site = drawn_bodies(chain), Site(chain)
+    (plate,), (spindle,) = parts(bodies, "platform"), parts(bodies, "spindle")
+    assert np.hypot(*site.tip[:2]) > 0.05
+    assert plate.dimensions[0] == pytest.approx(0.62 * 0.09, abs=1e-6)
+    assert spindle.dimensions[0] == pytest.approx(3 * 0.0104, abs=1e-6)
+    assert not parts(bodies, "arm")
+    for body in (plate, spindle):
+        assert (site.links[body.link] @ body.T_link_body)[:2, 3] == pytest.approx(site.tip[:2], abs=1e-6)
+    assert len(islands(chain, bodies, site.home, GAP)) == 1
+    (slim,) = parts(drawn("delta_kin37")[1], "spindle")
+    assert slim.dimensions[0] == pytest.approx(0.5 * 0.04, abs=1e-6)
+
+
+@pytest.mark.parametrize("height", [40.0, 0.0])
+def test_the_top_of_the_table_is_the_zero_of_the_workpiece(height: float) -> None:
+    """Or above it, where the zero is in the plate of the table (HD5 = 0)."""
+    values = {0: 800_000, 1: 5_000_000, 2: 1_500_000, 3: 3_000_000, 4: height * 10_000}
+    lines = ["trafo[0].id 19", *(f"trafo[0].param[{n}] {value:.0f}" for n, value in values.items())]
+    chain = chain_of(lines, conventions={"kin19_guide": "radial_planes"})
+    for lift in (0.0, 30.0):  # of one carriage at home: the table is tilted
+        first = next(n for n, axis in enumerate(chain.axes) if axis.name == "Z1")
+        limits = [(-760.0, -690.0) if axis.name[0] == "Z" else (-250.0, 250.0) for axis in chain.axes]
+        limits[first] = limits[first][0], limits[first][1] - lift
+        pairs = zip(chain.axes, limits, strict=True)
+        axes = tuple(replace(axis, lower=low, upper=high, assumed=False) for axis, (low, high) in pairs)
+        bodies = drawn_bodies(replace(chain, axes=axes))
+        (table,), (part,) = parts(bodies, "table"), parts(bodies, "workpiece")
+        pin = chain.frame("Z1_pin").T_link_frame[:3, 3]
+        zero, radius = chain.frame("workpiece").T_link_frame, 0.008
+        top = max(float(zero[2, 3]), float(pin[2]) + 3 * radius)
+        under = table.T_link_body[2, 3] - table.dimensions[1] / 2
+        assert table.T_link_body[2, 3] + table.dimensions[1] / 2 == pytest.approx(top, abs=2e-6)
+        assert under == pytest.approx(pin[2] + 0.8 * radius, abs=2e-6)
+        assert table.T_link_body[:2, 3] == pytest.approx(zero[:2, 3], abs=1e-9)
+        assert table.dimensions[0] == pytest.approx(0.15 + 1.5 * radius, abs=1e-6)
+        assert abs(table.T_link_body[2, 2]) == pytest.approx(1.0)
+        assert part.T_link_body[:3, :3] == pytest.approx(np.eye(3), abs=1e-9)
+        assert part.T_link_body[2, 3] - part.dimensions[2] / 2 == pytest.approx(top, abs=2e-6)
+
+
+@pytest.mark.parametrize("length", [0.0, 200.0])
+def test_the_head_on_a_bridge_is_above_its_tool(length: float) -> None:
+    """As high as the data put the slide, and 2.5 radii of the spindle above the tip at least."""
+    chain = chainbuild.load("rod_table_kin19").chain(tool_length_mm=length)
+    (head,) = parts(drawn_bodies(chain), "slide")
+    site = Site(chain)
+    under = max(0.0, float(site.tip[2]) + 2.5 * 0.055 * machine_size(chain))
+    assert site.bounds(head)[0, 2] == pytest.approx(under, abs=1e-6)
 
 
 def on_rods(chain: Chain, body: Body) -> bool:
@@ -165,6 +230,10 @@ def test_balls_of_a_small_platform_keep_clear_of_one_another() -> None:
     bodies = drawn_bodies(chain)
     rods = parts(bodies, "rod")
     assert {body.dimensions[0] for body in rods} == {0.006}
+    starts = zip(chain.axes, (800.0, 700.0, 700.0), strict=True)
+    aside = replace(chain, axes=tuple(replace(axis, lower=low, upper=1100.0, assumed=False) for axis, low in starts))
+    assert np.hypot(*Site(aside).tip[:2]) > 0.05
+    assert {body.dimensions[0] for body in parts(drawn_bodies(aside), "rod")} == {0.006}
     axes = np.full(3, 700.0)
     balls = [body for body in bodies if body.kind == "sphere"]
     assert len(balls) == 6
@@ -194,6 +263,9 @@ def test_columns_of_other_strokes_end_at_one_height() -> None:
     tops = {round(float(body.T_link_body[2, 3] + body.dimensions[2] / 2), 6) for body in parts(bodies, "column")}
     assert len(tops) == 1
     assert min(site.bounds(beam)[0, 2] for beam in parts(bodies, "beam")) == pytest.approx(tops.pop(), abs=1e-6)
+    assert max(site.bounds(guide)[1, 2] for guide in parts(bodies, "guide")) == pytest.approx(
+        max(site.bounds(column)[1, 2] for column in parts(bodies, "column")), abs=1e-6
+    )
     guides = sorted(body.dimensions[2] for body in parts(bodies, "guide"))
     assert guides[2] - guides[0] == pytest.approx(0.2, abs=2e-6)
     assert guides[1] == pytest.approx(guides[0], abs=2e-6)
@@ -207,6 +279,30 @@ def test_a_ring_joins_the_columns() -> None:
     assert np.sum(table, axis=0).tolist() == np.sum(table, axis=1).tolist() == [2, 2, 2]
 
 
+@pytest.mark.parametrize("first", [-810.0, -900.0])
+def test_the_floor_is_under_hanging_rods(first: float) -> None:
+    """Carriages above the table: the rods end 477 mm lower, and 4.4 radii of a rod over the floor at the lowest."""
+    chain, _ = drawn("rod_table_kin19", "kin19_carriages=above")
+    limits = {"Z1": first}
+    axes = tuple(replace(axis, lower=limits.get(axis.name, axis.lower)) for axis in chain.axes)
+    other = replace(chain, axes=axes)
+    (bed,) = parts(drawn_bodies(other), "bed")
+    rods = 0.5**2 - 0.15**2
+    lowest = first / 1000 - rods**0.5 - 4.4 * 0.008
+    assert Site(other).bounds(bed)[1, 2] == pytest.approx(lowest, abs=1e-5)
+
+
+def test_posts_stand_beyond_the_stretched_levers() -> None:
+    """Six radii of a rod beyond them, under the ends of the beams."""
+    _, bodies = drawn("delta_kin37")
+    r = 0.008
+    for post, beam in zip(parts(bodies, "post"), parts(bodies, "beam"), strict=True):
+        place = post.T_link_body[:3, 3]
+        assert np.hypot(*place[:2]) == pytest.approx(0.15 + 0.2 + 6 * r, abs=1e-6)
+        out = place * (1.0, 1.0, 0.0) / np.hypot(*place[:2])
+        assert span(beam, beam.T_link_body, out) == pytest.approx((0.0, 0.35 + 8.5 * r), abs=1e-5)
+
+
 def test_levers_turn_clear_of_plate_and_motors() -> None:
     """Motor and bearing sit beside the lever, plate and beams above it, over the whole range."""
     chain, bodies = drawn("delta_kin37")
@@ -218,9 +314,13 @@ def test_levers_turn_clear_of_plate_and_motors() -> None:
     assert max(body.dimensions[1] for body in parts(bodies, "housing") if body not in motors) < 0.03
 
 
-def test_the_bridge_carries_the_tool_over_the_whole_range() -> None:
-    chain, bodies = drawn("rod_table_kin19")
-    site = Site(chain)
+@pytest.mark.parametrize("strokes", [(), ((-50.0, 50.0), (-50.0, 50.0)), ((-700.0, 400.0), (-400.0, 700.0))])
+def test_the_bridge_carries_the_tool_over_the_whole_range(strokes: tuple[tuple[float, float], ...]) -> None:
+    """Over long strokes, and over short ones beyond the columns of the table."""
+    chain, _ = drawn("rod_table_kin19")
+    slides = tuple(replace(axis, lower=a, upper=b) for axis, (a, b) in zip(chain.axes[:2], strokes, strict=False))
+    chain = replace(chain, axes=(*slides, *chain.axes[len(slides) :]))
+    bodies, site = drawn_bodies(chain), Site(chain)
     (slide,), (bridge,) = parts(bodies, "slide"), parts(bodies, "bridge")
     rails = [body for body in parts(bodies, "guide") if body.dimensions[0] > body.dimensions[2]]
     assert len(rails) == 2
@@ -285,6 +385,31 @@ def test_the_hand_of_the_lambda_reaches_from_the_ram_to_over_the_tip(other: bool
     assert site.bounds(tool)[1, 2] > site.tip[2]
 
 
+def test_a_tool_under_the_ram_of_the_lambda_needs_no_hand() -> None:
+    values = {0: 1_000_000, 1: 9_000_000, 2: 9_000_000, 3: 15_000_000, 4: 1_200_000, 6: -11_000_000}
+    chain = chain_of(["trafo[0].id 21", *(f"trafo[0].param[{n}] {value}" for n, value in values.items())])
+    limits = {"X1": (-900.0, -450.0), "X2": (450.0, 850.0), "Z": (100.0, 400.0), "C": (-180.0, 180.0)}
+    axes = tuple(replace(a, lower=limits[a.name][0], upper=limits[a.name][1], assumed=False) for a in chain.axes)
+    chain = replace(chain, axes=axes)
+    bodies = drawn_bodies(chain)
+    assert {body.part for body in bodies if body.link == "C_link"} == {"joint", "spindle", "tool"}
+    home = home_and_middle(chain)[0]
+    assert len(islands(chain, bodies, home, GAP)) == 1
+    assert overlaps(chain, bodies, home, CONTACT) == []
+
+
+def test_the_legs_of_the_lambda_stand_beyond_its_guides() -> None:
+    chain, bodies = drawn("lambda_kin21")
+    site = Site(chain)
+    (beam,), guides, posts = parts(bodies, "beam"), parts(bodies, "guide"), parts(bodies, "post")
+    left, right = site.bounds(beam)[:, 0]
+    inner = min(site.bounds(guide)[0, 0] for guide in guides), max(site.bounds(guide)[1, 0] for guide in guides)
+    assert [site.bounds(post)[:, 0].tolist() for post in posts] == [
+        pytest.approx([left, inner[0]], abs=1e-5),
+        pytest.approx([inner[1], right], abs=1e-5),
+    ]
+
+
 def test_the_arms_of_the_lambda_ride_on_top_of_the_carriages() -> None:
     chain, bodies = drawn("lambda_kin21")
     (rod,) = parts(bodies, "rod")
@@ -306,9 +431,12 @@ def test_the_bed_follows_a_workpiece_below_the_tips() -> None:
             for frame in chain.frames
         )
         other = replace(chain, frames=frames)
-        (table,) = parts(drawn_bodies(other), "table")
+        bodies = drawn_bodies(other)
+        (table,) = parts(bodies, "table")
         height = table.T_link_body[2, 3] + table.dimensions[1] / 2
         assert height == pytest.approx(zero if follows else 0.06 - 0.09 * machine_size(other), abs=1e-5)
+        (part,) = parts(bodies, "workpiece")
+        assert part.dimensions[2] == pytest.approx(min(0.6 * (0.06 - height), part.dimensions[0]), abs=1e-5)
 
 
 def test_the_overlay_gives_the_part() -> None:

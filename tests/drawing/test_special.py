@@ -10,7 +10,7 @@ import pytest
 
 import chainbuild
 from chainbuild.chain.bodies.body import BASE_COLOUR, PART_COLOUR, WORKPIECE_SIDE, Body
-from chainbuild.chain.bodies.shapes import shown_limits
+from chainbuild.chain.bodies.shapes import machine_size, shown_limits
 from chainbuild.chain.elements import BASE_LINK, Chain
 from chainbuild.chain.poses import frame_placement
 from chainbuild.drawing.machine import drawn_bodies
@@ -25,25 +25,27 @@ BUILT: dict[str, dict[int | str, float]] = {
     "13": {1: 60.0},
     "13 beside the axis": {1: 60.0, 4: 20.0},
     "202 to the right": {1: 80.0, 10: 1.0},
+    "202 off the zero": {1: 80.0, 6: 50.0, 7: 30.0, 8: -40.0},
     "205 about X": {1: 50.0, 2: 80.0, 17: 1.0},
     "36 off the zero": {1: 100.0, 2: 325.0, 3: 225.0, 4: 50.0, 5: 20.0},
     "36 with absolute angles": {1: 100.0, 2: 325.0, 3: 225.0, 7: 1.0},
     "85 with a short lever": {1: 800.0, 2: 200.0},
 }
 MACHINES = (*SHIPPED, *BUILT)
-LATHES = ("c_face_kin14", "cyl_2rot_kin202", "13", "13 beside the axis", "202 to the right")
+LATHES = ("c_face_kin14", "cyl_2rot_kin202", "13", "13 beside the axis", "202 to the right", "202 off the zero")
 # Parts that touch faces: neither stands inside the other, and there is no gap.
 BEFORE_A_COLUMN = "slide ram, slide guide, guide column, column bed"
-LATHE = f"{BEFORE_A_COLUMN}, table housing, workpiece table, cheek table"
+LATHE = f"{BEFORE_A_COLUMN}, table housing, workpiece table, cheek table, cheek workpiece"
 TOUCHING = {
     "c_face_kin14": f"{LATHE}, spindle ram, spindle tool",
     "cyl_2rot_kin202": f"{LATHE}, ram housing",
-    "scara_kin36": "foot bed, column foot, column joint, workpiece bed, tool ram",
+    "scara_kin36": "foot bed, column foot, column joint, housing joint, workpiece bed, tool ram",
     "lever_kin85": "carriage guide, guide bed, cheek carriage, workpiece bed, spindle lever, spindle tool",
     "eccentric_disc_kin205": f"{BEFORE_A_COLUMN}, plate ram, tool plate, workpiece bed",
     "13": LATHE,
     "13 beside the axis": LATHE,
     "202 to the right": f"{LATHE}, ram housing",
+    "202 off the zero": f"{LATHE}, ram housing",
     "205 about X": f"{BEFORE_A_COLUMN}, plate ram, tool plate",
     "85 with a short lever": "carriage guide, guide bed, cheek carriage, spindle lever, spindle tool",
 }
@@ -241,7 +243,8 @@ def test_the_spindle_turns_chuck_and_part_about_its_axis(name: str) -> None:
     assert heights == sorted(heights)
     jaws = [T[:2, 3] - axis for T in placements(chain, parts(bodies, "cheek"), low)]
     assert np.sum(jaws, axis=0) == pytest.approx([0.0, 0.0], abs=1e-6)
-    assert {round(float(np.linalg.norm(jaw)), 6) for jaw in jaws} == {round(float(np.linalg.norm(jaws[0])), 6)}
+    half = (part.dimensions[0] + 0.95 * chuck.dimensions[0]) / 2
+    assert [float(np.linalg.norm(jaw)) for jaw in jaws] == [pytest.approx(half, abs=1e-6)] * 3
 
 
 def test_a_level_tool_turns_the_part_and_an_upright_one_faces_it() -> None:
@@ -254,6 +257,26 @@ def test_a_level_tool_turns_the_part_and_an_upright_one_faces_it() -> None:
         lowest = min(frame_placement(chain, "tool", corner)[2, 3] for corner in corners(chain))
         assert (top > lowest + 0.1) == beside
         assert beside or top < lowest
+
+
+@pytest.mark.parametrize("stroke", [500.0, 100.0])
+def test_a_turned_part_is_as_long_as_the_stroke_or_nine_radii(stroke: float) -> None:
+    chain, _ = drawn("cyl_2rot_kin202")
+    axes = tuple(replace(axis, upper=stroke) if axis.name == "ZQ" else axis for axis in chain.axes)
+    bodies = drawn_bodies(replace(chain, axes=axes))
+    (part,), (chuck,) = parts(bodies, "workpiece"), parts(bodies, "table")
+    radius, length = part.dimensions
+    assert radius == pytest.approx(0.6 * 0.04, abs=1e-6)
+    assert length == pytest.approx(min(9 * radius, stroke / 1000 + 2 * radius), abs=2e-6)
+    spindle = 0.06 * max(stroke / 1000, machine_size(chain), 0.28)
+    assert chuck.dimensions[0] == pytest.approx(1.9 * max(radius, spindle), abs=1e-6)
+
+
+def test_a_faced_part_is_as_wide_as_the_tip_goes() -> None:
+    _, bodies = drawn("c_face_kin14")
+    (part,), (chuck,) = parts(bodies, "workpiece"), parts(bodies, "table")
+    assert part.dimensions == (pytest.approx(0.4 * 0.25, abs=1e-6), pytest.approx(0.4 * 0.25, abs=1e-6))
+    assert chuck.dimensions[0] == pytest.approx(1.9 * 0.1, abs=1e-6)
 
 
 def test_the_tool_that_crosses_the_spindle_faces_the_part() -> None:
@@ -288,12 +311,55 @@ def test_the_disc_turns_about_its_middle_and_holds_the_tool_off_it(name: str) ->
     assert abs((flange - middle) @ joint.direction) == pytest.approx(disc.dimensions[1] / 2, abs=2e-6)
 
 
+def test_the_ram_holds_an_upright_disc_in_its_middle() -> None:
+    chain, bodies = drawn("205 about X")
+    site = Site(chain)
+    (disc,), (ram,) = parts(bodies, "plate"), parts(bodies, "ram")
+    low, high = site.bounds(ram)[:, 2]
+    middle = float((site.links[disc.link] @ disc.T_link_body)[2, 3])
+    assert low < middle - 0.4 * ram.dimensions[0]
+    assert middle < high
+    assert site.bounds(ram)[0, 0] == pytest.approx(site.bounds(disc)[1, 0], abs=1e-6)
+
+
+def test_a_disc_without_tool_length_has_its_tool_in_it() -> None:
+    chain = build(205, {2: 80.0, 16: 1.0}).robot.chain
+    bodies = drawn_bodies(chain)
+    axes = home_and_middle(chain)[0]
+    ((start, end),) = ends(chain, bodies, "tool", axes).values()
+    assert end == pytest.approx(frame_placement(chain, "tool", axes)[:3, 3], abs=1e-6)
+    assert start[2] > end[2]
+
+
+@pytest.mark.parametrize("length", [0.0, 100.0])
+def test_the_ram_begins_above_tool_and_spindle(length: float) -> None:
+    """Where the data put the slide, and 2.5 radii of the spindle above the tip at least."""
+    chain = chainbuild.load("c_face_kin14").chain(tool_length_mm=length)
+    bodies, site = drawn_bodies(chain), Site(chain)
+    (ram,), (spindle,) = parts(bodies, "ram"), parts(bodies, "spindle")
+    assert spindle.dimensions[0] == pytest.approx(0.06 * 0.45, abs=1e-6)
+    under = max(0.0, float(site.tip[2]) + 2.5 * spindle.dimensions[0])
+    assert site.bounds(ram)[0, 2] == pytest.approx(under, abs=1e-6)
+
+
+@pytest.mark.parametrize("length", [80.0, 30.0])
+def test_the_tool_sticks_out_of_its_turret(length: float) -> None:
+    chain = build(202, {1: length}).robot.chain
+    axes = (replace(chain.axes[0], lower=120.0, upper=400.0, assumed=False), *chain.axes[1:])
+    axes = tuple(replace(a, lower=0.0, upper=500.0, assumed=False) if a.name.startswith("Z") else a for a in axes)
+    chain = replace(chain, axes=axes)
+    (turret,) = [body for body in parts(drawn_bodies(chain), "housing") if body.link != BASE_LINK]
+    assert turret.dimensions[0] == pytest.approx(1.2 * min(0.06 * 0.5, 0.45 * length / 1000), abs=1e-6)
+    assert turret.dimensions[0] < length / 1000
+
+
 @pytest.mark.parametrize("name", ["scara_kin36", "36 off the zero", "36 with absolute angles"])
 def test_the_arms_of_a_scara_reach_from_axis_to_axis(name: str) -> None:
     chain, bodies = drawn(name)
     arms = parts(bodies, "arm")
     assert [arm.link for arm in arms] == ["C1_link", "C2_link"]
     assert [round(arm.dimensions[0], 6) for arm in arms] == [0.325, 0.225]
+    assert [arm.dimensions[1] for arm in arms] == [pytest.approx(2 * 0.16 * 0.225, abs=1e-6)] * 2
     site = Site(chain)
     for arm, joint, after in zip(arms, site.tool_path, site.tool_path[1:], strict=False):
         T = site.links[arm.link] @ arm.T_link_body
@@ -328,11 +394,70 @@ def test_the_lever_swings_between_the_cheeks_of_its_tower(name: str) -> None:
     assert np.linalg.norm(lever.T_link_body[:3, 3] + half * along) == pytest.approx(0.8 * np.linalg.norm(way), abs=2e-6)
     assert np.cross(lever.T_link_body[:3, 3], along) == pytest.approx(np.zeros(3), abs=1e-6)
     cheeks = parts(bodies, "cheek")
+    (pin,) = parts(bodies, "joint")
+    assert pin.dimensions[1] == pytest.approx(2.4 * lever.dimensions[1], abs=2e-6)
+    assert pin.T_link_body[:3, 3] == pytest.approx(np.zeros(3), abs=1e-9)
+    assert abs(pin.T_link_body[1, 2]) == pytest.approx(1.0)
     for axes in corners(chain):
         (T, *places) = placements(chain, [lever, *cheeks], axes)
         assert min(gap(lever, T, cheek, place) for cheek, place in zip(cheeks, places, strict=True)) > 0.0
         sides = [place[1, 3] - T[1, 3] for place in places]
         assert sides[0] == pytest.approx(-sides[1], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "limits"),
+    [
+        ("36", {1: 100.0, 2: 325.0, 3: 225.0}, {"C1": (-130.0, 130.0), "C2": (5.0, 145.0), "Z": (0.0, 300.0)}),
+        ("85", {1: 300.0, 2: 600.0}, {"X": (-500.0, 500.0), "C": (-80.0, 80.0)}),
+        ("205", {1: 50.0, 2: 80.0, 16: 1.0}, {"X": (-200.0, 200.0), "C": (5.0, 175.0), "Z": (-150.0, 100.0)}),
+    ],
+)
+def test_a_tip_that_goes_below_the_zero_lowers_the_bed(
+    name: str, values: dict[int | str, float], limits: dict[str, tuple[float, float]]
+) -> None:
+    """The bed is nine hundredths of the extent below the lowest tip, and the part takes six tenths of that."""
+    chain = build(int(name), values).robot.chain
+    axes = tuple(
+        replace(a, lower=limits[a.name][0], upper=limits[a.name][1], assumed=False) if a.name in limits else a
+        for a in chain.axes
+    )
+    chain = replace(chain, axes=axes)
+    bodies, site = drawn_bodies(chain), Site(chain)
+    lowest = min(frame_placement(chain, "tool", corner)[2, 3] for corner in corners(chain))
+    assert lowest < 0.0
+    slides = [(b - a) / 1000 for key, (a, b) in limits.items() if key in "XZ"]
+    room = 0.09 * max(machine_size(chain), *slides)
+    (bed,), (part,) = parts(bodies, "bed"), parts(bodies, "workpiece")
+    top = site.bounds(bed)[1, 2]
+    assert top == pytest.approx(lowest - room, abs=1e-5)
+    assert site.bounds(part)[:, 2] == pytest.approx((top, top + min(0.6 * room, part.dimensions[0])), abs=1e-5)
+    if name == "85":
+        (guide,), (carriage,) = parts(bodies, "guide"), parts(bodies, "carriage")
+        assert site.bounds(guide)[:, 2] == pytest.approx((top, top + 0.13 * room), abs=1e-5)
+        assert site.bounds(carriage)[1, 2] == pytest.approx(top + 0.45 * room, abs=1e-5)
+
+
+def test_the_bed_of_a_lathe_reaches_under_headstock_and_column() -> None:
+    """The tool that points to the right comes from the other side: there the headstock is beyond the column."""
+    chain, _ = drawn("202 to the right")
+    axes = tuple(replace(a, lower=-400.0, upper=-120.0, assumed=False) if a.name == "XQ" else a for a in chain.axes)
+    chain = replace(chain, axes=axes)
+    bodies, site = drawn_bodies(chain), Site(chain)
+    (bed,), (column,) = parts(bodies, "bed"), parts(bodies, "column")
+    (stock,) = [body for body in parts(bodies, "housing") if body.link == BASE_LINK]
+    edge = 0.06 * max(
+        machine_size(chain), *(site.stroke(joint)[1] - site.stroke(joint)[0] for joint in site.tool_path[:2])
+    )
+    assert site.bounds(stock)[1, 0] > site.bounds(column)[1, 0]
+    assert site.bounds(bed)[:, 0] == pytest.approx(
+        (site.bounds(column)[0, 0] - edge, site.bounds(stock)[1, 0] + edge), abs=1e-5
+    )
+    assert site.bounds(bed)[:, 1] == pytest.approx(
+        (site.bounds(stock)[0, 1] - edge, site.bounds(column)[1, 1]), abs=1e-5
+    )
+    for place in home_and_middle(chain):
+        assert overlaps(chain, bodies, place, CONTACT) == []
 
 
 def test_the_part_stands_where_the_lever_reaches_and_the_slide_does_not() -> None:

@@ -23,12 +23,31 @@ def generator():
 
 
 GENERATE = generator()
+PICTURES = GENERATE.machine_pictures
 
 
 @pytest.mark.parametrize("page", GENERATE.PAGES)
 def test_tables_are_up_to_date(page: str) -> None:
     text = (ROOT / page).read_text("utf-8")
     assert GENERATE.filled(text) == text, f"{page} has drifted: run `make docs`"
+
+
+@pytest.mark.parametrize(("file", "name", "view"), PICTURES.drawings())
+def test_pictures_are_up_to_date(file: str, name: str, view: str) -> None:
+    assert PICTURES.drawn(name, view) == (PICTURES.FOLDER / file).read_text("utf-8"), "run `make docs`"
+
+
+def test_the_picture_of_the_readme_is_up_to_date() -> None:
+    assert PICTURES.readme_picture() == (PICTURES.FOLDER / PICTURES.README).read_text("utf-8"), "run `make docs`"
+
+
+def test_no_picture_is_left_over() -> None:
+    wanted = {file for file, _, _ in PICTURES.drawings()} | {PICTURES.README}
+    assert {path.name for path in PICTURES.FOLDER.iterdir()} == wanted
+
+
+def test_the_readme_counts_the_machines() -> None:
+    assert f"{len(chainbuild.shipped())} machine files" in (ROOT / "README.md").read_text("utf-8")
 
 
 @pytest.mark.parametrize("page", ["README.md", "docs/python.md", "docs/branches.md"])

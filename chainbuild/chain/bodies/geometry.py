@@ -12,7 +12,7 @@ from chainbuild.shown import fields_shown
 ShapeKind = Literal["capsule", "sphere", "box", "cylinder", "hull", "mesh"]
 Numbers = tuple[float, ...]
 Style = Literal["portal", "column"]
-Side = Literal["+x", "-x", "+y", "-y"]
+ColumnSide = Literal["+x", "-x", "+y", "-y"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +65,7 @@ class Stand:
 
     Attributes:
         style: "portal": a beam on end posts; "column": one column behind the table; None: by the slides.
-        column: Side on which beams and columns stand, as seen from the workpiece; None: +y, -x where a beam runs in y.
+        column: Side on which beams and columns stand, as seen from the workpiece; None: +y, and -x of beams along y.
         table: Diameter of the plate, or width of the bed [m]; None: by the strokes.
         part: Edges of the part along x, y, z [m], an edge of 0: no part; None: by the table and the lowest tip.
     """
@@ -73,7 +73,7 @@ class Stand:
     __repr__ = fields_shown
 
     style: Style | None = None
-    column: Side | None = None
+    column: ColumnSide | None = None
     table: float | None = None
     part: Numbers | None = None
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final, get_args
 
-from chainbuild.chain.bodies.geometry import Geometry, Numbers, RodData, Shape, ShapeKind, Side, Stand, Style
+from chainbuild.chain.bodies.geometry import ColumnSide, Geometry, Numbers, RodData, Shape, ShapeKind, Stand, Style
 from chainbuild.errors import ChainbuildError
 from chainbuild.units import m_from_mm
 
@@ -17,7 +17,7 @@ _ROD_KEYS: Final = ("crank_mm", "crank_angle_deg", "rod_radius_mm", "rod_sideway
 _STAND_KEYS: Final = ("style", "column", "table_mm", "part_mm")
 _KEYS: Final = ("radii_mm", "shapes", "rods", *_ROD_KEYS, "ignore", *_STAND_KEYS)
 _STYLES: Final = get_args(Style)
-_SIDES: Final = get_args(Side)
+_SIDES: Final = get_args(ColumnSide)
 _SHAPE_COUNTS: Final[Mapping[ShapeKind, int]] = {"capsule": 6, "cylinder": 6, "sphere": 3, "box": 3}
 _FILE_KINDS: Final[tuple[ShapeKind, ...]] = ("hull", "mesh")
 _MESH_UNIT: Final = 0.001  # meshes of machines are drawn in mm

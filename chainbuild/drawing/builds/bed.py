@@ -65,7 +65,7 @@ def extent_of(site: Site) -> float:
     return max([site.size, *(high - low for low, high in map(site.stroke, slides))])
 
 
-def part_block(site: Site, link: str, top: ArrayLike, width: float, room: float) -> list[Body]:
+def part_block(site: Site, link: str, top: ArrayLike, width: float, room: float, R: Matrix | None = None) -> list[Body]:
     """Return the part: what the overlay says, else a block; none where less than 20 mm are left.
 
     Args:
@@ -74,6 +74,7 @@ def part_block(site: Site, link: str, top: ArrayLike, width: float, room: float)
         top: Where it stands (3,).
         width: Its width [m].
         room: Height [m] that the tool leaves above the table.
+        R: (3, 3) axes of a table that is not level; None: the site's.
     """
     given = site.chain.geometry.stand.part
     edges = (width, width, min(_PART_HEIGHT * room, width)) if given is None else given
@@ -81,7 +82,7 @@ def part_block(site: Site, link: str, top: ArrayLike, width: float, room: float)
         return []
     half = np.array([edges[0] / 2, edges[1] / 2, 0.0])
     block = site.box(
-        link, "workpiece", -half, half + edges[2] * UP, at=np.asarray(top, dtype=float), colour=PART_COLOUR,
+        link, "workpiece", -half, half + edges[2] * UP, R, np.asarray(top, dtype=float), colour=PART_COLOUR,
         origin="drawn" if given is None else "data",
     )  # fmt: skip
     return [block]

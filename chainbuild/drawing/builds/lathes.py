@@ -65,18 +65,16 @@ def lathe_bodies(site: Site) -> list[Body]:
 def disc_bodies(site: Site) -> list[Body]:
     """Return an eccentric disc on a ram before a column, and the part on the bed."""
     r, joint = _SPINDLE * extent_of(site), site.tool_path[-1]
-    flange, centre, axis = site.frame("flange")[:3, 3], site.origin(joint), site.direction(joint)
-    away = axis if float(axis @ site.tool_direction) > 0.0 else -axis
-    front = centre + ((flange - centre) @ away) * away
-    back = front + r * away
-    radius = max(_DISC * float(np.linalg.norm(flange - front)), 2.0 * r)
+    flange, centre, away = site.frame("flange")[:3, 3], site.origin(joint), site.direction(joint)
+    back = centre + r * away
+    radius = max(_DISC * float(np.linalg.norm(flange - centre)), 2.0 * r)
     upright = abs(float(away[2])) > 0.5
     foot = back if upright else back + _RAM * r * (away - UP)
     lowest = float(tips(site)[:, 2].min())
     bed = bed_height(site, lowest if upright else min(lowest, float(centre[2]) + _drop(site) - radius))
     place = np.array([*site.tip[:2], bed])
     return [
-        site.cylinder(joint.child, "plate", front, back, radius),
+        site.cylinder(joint.child, "plate", centre, back, radius),
         *tool_bodies(site, flange + r * away, r),
         *_ram(site, foot, float(foot[2] if upright else centre[2] + radius), r, _Below(bed, centre, radius)),
         *part_block(site, BASE_LINK, place, 2.0 * r, lowest - bed),
@@ -163,7 +161,7 @@ def _ram(site: Site, foot: Vector, over: float, r: float, below: _Below) -> list
     left, right = x + near - wide, x + far + wide
     rail, back = face - _RAIL * r, face + _COLUMN * r
     edges = min(left, middle[0] - below.half) - r, max(right, middle[0] + below.half) + r
-    front = min(middle[1] - below.half, y - half) - r
+    front = middle[1] - below.half - r
     return [
         site.box(slide.child, "ram", (x - half, y - half, z), (x + half, y + half, high - min(rises) + r), R),
         site.box(cross.child, "slide", (x - wide, y + half, low), (x + wide, rail, high), R),

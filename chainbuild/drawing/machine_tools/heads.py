@@ -13,6 +13,7 @@ from chainbuild.arrays import Vector
 from chainbuild.chain.bodies.body import JOINT_COLOUR, TOOL_COLOUR, Body
 from chainbuild.chain.elements import Joint
 from chainbuild.drawing.site import UP, Site, upright_frame
+from chainbuild.frames import rot_x, unit
 
 # Sines: an axis nearer to upright turns a disc, one nearer to level turns in a yoke, others in slanted housings.
 _UPRIGHT: Final = 0.94
@@ -23,6 +24,7 @@ _OFFSET_SHARE: Final = 0.3  # of the smallest distance between two axes: yokes f
 _THICK: Final = 0.09  # m: no thicker than that
 _THIN: Final = 0.012  # m: what would be thinner measures a head whose axes meet at the tip
 _STUB: Final = 0.3  # of the spindle's radius: a shorter tool cannot be seen, and is drawn longer
+_ARC_PIECES: Final = 7  # straight pieces of an arc
 _TOWARDS: Final = np.array([0.5, -0.7, 0.5])  # direction from which pictures show a machine, roughly
 _UNKNOWN: Final = 0.05  # m: where nothing tells
 _STROKE_SHARE: Final = 0.08  # of the shortest slide, likewise
@@ -143,8 +145,9 @@ class _Drawing:
         under, over = (np.array([axis[0], axis[1], z]) for z in (lift, lift + 0.6 * r))
         self._bar(joint.child, below, under, 1.0 * r)
         self.add(site.cylinder(joint.child, "plate", under, over, 1.9 * r))
-        housing = over + 1.0 * r * UP
-        self.add(site.cylinder(joint.parent, "housing", over, housing, 1.6 * r))
+        seam, housing = over + 0.14 * r * UP, over + 1.0 * r * UP
+        self.add(site.cylinder(joint.child, "joint", over, seam, 1.66 * r, colour=JOINT_COLOUR))
+        self.add(site.cylinder(joint.parent, "housing", seam, housing, 1.6 * r))
         self.half = max(1.9 * r, self.half + float(np.linalg.norm(below[:2] - self.top[:2])))
         self.top = housing
 
@@ -166,8 +169,8 @@ class _Drawing:
         else:
             self._bar(joint.child, self.top, foot, 0.8 * r)
             rise = 1.9 * r
-        self.add(site.cylinder(joint.child, "joint", foot - side * along, foot + side * along, 0.6 * r,
-                               colour=JOINT_COLOUR))  # fmt: skip
+        pin = (side + 0.6 * r) * along  # through the cheeks: it is seen from outside
+        self.add(site.cylinder(joint.child, "joint", foot - pin, foot + pin, 0.6 * r, colour=JOINT_COLOUR))
         R = upright_frame(along)
         for sign in (-1.0, 1.0):
             a = [sign * side, -0.85 * r, -0.85 * r]
@@ -176,7 +179,7 @@ class _Drawing:
         a = [-side - 0.5 * r, -0.85 * r, rise]
         b = [side + 0.5 * r, 0.85 * r, rise + 0.55 * r]
         self.add(site.box(joint.parent, "bridge", a, b, R, foot))
-        self.half = max(self.half, side + 0.5 * r)
+        self.half = max(self.half, side + 0.6 * r)
         self.top = foot + (rise + 0.55 * r) * R[:, 2]
 
     def _is_inner(self, joint: Joint) -> bool:
@@ -199,7 +202,7 @@ class _Drawing:
         self.add(site.box(joint.child, "bridge", a, b, R, foot))
 
     def _arc(self, joint: Joint, foot: Vector) -> None:
-        """Draw a plate beside a spindle that swings about its tip, and the slide that runs on it."""
+        """Draw an arc beside a spindle that swings about its tip, and the carriage that runs on it."""
         site, r = self.site, self.r
         along = site.direction(joint)
         R = upright_frame(-along if along @ _TOWARDS > 0.0 else along)  # the plate behind, the spindle seen
@@ -209,14 +212,19 @@ class _Drawing:
         half = (reach + r) * float(np.sin(swing)) + r
         a, b = [0.5 * r, -0.7 * r, reach - 1.4 * r], [1.3 * r, 0.7 * r, reach]
         self.add(site.box(joint.child, "carriage", a, b, R, foot, colour=JOINT_COLOUR))
-        a = [1.3 * r, -half, (reach - 2.0 * r) * float(np.cos(swing))]
-        b = [1.9 * r, half, reach + 1.5 * r]
-        self.add(site.box(joint.parent, "cheek", a, b, R, foot))
-        a = [-0.9 * r, -0.9 * r, reach + 0.9 * r]
-        b = [1.9 * r, 0.9 * r, reach + 1.5 * r]
+        middle, step = reach - 0.7 * r, 2.0 * swing / _ARC_PIECES
+        chord = (middle + 0.6 * r) * float(np.tan(step / 2.0))
+        for n in range(_ARC_PIECES):
+            turned = R @ rot_x(float(np.degrees(-swing + (n + 0.5) * step)))
+            a, b = [1.3 * r, -chord, middle - 0.6 * r], [1.9 * r, chord, middle + 0.6 * r]
+            self.add(site.box(joint.parent, "guide", a, b, turned, foot))
+        self.add(
+            site.box(joint.parent, "cheek", [1.3 * r, -0.8 * r, middle], [1.9 * r, 0.8 * r, reach + 0.9 * r], R, foot)
+        )
+        a, b = [-0.9 * r, -0.9 * r, reach + 0.3 * r], [1.9 * r, 0.9 * r, reach + 0.9 * r]
         self.add(site.box(joint.parent, "bridge", a, b, R, foot))
         self.half = max(self.half, half)
-        self.top = foot + (reach + 1.5 * r) * R[:, 2]
+        self.top = foot + (reach + 0.9 * r) * R[:, 2]
 
     def _slanted(self, joint: Joint) -> None:
         """Draw a disc on the child and a housing on the parent, both about a slanted axis."""
@@ -225,23 +233,31 @@ class _Drawing:
         along = along if along @ UP > 0.0 else -along
         centre = axis + along * max(float((self.top - axis) @ UP) / float(along @ UP), 0.0)
         self._bar(joint.child, self.top, centre - 0.3 * r * along, 0.9 * r)
-        self.add(site.cylinder(joint.child, "joint", centre - 0.8 * r * along, centre, 1.3 * r))
-        end = centre + 1.4 * r * along
-        self.add(site.cylinder(joint.parent, "housing", centre, end, 1.3 * r))
+        seam, end = centre + 0.16 * r * along, centre + 1.4 * r * along
+        self.add(site.cylinder(joint.child, "plate", centre - 0.8 * r * along, centre, 1.3 * r))
+        self.add(site.cylinder(joint.child, "joint", centre, seam, 1.36 * r, colour=JOINT_COLOUR))
+        self.add(site.cylinder(joint.parent, "housing", seam, end, 1.3 * r))
         self.half = max(self.half, 1.3 * r + float(np.linalg.norm((end - self.top)[:2])))
         self.top = centre + 0.9 * r * along
 
     def _slide(self, joint: Joint) -> None:
-        """Draw a short slide within a head: a carriage on the child, a guide on the parent."""
-        site, r = self.site, self.r
+        """Draw a short slide within a head: a carriage on the child, a guide over the stroke on the parent."""
+        site, r, at = self.site, self.r, self.top
         along = site.direction(joint)
         low, high = site.stroke(joint)
-        start = self.top
-        self.add(site.cylinder(joint.child, "carriage", start - 0.4 * r * along, start + 0.4 * r * along, 1.1 * r,
-                               colour=JOINT_COLOUR))  # fmt: skip
-        a, b = start + (low - r) * along, start + (high + r) * along
-        lifted = 0.5 * r * (UP if abs(along @ UP) < _LEVEL else np.zeros(3))
-        self.add(site.cylinder(joint.parent, "guide", a + lifted, b + lifted, 0.7 * r))
-        self.top = (
-            max(a + lifted, b + lifted, key=lambda p: float(p[2])) if abs(along @ UP) > _LEVEL else start + 0.9 * r * UP
-        )
+        if abs(along @ UP) < _LEVEL:
+            R = upright_frame(along)
+            self.add(site.box(joint.child, "carriage", [-r, -0.8 * r, -0.6 * r], [r, 0.8 * r, 0.6 * r], R, at,
+                              colour=JOINT_COLOUR))  # fmt: skip
+            a, b = [low - r, -0.6 * r, 0.6 * r], [high + r, 0.6 * r, 1.1 * r]
+            self.add(site.box(joint.parent, "guide", a, b, R, at))
+            self.top = at + 1.1 * r * R[:, 2]
+            return
+        rise = along if along @ UP > 0.0 else -along
+        R = upright_frame(unit(np.cross(rise, [1.0, 0.0, 0.0])))  # x level, z along the slide
+        length = high - low
+        self.add(site.box(joint.child, "carriage", [-0.7 * r, -0.7 * r, 0.0], [0.7 * r, 0.7 * r, length + r], R, at,
+                          colour=JOINT_COLOUR))  # fmt: skip
+        a, b = [-r, -r, 0.5 * r + length], [r, r, 2.0 * length + 1.5 * r]
+        self.add(site.box(joint.parent, "guide", a, b, R, at))
+        self.top = at + (2.0 * length + 1.2 * r) * R[:, 2]

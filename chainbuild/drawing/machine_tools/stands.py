@@ -10,11 +10,19 @@ import numpy as np
 
 from chainbuild.arrays import Vector
 from chainbuild.chain.bodies.body import Body, Part
-from chainbuild.chain.bodies.geometry import Side
+from chainbuild.chain.bodies.geometry import ColumnSide
 from chainbuild.chain.elements import BASE_LINK, Joint
-from chainbuild.drawing.heads import Head, head_of
+from chainbuild.drawing.machine_tools.heads import Head, head_of
+from chainbuild.drawing.machine_tools.tables import (
+    WorkTable,
+    leading_slides,
+    lowest,
+    part_on,
+    pedestal,
+    plate_radius,
+    worktable,
+)
 from chainbuild.drawing.site import UP, Site
-from chainbuild.drawing.tables import Table, leading_slides, lowest, part_on, pedestal, plate_radius, table_of
 
 _UPRIGHT: Final = 0.94  # cosine: a steeper slide is a ram
 _BEAM_SHARE: Final = 0.04  # half of a beam's width over the longest stroke
@@ -30,7 +38,7 @@ def machine_tool_bodies(site: Site) -> list[Body]:
     """Return the bodies of a machine tool: head, slides and what carries the workpiece."""
     slides = leading_slides(site.tool_path)
     head = head_of(site, site.tool_path[len(slides) :])
-    table = table_of(site, head.low) if site.workpiece_path else None
+    table = worktable(site, head.low) if site.workpiece_path else None
     return _Stand(site, slides, head, table).bodies
 
 
@@ -67,7 +75,7 @@ class _Stand:
     What is left is a box that has no stand yet (`box`), or feet that stand on a link (`feet`).
     """
 
-    def __init__(self, site: Site, slides: Sequence[Joint], head: Head, table: Table | None) -> None:
+    def __init__(self, site: Site, slides: Sequence[Joint], head: Head, table: WorkTable | None) -> None:
         self.site, self.head, self.table, self.r = site, head, table, head.radius
         self.bodies = [*head.bodies, *(table.bodies if table else [])]
         strokes = [high - low for low, high in map(site.stroke, slides)]
@@ -153,8 +161,10 @@ class _Stand:
         if self.box.high[2] - self.box.low[2] < self.r:  # a head without ram: the carriage sits on its top
             self.box = self.box.between(2, self.box.low[2], self.box.low[2] + max(4.0 * self.r, 2.0 * self.beam))
         else:
-            self.box = self.box.side(behind, self.behind[behind], 1.2 * self.r, outside=True)
             side = 1 - behind
+            for sign in (-1.0, 1.0):  # it clasps the ram
+                self.add(link, "carriage", self.box.side(side, sign, 0.8 * self.r, outside=True))
+            self.box = self.box.side(behind, self.behind[behind], 1.2 * self.r, outside=True)
             self.box = self.box.between(side, self.box.low[side] - 0.8 * self.r, self.box.high[side] + 0.8 * self.r)
         self.add(link, "carriage", self.box)
 
@@ -240,9 +250,13 @@ class _Stand:
         low, high = self.site.stroke(joint)
         feet, self.feet = self.feet, []
         for foot in feet:
-            rail = foot.moved(along, low, high).between(2, self.ground, self.ground + self._rail)
+            rail = foot.moved(along, low - self.beam, high + self.beam).between(
+                2, self.ground, self.ground + self._rail
+            )
             self.add(joint.parent, "guide", rail)
-            self.feet.append(rail)
+            shoe = foot.moved(along, -self.beam, self.beam)
+            self.add(joint.child, "slide", shoe.between(2, self.ground + self._rail, self.ground + 1.8 * self._rail))
+            self.feet.append(rail.between(2, self.ground, self.ground + self._rail))
 
     def _still(self) -> None:
         """Draw what carries the last slide where the base does: posts, a portal, or a column with an arm to the ram."""
@@ -294,7 +308,7 @@ class _Stand:
         self.bodies += part_on(self.site, BASE_LINK, at, self.R, _PART_HEIGHT * room)
 
 
-def _behind(column: Side | None) -> tuple[tuple[float, float], int]:
+def _behind(column: ColumnSide | None) -> tuple[tuple[float, float], int]:
     """Return the signs of the sides of x and y on which beams run, and the axis on whose side a column stands."""
     signs, axis = list(_BEHIND), 1
     if column is not None:

@@ -20,11 +20,12 @@ _BESIDE_SHARE: Final = 0.12  # likewise over the machine's size, where no slide 
 _PART_WIDTH: Final = 0.7  # over the plate's radius
 _PART_HEIGHT: Final = 0.6  # over what the tip leaves above the plate: the tip never touches it at the lowest
 _GAP: Final = 1e-3  # m: a tip at rest stands this much above the plate
+_PEDESTAL: Final = 0.85  # of what stands on it
 _LEAST_ROOM: Final = 0.02  # m above the plate, below which there is no room for a part
 
 
 @dataclass
-class Table:
+class WorkTable:
     """What carries the workpiece.
 
     Attributes:
@@ -90,7 +91,7 @@ def _plate_height(site: Site, tip: float) -> float:
     return min(float(site.T_workpiece[2, 3]), min(tip, middle) - _GAP)
 
 
-def beside(site: Site, robot: Sequence[Body]) -> list[Body]:
+def table_beside(site: Site, robot: Sequence[Body]) -> list[Body]:
     """Return what carries the workpiece beside a robot, and the floor under both; nothing where the base does.
 
     Args:
@@ -99,7 +100,7 @@ def beside(site: Site, robot: Sequence[Body]) -> list[Body]:
     """
     if not site.workpiece_path:
         return []
-    table = table_of(site, float(site.tip[2]))
+    table = worktable(site, float(site.tip[2]))
     boxes = np.array([site.bounds(body) for body in robot if body.link == BASE_LINK])
     foot = float(boxes[:, 0, 2].min())
     on_floor = boxes[boxes[:, 0, 2] < foot + _GAP]
@@ -108,7 +109,7 @@ def beside(site: Site, robot: Sequence[Body]) -> list[Body]:
     bodies = [*table.bodies, *pedestal(site, table, floor)]
     if foot - floor > _GAP:
         bodies.append(site.box(BASE_LINK, "pedestal", (*low[:2], floor), (*high[:2], foot)))
-    half = np.minimum(0.8 * table.half, 1.1 * table.radius)
+    half = _PEDESTAL * table.half
     low, high = np.minimum(low[:2], table.foot[:2] - half), np.maximum(high[:2], table.foot[:2] + half)
     edge = 0.2 * table.radius
     slab = site.box(BASE_LINK, "bed", (*(low - edge), floor - 0.15 * table.radius), (*(high + edge), floor))
@@ -119,15 +120,15 @@ def standing(site: Site) -> list[Body]:
     """Return what carries the workpiece, down to the floor in its own place; nothing where the base does."""
     if not site.workpiece_path:
         return []
-    table = table_of(site, float(site.tip[2]))
+    table = worktable(site, float(site.tip[2]))
     return [*table.bodies, *pedestal(site, table, min(0.0, float(table.foot[2]) - 0.1 * table.radius))]
 
 
-def pedestal(site: Site, table: Table, floor: float) -> list[Body]:
+def pedestal(site: Site, table: WorkTable, floor: float) -> list[Body]:
     """Return the base's pedestal from the floor [m] to a table."""
     if table.foot[2] - floor < 1e-4:
         return []
-    half = np.append(np.minimum(0.8 * table.half, 1.1 * table.radius), 0.0)
+    half = np.append(_PEDESTAL * table.half, 0.0)
     low = np.array([table.foot[0], table.foot[1], floor])
     return [site.box(BASE_LINK, "pedestal", low - half, table.foot + half)]
 
@@ -151,7 +152,7 @@ def part_on(site: Site, link: str, foot: Vector, radius: float, height: float) -
     return [site.box(link, "workpiece", -half, half + edges[2] * UP, at=foot, colour=PART_COLOUR, origin=origin)]
 
 
-def table_of(site: Site, tip: float) -> Table:
+def worktable(site: Site, tip: float) -> WorkTable:
     """Return what carries the workpiece, from the plate down to the base.
 
     Args:
@@ -184,7 +185,7 @@ class _Drawing:
         self.foot = plate
         for joint in reversed(joints):
             self._joint(joint)
-        self.table = Table(self.R, self.foot, self.half, self.bodies)
+        self.table = WorkTable(self.R, self.foot, self.half, self.bodies)
 
     def _on_axis(self, joint: Joint, height: float) -> Vector:
         """Return the point (3,) of an axis at a height [m]."""
@@ -246,13 +247,13 @@ class _Drawing:
         low, high = min(floor, -0.3 * R), max(under, 0.3 * R)
         for sign in (-1.0, 1.0):
             box(joint.child, "cheek", (sign * inner, sign * outer), 0.4 * R, (low, high))
-        journal = outer + 0.25 * R
+        journal, end = outer + 0.25 * R, outer + 0.55 * R
         for sign in (-1.0, 1.0):
-            ends = centre + sign * outer * along, centre + sign * journal * along
+            # Through the bearing: the axis that tilts is seen from outside.
+            ends = centre + sign * outer * along, centre + sign * (end + 0.06 * R) * along
             self.bodies.append(site.cylinder(joint.child, "joint", *ends, 0.18 * R, colour=JOINT_COLOUR))
         across = abs(off) + reach
         swept = float(np.hypot(across, max(abs(floor), abs(self.top - axis[2])))) + 0.06 * R
-        end = journal + 0.3 * R
         for sign in (-1.0, 1.0):
             box(joint.parent, "post", (sign * (journal - 0.2 * R), sign * end), 0.42 * R, (-swept - 0.2 * R, 0.38 * R))
         box(joint.parent, "bed", (-end, end), 0.6 * R, (-swept - 0.3 * R, -swept))
