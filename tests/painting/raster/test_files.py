@@ -55,6 +55,14 @@ def test_texts_stand_in_the_middle_on_their_line() -> None:
     assert columns.max() - columns.min() == pytest.approx(text_width("HHH") * 20.0, abs=3.0)
 
 
+def test_texts_are_set_off_from_what_is_dark() -> None:
+    pixels = np.zeros((40, 60, 3), dtype=np.uint8)
+    draw_marks(pixels, Marks(captions=[Caption("I", 30.5, 30.0, (0.0, 0.0, 0.0), 20.0)]))
+    assert pixels[22, 30].max() < 60
+    assert (pixels[22, [28, 32]] > 180).all()
+    assert (pixels[22, [24, 36]] == 0).all()
+
+
 def test_labels_have_all_their_letters() -> None:
     needed = (
         "HD5 = −45 mm MAIN_LENGTH_AB[0] TX3P3_POS trafo[1].param[12] base flange tool workpiece iso front top right"

@@ -84,3 +84,25 @@ def test_bodies_out_of_the_picture_are_left_out() -> None:
     buffers = render([placed("box", (1, 1, 1), (9, 0, 0)), placed("sphere", (0.2,), (1, 1, 0))], TOP, WINDOW)
     assert 0 < (buffers.bodies == 1).sum() < 400
     assert (buffers.bodies != 0).all()
+
+
+def test_the_picture_may_be_of_any_part_of_the_site() -> None:
+    bodies = [placed("box", (1, 1, 0.2), (6, 5, 0))]
+    shown = render(bodies, TOP, Window(5.0, 6.0, 100.0, 200, 200)).bodies
+    assert np.argwhere(shown == 0).min(axis=0).tolist() == [50, 50]
+    assert np.argwhere(shown == 0).max(axis=0).tolist() == [149, 149]
+
+
+def test_bright_faces_are_paler_than_their_colour() -> None:
+    pixels = painted([placed("box", (1, 1, 1), (0, 0, 0), grey=0.5)], VIEWS["iso"], WINDOW)
+    # The upper face: a shade of 0.8 + 0.32 · (0.74 cos 26° + 0.57 sin 26°) = 1.0929.
+    assert pixels[40, 100].tolist() == [139] * 3
+
+
+def test_lines_are_bold_where_a_body_ends_and_thin_where_faces_meet() -> None:
+    plate = placed("box", (1.6, 1.6, 0.2), (0, 0, 0))
+    for height, dark in ((0.5, True), (0.001, False)):
+        pixels = painted([plate, placed("box", (0.8, 0.8, 0.2), (0, 0, height))], TOP, WINDOW)
+        assert bool(pixels[100, 140, 0] < 95) is dark
+        assert pixels[100, 140, 0] < 120
+        assert pixels[100, 130, 0] == 125

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from chainbuild.painting.vector.joining import border, chained
+from chainbuild.painting.vector.joining import _joined, border, chained
 from chainbuild.painting.views import Spot
 from tests.kit.placed import area
 
@@ -55,8 +55,8 @@ def test_what_is_left_always_closes() -> None:
 
 def test_corners_on_the_way_are_left_out_and_turns_stay() -> None:
     def line(*spots: Spot) -> list[Spot]:
-        (found,) = chained(pairwise(spots))
-        return found
+        (found,) = chained(pairwise([(x + 7.0, y + 3.0) for x, y in spots]))
+        return [(x - 7.0, y - 3.0) for x, y in found]
 
     assert line((0.0, 0.0), (5.0, 5.0), (10.0, 10.0)) == [(0.0, 0.0), (10.0, 10.0)]
     assert line((0.0, 0.0), (5.0, -5.0), (10.0, -10.0)) == [(0.0, 0.0), (10.0, -10.0)]
@@ -66,3 +66,21 @@ def test_corners_on_the_way_are_left_out_and_turns_stay() -> None:
     assert line(*spike) == spike
     spike = [(0.0, 0.0), (10.0, -4.0), (5.0, -2.0)]
     assert line(*spike) == spike
+    for up in (0.5, -0.5):
+        assert len(line((0.0, 0.0), (5.0, 5.0 * up - 0.05), (10.0, 10.0 * up))) == 2
+        assert len(line((0.0, 0.0), (5.0, 5.0 * up + 0.05), (10.0, 10.0 * up))) == 2
+        assert len(line((0.0, 0.0), (5.0, 5.0 * up - 0.09), (10.0, 10.0 * up))) == 3
+        assert len(line((0.0, 0.0), (5.0, 5.0 * up + 0.09), (10.0, 10.0 * up))) == 3
+
+
+def test_near_corners_are_one_across_the_cells_they_are_sought_in() -> None:
+    middle = (0.30, 0.50)
+    for x in (-1, 0, 1):
+        for y in (-1, 0, 1):
+            near = (middle[0] + 0.004 * x, middle[1] + 0.004 * y)
+            assert _joined([middle, near]) == {middle: middle, near: middle}
+            cell = (0.02 * 15 + 0.001, 0.02 * 25 + 0.001), (0.02 * 15 + 0.019, 0.02 * 25 + 0.019)
+            for spot in cell:
+                near = (spot[0] + 0.004 * x, spot[1] + 0.004 * y)
+                assert _joined([spot, near])[near] == spot
+    assert len(set(_joined([middle, (0.36, 0.5)]).values())) == 2

@@ -15,6 +15,7 @@ import pytest
 
 import chainbuild
 from chainbuild import Robot
+from chainbuild.painting.marks import Caption, Marks, Stroke
 from chainbuild.painting.stage import PlacedBody, Stage, framed, snapped
 from chainbuild.painting.vector.svg import Sheet, path_data
 from chainbuild.painting.views import VIEWS, Window
@@ -69,6 +70,37 @@ def test_round_bodies_have_gradients() -> None:
     assert stops[0] < stops[-1]
     stops = [int(stop.get("stop-color", "")[1:3], 16) for stop in around]
     assert stops == sorted(stops, reverse=True)
+
+
+def test_gradients_are_those_of_the_light() -> None:
+    window = Window(-1.0, 1.0, 100.0, 200, 200)
+    bodies = [placed("cylinder", (0.2, 0.4), (0, 0, 0)), placed("sphere", (0.3,), (0.6, 0, 0.5))]
+    root = ET.fromstring(svg_of(bodies, window, "front"))
+    (across,) = root.iter(f"{SVG}linearGradient")
+    assert [across.get(key) for key in ("x1", "y1", "x2", "y2")] == ["1200", "1000", "800", "1000"]
+    stops = [(stop.get("offset"), stop.get("stop-color")) for stop in across]
+    # 0.5 · (0.8 + 0.32 · light) at the right border, in the middle, at the left border.
+    assert [stops[0], stops[2], stops[4]] == [("0", "#575757"), ("0.5", "#7d7d7d"), ("1", "#757575")]
+    assert len(stops) == 5
+    (around,) = root.iter(f"{SVG}radialGradient")
+    # Brightest 0.36 of the radius to the left of the middle and 0.74 above it.
+    assert [around.get(key) for key in ("cx", "cy", "r")] == ["1492", "278", "547"]
+    stops = [(stop.get("offset"), stop.get("stop-color")) for stop in around]
+    assert (len(stops), stops[0], stops[2], stops[4]) == (5, ("0", "#8f8f8f"), ("0.5", "#7a7a7a"), ("1", "#444444"))
+
+
+def test_lines_and_texts_over_the_bodies() -> None:
+    sheet = Sheet(100, 80)
+    sheet.mark(
+        Marks([Stroke(((1.0, 2.0), (3.0, 2.0)), (1.0, 0.0, 0.0), 1.5, halo=True)], [Caption("a < b", 50.0, 40.0)])
+    )
+    root = ET.fromstring(sheet.text())
+    halo, line = root.iter(f"{SVG}path")
+    assert (halo.get("d"), halo.get("stroke-width")) == ("M10 20l20 0", "55")  # two pixels on each side
+    assert (line.get("stroke"), line.get("stroke-width")) == ("#ff0000", "15")
+    (text,) = root.iter(f"{SVG}text")
+    assert [text.get(key) for key in ("x", "y", "font-size")] == ["500", "400", "130"]
+    assert text.text == "a < b"
 
 
 @pytest.mark.parametrize("name", MACHINES)
