@@ -23,10 +23,8 @@ ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "docs"))
 import machine_pictures  # noqa: E402
 
-PAGES = (
-    "README.md",
-    *(f"docs/{name}.md" for name in ("branches", "conventions", "kinematics", "findings", "machines", "robx", "tables")),
-)
+_DOCS = ("branches", "conventions", "findings", "kinematics", "machines", "robx", "tables")
+PAGES = ("README.md", *(f"docs/{name}.md" for name in _DOCS))
 _COLUMNS = 3  # of the contact sheet
 _WIDTH = 260  # pixels of its pictures
 _BLOCK = re.compile(r"(<!-- table: (?P<name>[\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)

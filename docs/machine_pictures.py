@@ -8,6 +8,7 @@ from __future__ import annotations
 import html
 import re
 import tempfile
+import tomllib
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -18,6 +19,8 @@ from chainbuild.drawing.site import Site
 
 FOLDER = Path(__file__).parent / "pictures"
 README = "readme.svg"
+EXAMPLES = tomllib.loads((Path(__file__).parent / "type_examples.toml").read_text("utf-8"))
+_COMMON = {"X": [-500, 500], "Y": [-400, 400], "Z": [-400, 0]}  # limits in mm
 _README_MACHINE = "kr6r900"
 _README_AXES = (0.0, -75.0, 100.0, 0.0, 40.0, 0.0)  # a bent arm: every length is seen
 _LEFT = 290  # pixels by which the machine is moved aside, its own margin holds the rest of the machine data
@@ -52,22 +55,45 @@ def _machines_of_types() -> dict[str, str]:
 def of_type(number: int) -> str | None:
     """Return the picture of a KIN_TYP, as a path from docs/; None: it has no shape of its own (91, 210)."""
     name = _machines_of_types().get(f"KIN_TYP {number}")
-    return None if name is None else f"pictures/{name}.svg"
+    if name is not None:
+        return f"pictures/{name}.svg"
+    return f"pictures/kin{number}.svg" if str(number) in EXAMPLES else None
+
+
+def example(number: str) -> chainbuild.Robot:
+    """Return a machine of a KIN_TYP of which none is shipped."""
+    given = EXAMPLES[number]
+    entry = chainbuild.catalogue()[int(number)]
+    rows = {f"HD{row.n}": row for row in entry.hd}
+    lines = [f"trafo[0].id {number}"]
+    for name, value in given["hd"].items():
+        counts = value * 10_000 if rows[name].unit else value
+        lines.append(f"trafo[0].param[{rows[name].n - 1}] {counts:.0f}")
+    limits = {axis.name: _COMMON.get(axis.name, [-100, 100]) for axis in entry.axes} | given.get("limits", {})
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"kin{number}.lis"
+        path.write_text("\n".join([*lines, "Ende", ""]), "utf-8")
+        overlay = Path(folder) / f"kin{number}.chainbuild.toml"
+        overlay.write_text("[limits]\n" + "".join(f"{axis} = {ends}\n" for axis, ends in limits.items()), "utf-8")
+        return chainbuild.Robot.load(path, tool_length_mm=given.get("tool", 0.0))
 
 
 def drawings() -> Iterator[tuple[str, str, str]]:
-    """Yield file, machine and view of every picture of a shipped machine."""
+    """Yield file, machine and view of every picture: of shipped machines by name, of other types by number."""
     for name in chainbuild.shipped():
         yield f"{name}.svg", name, "iso"
         if has_detail(name):
             yield f"{name}_detail.svg", name, "detail"
+    for number in EXAMPLES:
+        yield f"kin{number}.svg", number, "iso"
 
 
 def drawn(name: str, view: str) -> str:
-    """Return a picture of a shipped machine as SVG."""
+    """Return a picture as SVG: of a shipped machine by its name, of another type by its number."""
+    robot = example(name) if name in EXAMPLES else chainbuild.Robot.load(name)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "picture.svg"
-        chainbuild.picture(chainbuild.Robot.load(name), path, view=view)
+        chainbuild.picture(robot, path, view=view)
         return path.read_text("utf-8")
 
 

@@ -118,7 +118,7 @@ def _panes(
     margin = _LABELLED if labelled else _MARGIN
     points = [] if trace is None else trace.tolist()
     if view == "detail":
-        seen = _near(stage.pointing)
+        seen = seen_from(stage.pointing)
         return [_Pane(seen, framed(stage.tool_end, seen, *_SIZE, margin), 0, 0)], _SIZE
     if view != "sheet":
         window = framed(stage.bodies, VIEWS[view], *_SIZE, margin, points)
@@ -138,7 +138,7 @@ def _panes(
     return panes, (2 * _PANE[0], 2 * _PANE[1])
 
 
-def _near(pointing: Vector) -> View:
+def seen_from(pointing: Vector) -> View:
     """Return the view of a detail: from behind where a tool points away, so that its tip is seen."""
     length = float(np.sqrt((pointing * pointing).sum()))
     away = -coordinate(pointing, VIEWS["iso"].toward)

@@ -92,6 +92,48 @@ def test_drawn_slides_of_a_mill_are_no_collision_but_given_ones_are() -> None:
     assert ("X_link", "A_link") in CollisionModel(chainbuild.Robot(given)).pairs_by_link()
 
 
+# Pairs of shipped machines that touch at home or in the middle of the limits, and why.
+TOUCHING = {
+    "cac_table_kin64": ({("C1_link", "C2_link")}, "the outer C reaches from below the table to the A axis above it"),
+    "lambda_kin21": ({("theta_link", "C_link")}, "the arm's link ends at the plane in which the gripper turns"),
+    "linear_robot_kin206": ({("A2_link", "A4_link"), ("A2_link", "A5_link")}, "in the middle its arm is folded"),
+    "oblique_head_kin11": (
+        {("B_link", "A_link")},
+        "the tip stands on the zero of the workpiece, which is in the A axis",
+    ),
+    "robot_head_kin210": (
+        {("B2_link", "C_link"), ("A1_link", "C_link"), ("B3_link", "A_link")},
+        "the head is short, and capsules are as thick as looks right for the robot",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", chainbuild.shipped())
+def test_shipped_machines_at_rest_collide_only_where_it_is_told_why(name: str) -> None:
+    model = CollisionModel(chainbuild.Robot.load(name))
+    low, high = shown_limits(model.robot.chain)
+    links = {solid.name: solid.link for solid in model.solids}
+    touching = {
+        frozenset(links[body] for body in pair)
+        for axes in (np.clip(0.0, low, high), (low + high) / 2)
+        for pair in model.colliding_pairs(axes)
+    }
+    wanted, _ = TOUCHING.get(name, (set(), ""))
+    assert touching == {frozenset(pair) for pair in wanted}
+
+
+def test_pairs_that_touch_at_home() -> None:
+    assert CollisionModel(chainbuild.Robot.load("cac_table_kin64")).touching_at_home() == (("C1_link", "C2_link"),)
+    assert CollisionModel(arm()).touching_at_home() == ()
+
+
+def test_what_a_drawing_assumes_is_no_body() -> None:
+    links = [solid.link for solid in CollisionModel(chainbuild.Robot.load("ac_table_kin58")).solids]
+    assert links == ["A_link", "C_link", "C_link"]
+    with_table = [solid.link for solid in CollisionModel(chainbuild.Robot.load("irb2600_table")).solids]
+    assert with_table[0] == "base"
+
+
 def test_watched_pairs_can_be_chosen() -> None:
     robot = arm()
     model = CollisionModel(robot, [("B2_link", "base")])

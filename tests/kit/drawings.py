@@ -15,7 +15,11 @@ from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.elements import Chain
 from chainbuild.chain.poses import link_placements
 from chainbuild.drawing.machine import drawn_bodies
+from chainbuild.painting.raster.sight import render
+from chainbuild.painting.stage import Stage, framed
+from chainbuild.painting.views import View
 
+COARSE = (480, 360)  # pixels: what cannot be seen there is hidden or too small
 ALLOWED = 5e-4  # m: bodies that touch, rounded to micrometres and measured by an iteration
 REACH = 1e-3  # m: what is nearer hangs together
 
@@ -144,3 +148,10 @@ def nearest(chain: Chain, bodies: Sequence[Body], part: str, other: str, axes: V
     table = gaps_between(chain, ones, others, axes)
     nearest_ones: list[float] = table.min(axis=1).tolist()
     return nearest_ones
+
+
+def body_pixels(stage: Stage, view: View, near: bool = False) -> list[int]:
+    """Return how many pixels of a small picture show each body of a stage, the tool end alone or all of it."""
+    window = framed(stage.tool_end if near else stage.bodies, view, *COARSE)
+    shown = render(stage.bodies, view, window).bodies
+    return np.bincount(shown.ravel() + 1, minlength=len(stage.bodies) + 1)[1:].tolist()

@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from chainbuild.arrays import Vector
 from chainbuild.chain.bodies.body import JOINT_COLOUR, TOOL_SIDE, WORKPIECE_SIDE, Body
 from chainbuild.chain.elements import BASE_LINK
 from chainbuild.drawing.builds.bed import level_box, part_block, tool_bodies
@@ -16,6 +17,7 @@ from chainbuild.drawing.site import Site, upright_frame
 _SUNK: Final = 0.8  # from the middle of the balls to where a platform begins
 _PLATE: Final = 2.2  # thickness of a platform
 _EDGE: Final = 1.5  # how far it reaches over the pins
+_HUB: Final = 0.62  # over the radius of the pins: between the arms to them the tool is seen
 _NECK: Final = 3.0  # radius of the spindle at most
 _LINK: Final = 0.5  # radius of the links that guide a table
 _KNEE: Final = 0.7  # of the ball between them: clear of the table
@@ -40,8 +42,14 @@ def tool_platform(site: Site, platform: str, arms: list[Arm]) -> list[Body]:
     under, radius = top - _PLATE * r, min(_SPINDLE * reach, _NECK * r)
     colour = TOOL_SIDE[0]
     low, high = (*middle[:2], under), (*middle[:2], top)
+    edge, heights = _EDGE * r, (under, top)
+    arms_to_pins = [
+        level_box(site, platform, "lever", (middle, _beyond(middle, arm.end, edge)), edge, heights, colour=colour)
+        for arm in arms
+    ]
     bodies = [
-        site.cylinder(platform, "platform", low, high, reach + _EDGE * r, colour=colour),
+        site.cylinder(platform, "platform", low, high, _HUB * reach, colour=colour),
+        *arms_to_pins,
         *tool_bodies(site, (*tip[:2], under), radius),
     ]
     if np.hypot(*(tip - middle)[:2]) > reach:
@@ -50,6 +58,13 @@ def tool_platform(site: Site, platform: str, arms: list[Arm]) -> list[Body]:
         motor = (*middle[:2], top + _MOTOR * reach)
         bodies.append(site.cylinder(platform, "housing", high, motor, _SPINDLE * reach, colour=JOINT_COLOUR))
     return bodies
+
+
+def _beyond(start: Vector, end: Vector, by: float) -> Vector:
+    """Return the point (3,) that lies some way [m] behind the end of a level line."""
+    along = (end - start) * (1.0, 1.0, 0.0)
+    beyond: Vector = end + along * (by / float(np.linalg.norm(along)))
+    return beyond
 
 
 def table_platform(site: Site, platform: str, arms: list[Arm]) -> list[Body]:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.painting.colours import GAIN, LIGHT, MIDDLE
-from chainbuild.painting.stage import PlacedBody, coordinate, framed, half_span
+from chainbuild.painting.stage import PlacedBody, coordinate, half_span
 from chainbuild.painting.views import View, Window
 from chainbuild.shown import fields_shown
 
@@ -176,16 +176,3 @@ def _cosines(solid: PlacedBody, sight: _Sight, near: Plane, side: FaceNumbers, s
     around = np.asarray(sight.lit([points[0], points[1], 0.0]), dtype=np.float32)
     cap = np.float32(sight.lit([0.0, 0.0, signs[2]]))
     return np.where(side == 1, cap, around)
-
-
-_COARSE: Final = (480, 360)  # pixels: what cannot be seen there is hidden or too small
-
-
-def body_pixels(solids: Sequence[PlacedBody], view: View) -> FaceNumbers:
-    """Return which body every pixel of a small picture shows (rows, columns), `NOTHING` where there is none.
-
-    Args:
-        solids: The bodies; the number of one is its place here.
-        view: From where one looks.
-    """
-    return render(solids, view, framed(solids, view, *_COARSE)).bodies

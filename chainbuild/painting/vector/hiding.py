@@ -48,7 +48,7 @@ def seen_pieces(hulls: Sequence[Hull], toward: Arrow) -> list[list[Facet]]:
     starts = np.cumsum([0, *(len(facet.points) for facet in facets[:-1])])
     owner = np.array(numbers)
     alive = np.full(len(facets), True)
-    cutters: list[list[tuple[_Shadow, list[int], float]]] = [[] for _ in facets]
+    cutters: list[list[tuple[_Shadow, list[int]]]] = [[] for _ in facets]
     for n, hull in enumerate(hulls):
         if not hull.facets:
             continue
@@ -64,7 +64,7 @@ def seen_pieces(hulls: Sequence[Hull], toward: Arrow) -> list[list[Facet]]:
         crossing = high > _EPS
         alive &= ~(meets & ~crossing.any(axis=0))
         for m in np.flatnonzero(meets & alive).tolist():
-            cutters[m].append((shadow, np.flatnonzero(crossing[:, m]).tolist(), float(flush[m])))
+            cutters[m].append((shadow, np.flatnonzero(crossing[:, m]).tolist()))
     found: list[list[Facet]] = [[] for _ in hulls]
     for facet, n, living, own in zip(facets, numbers, alive.tolist(), cutters, strict=True):
         if living:
@@ -99,31 +99,30 @@ def _unit(vector: Corner) -> Corner:
     return vector[0] / length, vector[1] / length, vector[2] / length
 
 
-def _remaining(facet: Facet, cutters: Sequence[tuple[_Shadow, list[int], float]]) -> list[Facet]:
+def _remaining(facet: Facet, cutters: Sequence[tuple[_Shadow, list[int]]]) -> list[Facet]:
     """Return the pieces of a facet outside some shadows, each with the planes that cross the facet."""
     pieces = [facet]
-    for shadow, crossing, flush in cutters:
+    for shadow, crossing in cutters:
         planes = [(shadow.planes[k].tolist(), k < shadow.faces) for k in crossing]
-        pieces = [part for piece in pieces for part in _without(piece, planes, flush)]
+        pieces = [part for piece in pieces for part in _without(piece, planes)]
     return pieces
 
 
-def _without(piece: Facet, planes: Sequence[tuple[list[float], bool]], flush: float) -> list[Facet]:
+def _without(piece: Facet, planes: Sequence[tuple[list[float], bool]]) -> list[Facet]:
     """Return the convex pieces of a polygon outside a shadow."""
     measured = []
     for (a, b, c, offset), face in planes:
-        level = offset + flush if face else offset
-        distances = [a * x + b * y + c * z - level for x, y, z in piece.points]
+        distances = [a * x + b * y + c * z - offset for x, y, z in piece.points]
         if min(distances) >= -_EPS:
             return [piece]
         if max(distances) > _EPS:
-            measured.append(((a, b, c), level, CONTACT_EDGE if face else HIDDEN_EDGE))
+            measured.append(((a, b, c), offset, CONTACT_EDGE if face else HIDDEN_EDGE))
     parts: list[Facet] = []
     inside: Facet | None = piece
-    for normal, level, kind in measured:
+    for normal, offset, kind in measured:
         if inside is None:
             break
-        distances = [dot(normal, point) - level for point in inside.points]
+        distances = [dot(normal, point) - offset for point in inside.points]
         if max(distances) <= _EPS:
             continue
         if min(distances) >= -_EPS:

@@ -9,7 +9,7 @@ import pytest
 
 from chainbuild.frames import rot_x, rot_y
 from chainbuild.painting.raster.pixels import painted
-from chainbuild.painting.raster.sight import NOTHING, body_pixels, render
+from chainbuild.painting.raster.sight import NOTHING, render
 from chainbuild.painting.views import VIEWS, Window
 from tests.kit.placed import placed
 
@@ -67,7 +67,7 @@ def test_faces_in_one_plane_show_the_first_body() -> None:
 
 def test_hidden_bodies_have_no_pixels() -> None:
     bodies = [placed("box", (1, 1, 1), (0, 0, 0)), placed("box", (0.5, 0.5, 0.5), (0, 0, 0))]
-    shown = body_pixels(bodies, VIEWS["iso"])
+    shown = render(bodies, VIEWS["iso"], WINDOW).bodies
     assert set(np.unique(shown)) == {NOTHING, 0}
 
 

@@ -12,7 +12,7 @@ from chainbuild.frames import rot_x, rot_y, rot_z
 from chainbuild.painting.raster.sight import render
 from chainbuild.painting.stage import PlacedBody, Stage, coordinate, framed
 from chainbuild.painting.vector.facets import CONTACT_EDGE, HIDDEN_EDGE, OUTLINE_EDGE, Facet, hull_of
-from chainbuild.painting.vector.hiding import seen_pieces
+from chainbuild.painting.vector.hiding import _half, seen_pieces
 from chainbuild.painting.views import VIEWS, View
 from tests.kit.placed import area, placed
 
@@ -56,7 +56,7 @@ def test_boxes_that_enter_each_other_are_cut_where_they_meet() -> None:
     plate = placed("box", (1.0, 1.0, 0.1), (0, 0, 0))
     ridge = placed("box", (0.5, 0.2, 0.2), (0, 0, 0), rot_x(45.0))
     width = 2.0 * (0.1 * math.sqrt(2.0) - 0.05)
-    assert seen_areas([plate, ridge], TOP) == pytest.approx([1.0 - 0.5 * width, 0.5 * width], abs=1e-5)
+    assert seen_areas([plate, ridge], TOP) == pytest.approx([1.0 - 0.5 * width, 0.5 * width])
     edges = [edge for piece in pieces_of([plate, ridge], TOP)[1] for edge in piece.edges]
     assert edges.count(CONTACT_EDGE) == 2
 
@@ -85,6 +85,36 @@ def test_round_bodies_have_round_outlines() -> None:
     for angle in (0.0, 3.0, 17.0):
         turned = placed("cylinder", (0.2, 1.0), (0, 0, 0), rot_z(angle))
         assert seen_areas([turned], VIEWS["front"]) == pytest.approx([0.4])
+
+
+def test_bodies_stand_on_their_heads() -> None:
+    for turn in (np.eye(3), rot_x(180.0)):
+        standing = placed("cylinder", (0.2, 1.0), (0, 0, 0), turn)
+        assert seen_areas([standing], TOP) == pytest.approx([math.pi * 0.04], rel=7e-3)
+        assert {piece.face for piece in pieces_of([standing], VIEWS["front"])[0]} == {2}
+        (cap,) = pieces_of([standing], TOP)[0]
+        assert hull_of(standing, TOP).normal(cap.face) == pytest.approx((0.0, 0.0, 1.0))
+
+
+def test_faces_know_their_normals() -> None:
+    turn = rot_z(20.0) @ rot_x(35.0)
+    for view in VIEWS.values():
+        hull = hull_of(placed("box", (0.3, 0.4, 0.5), (1, 2, 3), turn), view)
+        for facet in hull.facets:
+            a, b, c = (np.array(point) for point in facet.points[:3])
+            normal = np.cross(b - a, c - b)
+            assert hull.normal(facet.face) == pytest.approx(normal / np.linalg.norm(normal))
+            assert np.dot(normal, view.toward) > 0.0
+    for face in range(6):
+        sign, axis = (1.0 if face % 2 else -1.0), turn[:, face // 2]
+        assert hull.normal(face) == pytest.approx(sign * axis)
+
+
+def test_a_cut_through_a_corner_adds_none() -> None:
+    square = Facet(0, ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)), (1, 2, 3, 4))
+    distances = [0.0, 1.0, 0.0, -1.0]
+    assert _half(square, distances, 1.0, 9) == Facet(0, ((0, 0, 0), (1, 0, 0), (1, 1, 0)), (1, 2, 9))
+    assert _half(square, distances, -1.0, 9) == Facet(0, ((0, 0, 0), (1, 1, 0), (0, 1, 0)), (9, 3, 4))
 
 
 def random_bodies(rng: np.random.Generator, count: int) -> list[PlacedBody]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -49,3 +51,18 @@ def test_what_is_left_always_closes() -> None:
     assert sum((a[0] * b[1] - a[1] * b[0]) / 2 for a, b, _ in edges) == pytest.approx(
         sum(area(spots) for spots, _ in pieces), abs=0.5
     )
+
+
+def test_corners_on_the_way_are_left_out_and_turns_stay() -> None:
+    def line(*spots: Spot) -> list[Spot]:
+        (found,) = chained(pairwise(spots))
+        return found
+
+    assert line((0.0, 0.0), (5.0, 5.0), (10.0, 10.0)) == [(0.0, 0.0), (10.0, 10.0)]
+    assert line((0.0, 0.0), (5.0, -5.0), (10.0, -10.0)) == [(0.0, 0.0), (10.0, -10.0)]
+    assert line((0.0, 0.0), (-5.0, 2.5), (-10.0, 5.0)) == [(0.0, 0.0), (-10.0, 5.0)]
+    assert line((0.0, 0.0), (5.0, 6.0), (10.0, 10.0)) == [(0.0, 0.0), (5.0, 6.0), (10.0, 10.0)]
+    spike: list[Spot] = [(0.0, 0.0), (10.0, 10.0), (5.0, 5.0)]
+    assert line(*spike) == spike
+    spike = [(0.0, 0.0), (10.0, -4.0), (5.0, -2.0)]
+    assert line(*spike) == spike
