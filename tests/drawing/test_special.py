@@ -27,6 +27,7 @@ BUILT: dict[str, dict[int | str, float]] = {
     "202 to the right": {1: 80.0, 10: 1.0},
     "202 off the zero": {1: 80.0, 6: 50.0, 7: 30.0, 8: -40.0},
     "205 about X": {1: 50.0, 2: 80.0, 17: 1.0},
+    "205 off the zero": {1: 50.0, 2: 80.0, 6: 50.0, 7: 30.0, 8: -40.0, 16: 1.0},
     "36 off the zero": {1: 100.0, 2: 325.0, 3: 225.0, 4: 50.0, 5: 20.0},
     "36 with absolute angles": {1: 100.0, 2: 325.0, 3: 225.0, 7: 1.0},
     "85 with a short lever": {1: 800.0, 2: 200.0},
@@ -116,8 +117,8 @@ def test_the_bed_is_below_everything_and_under_every_foot(name: str) -> None:
         low, high = span(bed, bed.T_link_body, along)
         for body in standing:
             a, b = span(body, body.T_link_body, along)
-            assert low <= a + 1e-9
-            assert b <= high + 1e-9
+            assert low <= a + 1e-6
+            assert b <= high + 1e-6
 
 
 @pytest.mark.parametrize("name", ["c_face_kin14", "cyl_2rot_kin202", "eccentric_disc_kin205", "205 about X"])
@@ -296,7 +297,7 @@ def test_the_column_of_a_lathe_is_behind() -> None:
         assert column.colour == BASE_COLOUR
 
 
-@pytest.mark.parametrize("name", ["eccentric_disc_kin205", "205 about X"])
+@pytest.mark.parametrize("name", ["eccentric_disc_kin205", "205 about X", "205 off the zero"])
 def test_the_disc_turns_about_its_middle_and_holds_the_tool_off_it(name: str) -> None:
     chain, bodies = drawn(name)
     (disc,) = parts(bodies, "plate")
@@ -306,7 +307,7 @@ def test_the_disc_turns_about_its_middle_and_holds_the_tool_off_it(name: str) ->
     assert abs(disc.T_link_body[:3, 2] @ joint.direction) == pytest.approx(1.0)
     off = np.linalg.norm(np.cross(flange, joint.direction))
     assert off == pytest.approx(0.08, abs=1e-6)
-    assert disc.dimensions[0] > off
+    assert disc.dimensions[0] == pytest.approx(1.35 * off, abs=1e-6)
     # The tool sits on the face of the disc, which is between it and the ram.
     assert abs((flange - middle) @ joint.direction) == pytest.approx(disc.dimensions[1] / 2, abs=2e-6)
 
