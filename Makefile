@@ -30,8 +30,9 @@ bench: $(INSTALLED_BENCH)
 	$(BIN)/python docs/generate.py
 
 # Some 1600 of them; those that no test kills at once are judged in fresh processes, which takes most of the time.
+# Where time ends, another run goes on.
 mutants: $(INSTALLED_TEST)
-	$(BIN)/python -m tests.mutants --minutes 60
+	$(BIN)/python -m tests.mutants --minutes 60 --state .mutants
 
 docs: $(INSTALLED)
 	$(BIN)/python docs/generate.py

@@ -1,20 +1,24 @@
-"""Run the mutants: `python -m tests.mutants [--minutes N] [part of a path …]`.
+"""Run the mutants: `python -m tests.mutants [--minutes N] [--state FILE] [part of a path …]`.
 
 Each mutant lives in a forked process: first put into functions that are loaded already, where the tests that call them
 run first (`tests.mutants.held`); what no test fails there is judged anew in a process that loads the mutated module
 (`tests.mutants.forked`). The tests run until the first failure. A mutant that no test fails survives and is listed. The
 mutants of all files take turns, in an order that is random and always the same: where time ends, each file has had
-its share.
+its share. With `--state` the outcomes are kept in a file, and a later run goes on where time ended, as long as neither
+package nor tests have changed.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
+import json
 import os
 import random
 import sys
 import time
 from collections import Counter, defaultdict
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from itertools import zip_longest
@@ -33,9 +37,17 @@ KINDS = ("killed", "hung", "survived", "equivalent", "untested", "left")
 
 @dataclass
 class Run:
-    """The mutants, what became of them, and the tests that killed some, newest last."""
+    """The mutants, what became of them, and the tests that killed some, newest last.
+
+    Attributes:
+        jobs: The mutants.
+        state: File in which outcomes are kept; None: none.
+        outcomes: What became of them.
+        killers: Tests that killed others of a file, newest last.
+    """
 
     jobs: list[Job]
+    state: Path | None = None
     outcomes: dict[Job, Outcome] = field(default_factory=dict)
     killers: defaultdict[tuple[Path, tuple[str, ...]], list[str]] = field(default_factory=lambda: defaultdict(list))
 
@@ -46,16 +58,41 @@ class Run:
     def note(self, job: Job, outcome: Outcome) -> None:
         """Note what became of a mutant."""
         known = self.killers[job.path, job.tests]
+        if self.state is not None and self.outcomes.get(job) != outcome:
+            with self.state.open("a", encoding="utf-8") as lines:
+                lines.write(f"{json.dumps([self.jobs.index(job), outcome.kind, outcome.killer])}\n")
         self.outcomes[job] = outcome
         if outcome.killer in known:
             known.remove(outcome.killer)
         if outcome.killer:
             known.append(outcome.killer)
 
+    def go_on(self) -> None:
+        """Take the outcomes that the state file holds of the same sources, or begin a new one."""
+        if self.state is None:
+            return
+        sources = fingerprint(self.jobs)
+        lines = self.state.read_text("utf-8").splitlines() if self.state.exists() else []
+        if lines[:1] != [sources]:
+            self.state.write_text(f"{sources}\n", "utf-8")
+            return
+        for line in lines[1:]:
+            number, kind, killer = json.loads(line)
+            self.outcomes[self.jobs[number]] = Outcome(kind, killer)
+
     def kind(self, job: Job) -> str:
         """Return what became of a mutant."""
         kind = self.outcomes[job].kind if job in self.outcomes else "left"
         return "equivalent" if kind == "survived" and is_equivalent(job.path, job.mutant) else kind
+
+
+def fingerprint(jobs: Sequence[Job]) -> str:
+    """Return what names mutants: which they are, and the sources of package and tests as they are."""
+    digest = hashlib.sha256("\n".join(map(str, jobs)).encode())
+    for folder in ("chainbuild", "tests"):
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            digest.update(path.as_posix().encode() + path.read_bytes())
+    return digest.hexdigest()
 
 
 def jobs_of(only: list[str]) -> list[Job]:
@@ -90,6 +127,7 @@ def main() -> int:
     """Run all mutants within the time; list the survivors and what was left."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--minutes", type=float, default=60.0)
+    parser.add_argument("--state", type=Path, help="file that keeps the outcomes for a later run")
     parser.add_argument("only", nargs="*", help="parts of paths")
     options = parser.parse_args()
     os.chdir(ROOT)
@@ -97,7 +135,8 @@ def main() -> int:
     import pinocchio  # noqa: F401 - shared by all forks
     import pytest  # noqa: F401 - the same
 
-    run = Run(jobs_of(options.only))
+    run = Run(jobs_of(options.only), options.state and options.state.resolve())
+    run.go_on()
     start = time.monotonic()
 
     def told() -> None:
@@ -115,7 +154,7 @@ def main() -> int:
         run.note(job, outcome)
         told()
 
-    for words, jobs in groups_of(run.jobs).items():
+    for words, jobs in groups_of([job for job in run.jobs if job not in run.outcomes]).items():
         judge_held(words, jobs, killed, start + options.minutes * 60.0)
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         list(pool.map(judge, [job for job in run.jobs if job not in run.outcomes]))

@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 
 from tests.kit.paths import PACKAGE, ROOT
+from tests.mutants.__main__ import Run, jobs_of
 from tests.mutants.equivalent import EQUIVALENT, Equivalent
+from tests.mutants.forked import Outcome
 from tests.mutants.mutations import mutants_of
 from tests.mutants.targets import targets, types_in
 
@@ -40,6 +42,7 @@ JUDGED = """
 import math
 from tests.mutants.forked import Job, failing_unmutated, judged
 from tests.mutants.held import judge_held
+from tests.mutants.__main__ import Run, jobs_of
 from tests.mutants.equivalent import EQUIVALENT, Equivalent
 from tests.mutants.mutations import Mutant
 from tests.mutants.targets import ROOT
@@ -66,6 +69,23 @@ def test_mutants_are_killed_by_the_test_that_fails_and_the_rest_survives() -> No
     name = "test_an_affine_map_there_and_back"
     words = ["[(1, 'killed')]", "survived ", f"killed {name}", f"killed {name}", "killed ", "[]"]
     assert done.stdout.splitlines() == words
+
+
+def test_a_later_run_goes_on_where_time_ended(tmp_path: Path) -> None:
+    jobs = jobs_of(["axismap"])[:4]
+    state = tmp_path / "state"
+    first = Run(jobs, state)
+    first.go_on()
+    first.note(jobs[1], Outcome("killed", "test_a"))
+    first.note(jobs[3], Outcome("survived"))
+    again = Run(jobs, state)
+    again.go_on()
+    assert again.outcomes == {jobs[1]: Outcome("killed", "test_a"), jobs[3]: Outcome("survived")}
+    assert [again.kind(job) for job in jobs[::2]] == ["left", "left"]
+    other = Run(jobs[:3], state)
+    other.go_on()
+    assert other.outcomes == {}
+    assert len(state.read_text("utf-8").splitlines()) == 1
 
 
 @pytest.mark.parametrize("known", EQUIVALENT, ids=lambda known: f"{known.file} {known.what}")
