@@ -39,7 +39,8 @@ def picture(
         output_file: Picture to write: NAME.svg or NAME.png.
         at: Axis values in mm and degrees. Default: the first row of --axes, else every axis at 0 or at the limit next
             to it.
-        view: Direction of view; sheet: all four in one picture, front, top and right to one scale.
+        view: Direction of view; sheet: all four in one picture, front, top and right to one scale; detail: the head
+            or wrist from near.
         dimensions: Draw the lengths of the machine data that are not 0, each from where what it places would be
             without it.
         frames: Draw base, flange, tool and workpiece.

@@ -18,8 +18,8 @@ from chainbuild.painting.overlay.placing import caption_box
 from chainbuild.painting.overlay.trace import draw_trace
 from chainbuild.painting.overlay.triads import draw_triads
 from chainbuild.painting.picture import _marks, _panes
-from chainbuild.painting.stage import Stage, framed
-from chainbuild.painting.views import VIEWS, Window
+from chainbuild.painting.stage import Stage, coordinate, framed
+from chainbuild.painting.views import BACK, VIEWS, Window
 
 SVG = "{http://www.w3.org/2000/svg}"
 VIEWPORT = (960, 720)
@@ -199,3 +199,31 @@ def test_traces_widen_the_picture(arm: Robot) -> None:
     alone = framed(stage.bodies, VIEWS["top"], *VIEWPORT)
     wide = framed(stage.bodies, VIEWS["top"], *VIEWPORT, 36, [(9.0, 0.0, 0.0)])
     assert wide.scale < alone.scale / 3.0
+
+
+@pytest.mark.parametrize(("name", "view", "parts"), [
+    ("ca_head_kin9", "iso", {"tool", "spindle", "cheek"}), ("cross_head_kin5", "back", {"tool", "spindle", "plate"}),
+    ("drill_head_kin7", "iso", {"tool", "spindle", "plate"}), ("scara_cc", "iso", {"flange"}),
+])  # fmt: skip
+def test_a_detail_shows_the_tool_from_where_it_is_seen(name: str, view: str, parts: set[str]) -> None:
+    stage = Stage(Robot.load(name))
+    (pane,), size = _panes(stage, "detail", None, labelled=False)
+    assert pane.view is (BACK if view == "back" else VIEWS["iso"])
+    (whole,), _ = _panes(stage, "iso", None, labelled=False)
+    assert pane.window.scale > 1.2 * whole.window.scale
+    assert parts <= {placed.body.part for placed in stage.tool_end}
+    assert not {"bed", "post", "beam", "ram"} & {placed.body.part for placed in stage.tool_end}
+    u, v = (coordinate(stage.frame("tool")[:3, 3], side) for side in (pane.view.right, pane.view.up))
+    column, row = (u - pane.window.left) * pane.window.scale, (pane.window.top - v) * pane.window.scale
+    assert 0.0 < column < size[0]
+    assert 0.0 < row < size[1]
+
+
+def test_where_a_tool_points() -> None:
+    for name, wanted in (
+        ("ca_head_kin9", (0, 0, -1)),
+        ("cross_head_kin5", (0, 1, 0)),
+        ("underfloor_head_kin6", (0, 0, 1)),
+    ):
+        pointing = Stage(Robot.load(name)).pointing
+        assert pointing @ np.array(wanted) > 0.5 * np.linalg.norm(pointing)
