@@ -127,7 +127,7 @@ def test_wrong_usage_ends_with_2(run: Run, words: list[str], message: str) -> No
         (["inspect", ARM, "--export", "no/page.html"], "no/page.html: "),
         (["picture", ARM, "-o", "no/m.svg"], "no/m.svg: the file cannot be written"),
         (["picture", ARM, "-o", "m.jpg"], "chainbuild: m.jpg: the suffix .jpg says no kind of picture"),
-        (["picture", "kr6r900_2", "-o", "m.svg", "--at", "0,-90,nan,0,0,0"], "chainbuild: axis A3 has the value nan"),
+        (["picture", "kr6r900_2", "-o", "m.svg", "--at", "0,-90,nan,0,0,0"], "chainbuild: axis B2 has the value nan"),
         (["urdf", ARM, "-o", "/dev/null"], "/dev/null/kin45_kr6r900_2: the folder cannot be created"),
     ],
 )
