@@ -4,6 +4,7 @@ Machine data say where the axes are and nothing of castings; the bodies here are
 skeleton of `chainbuild.chain.bodies` and what the overlay gives, never these.
 
 In reading order: `shown` (parallelograms with their rods), `site` (what every rule looks up and builds with),
-`machine` (which rule draws what), `given` (what an overlay gives), `machine_tools`, `arms`, `tracks` and their `limbs`
-(robots), `parallel` (closed loops) and `special` (lathes and the rest) with their `builds`.
+`machine` (which rule draws what), `given` (what an overlay gives), `held` (robots that carry the workpiece),
+`machine_tools`, `arms`, `tracks` and their `limbs` (robots), `parallel` (closed loops) and `special` (lathes and the
+rest) with their `builds`.
 """

@@ -6,13 +6,15 @@ from collections.abc import Callable
 from typing import Final, Literal
 
 from chainbuild.chain.bodies.body import Body
+from chainbuild.chain.bodies.shapes import detail_bodies, link_bodies
 from chainbuild.chain.elements import Chain
 from chainbuild.drawing.arms import arm_bodies
 from chainbuild.drawing.given import with_given
+from chainbuild.drawing.held import as_tool_carrier, holds_workpiece, recoloured
 from chainbuild.drawing.machine_tools.stands import machine_tool_bodies
 from chainbuild.drawing.machine_tools.tables import table_beside
 from chainbuild.drawing.parallel import parallel_bodies
-from chainbuild.drawing.site import Site
+from chainbuild.drawing.site import Site, home_of
 from chainbuild.drawing.special import special_bodies
 
 Build = Literal["machine tool", "arm", "parallel", "special"]
@@ -37,7 +39,14 @@ _RULES: Final[dict[Build, Callable[[Site], list[Body]]]] = {
 
 
 def drawn_bodies(chain: Chain) -> tuple[Body, ...]:
-    """Return the bodies that show a machine, several a link: by the rule of its build, and what the overlay gives."""
+    """Return the bodies that show a machine, several a link: by the rule of its build, and what the overlay gives.
+
+    Closed loops that have no pose to draw keep the skeleton.
+    """
+    if home_of(chain) is None:
+        return (*link_bodies(chain), *detail_bodies(chain))
+    if holds_workpiece(chain):
+        return tuple(recoloured(chain, drawn_bodies(as_tool_carrier(chain))))
     site = Site(chain)
     return tuple(with_given(site, _RULES[build_of(site)](site)))
 

@@ -25,6 +25,7 @@ from chainbuild.chain.elements import BASE_LINK, Chain, Joint
 from chainbuild.chain.fold import drawn as as_drawn
 from chainbuild.chain.fold import drawn_bounds, drawn_values
 from chainbuild.chain.poses import link_placements
+from chainbuild.errors import ChainError
 from chainbuild.frames import inverse, transform
 
 UP: Final = np.array([0.0, 0.0, 1.0])
@@ -35,11 +36,14 @@ _SHORT: Final = 1e-6  # m: what is shorter cannot be seen, and has no direction
 class Site:
     """A chain at home, stood upright: all places here are in the site's frame, z up, metres.
 
-    Home is every axis at 0, or at the limit next to it. Up is the base's axis nearest to the workpiece's z at home: its
-    own z on most machines.
+    Home is every axis at 0, or at the limit next to it; where closed loops have no pose there, the middle of the limits
+    or their ends. Up is the base's axis nearest to the workpiece's z at home, on most machines its own z.
 
     Args:
         chain: The chain.
+
+    Raises:
+        ChainError: the chain has a pose at none of these.
 
     Attributes:
         chain: The chain.
@@ -58,7 +62,10 @@ class Site:
         self.chain = chain
         self.size = machine_size(chain)
         low, high = shown_limits(chain)
-        self.home = np.clip(np.zeros(len(chain.axes)), low, high)
+        home = home_of(chain)
+        if home is None:
+            raise ChainError("there is no pose to draw: at 0, in the middle and at the ends of the axes no loop closes")
+        self.home = home
         q = chain.axis_map.q(self.home)
         placed = link_placements(chain, q)
         workpiece = chain.frame("workpiece")
@@ -202,6 +209,15 @@ class Site:
         local = inverse(self.links[link]) @ T
         shown = self.colour(link) if colour is None else colour
         return rounded_body(link, part, local, kind, tuple(size), shown, origin)  # type: ignore[arg-type]
+
+
+def home_of(chain: Chain) -> Vector | None:
+    """Return the axis values (n_axes,) at which a machine is drawn, mm and degrees; None: it has no pose there."""
+    low, high = shown_limits(chain)
+    for axes in (np.clip(np.zeros(len(low)), low, high), (low + high) / 2, low, high):
+        if np.isfinite(chain.axis_map.q(axes)).all():
+            return axes
+    return None
 
 
 def upright_frame(direction: Vector) -> Matrix:

@@ -74,7 +74,7 @@ def spindle_radius(site: Site, joints: Sequence[Joint]) -> float:
     strokes = [
         high - low for low, high in (site.stroke(joint) for joint in site.tool_path if joint.kind == "prismatic")
     ]
-    return min(_UNKNOWN, *(_STROKE_SHARE * stroke for stroke in strokes))
+    return min([_UNKNOWN, *(_STROKE_SHARE * stroke for stroke in strokes)])
 
 
 class _Drawing:

@@ -17,6 +17,7 @@ _UPRIGHT: Final = 0.94  # cosine: what turns about a steeper axis is a faceplate
 _LEVEL: Final = 0.35  # sine: what turns about a flatter axis is a cradle
 _PLATE_SHARE: Final = 0.45  # radius of the plate over the shorter half stroke
 _BESIDE_SHARE: Final = 0.12  # likewise over the machine's size, where no slide tells
+_BOARD: Final = 0.8  # half the width of a table that does not turn about itself, over half its length
 _PART_WIDTH: Final = 0.7  # over the plate's radius
 _PART_HEIGHT: Final = 0.6  # over what the tip leaves above the plate: the tip never touches it at the lowest
 _GAP: Final = 1e-3  # m: a tip at rest stands this much above the plate
@@ -172,15 +173,17 @@ class _Drawing:
         self.top = _plate_height(site, tip)
         self.foot = np.array([*site.T_workpiece[:2, 3], self.top])
         self.half = np.full(2, self.R)
-        last = joints[-1]
-        normal = UP
-        if last.kind == "revolute" and abs(site.direction(last) @ UP) > _UPRIGHT:
-            normal = _upwards(site.direction(last))
+        last, thick = joints[-1], 0.16 * self.R
+        along = site.direction(last)
+        if last.kind == "revolute" and abs(along @ UP) > _UPRIGHT:  # a disc that turns about itself
             self.foot = self._on_axis(last, self.top)
-        elif last.kind == "revolute":
-            normal = upright_frame(site.direction(last))[:, 2]
-        plate = self.foot - 0.16 * self.R * normal
-        self.bodies.append(site.cylinder(last.child, "table", plate, self.foot, self.R, origin="data"))
+            plate = self.foot - thick * _upwards(along)
+            self.bodies.append(site.cylinder(last.child, "table", plate, self.foot, self.R, origin="data"))
+        else:
+            Q = upright_frame(along) if abs(along @ UP) < _UPRIGHT else np.eye(3)
+            plate = self.foot - thick * Q[:, 2]
+            low, high = (-self.R, -_BOARD * self.R, -thick), (self.R, _BOARD * self.R, 0.0)
+            self.bodies.append(site.box(last.child, "table", low, high, Q, self.foot, origin="data"))
         self._part(last.child)
         self.foot = plate
         for joint in reversed(joints):
