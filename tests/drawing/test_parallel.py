@@ -172,6 +172,8 @@ def test_a_platform_that_is_not_in_the_middle_at_home() -> None:
     assert not parts(bodies, "arm")
     for body in (plate, spindle):
         assert (site.links[body.link] @ body.T_link_body)[:2, 3] == pytest.approx(site.tip[:2], abs=1e-6)
+    for lever in parts(bodies, "lever"):  # from the middle to 1.5 radii of a rod beyond its pin
+        assert lever.dimensions[0] == pytest.approx(0.09 + 1.5 * 0.0104, abs=1e-6)
     assert len(islands(chain, bodies, site.home, GAP)) == 1
     (slim,) = parts(drawn("delta_kin37")[1], "spindle")
     assert slim.dimensions[0] == pytest.approx(3 * 0.0052, abs=1e-6)
