@@ -14,14 +14,15 @@ from functools import cache
 from pathlib import Path
 
 import chainbuild
-from chainbuild.drawing.machine import build_of
-from chainbuild.drawing.site import Site
+from chainbuild.painting.stage import Stage, framed
+from chainbuild.painting.views import VIEWS
 
 FOLDER = Path(__file__).parent / "pictures"
 README = "readme.svg"
 EXAMPLES = tomllib.loads((Path(__file__).parent / "type_examples.toml").read_text("utf-8"))
 _COMMON = {"X": [-500, 500], "Y": [-400, 400], "Z": [-400, 0]}  # limits in mm
 _README_MACHINE = "kr6r900"
+_SMALL = 3.5  # times as large from near: then a picture of all of it does not show how the tool turns
 _README_AXES = (0.0, -75.0, 100.0, 0.0, 40.0, 0.0)  # a bent arm: every length is seen
 _LEFT = 290  # pixels by which the machine is moved aside, its own margin holds the rest of the machine data
 _ARROW = 440  # pixels from the left
@@ -38,10 +39,10 @@ def of_machine(name: str) -> tuple[str, ...]:
 
 @cache
 def has_detail(name: str) -> bool:
-    """Return whether a machine is drawn a second time from near: machine tools with axes in their head."""
-    site = Site(chainbuild.load(name).chain())
-    turns = any(joint.kind == "revolute" for joint in site.tool_path)
-    return build_of(site) == "machine tool" and turns
+    """Return whether a machine is drawn a second time from near: where its head or wrist is small beside the rest."""
+    stage = Stage(chainbuild.Robot.load(name))
+    whole, near = (framed(bodies, VIEWS["iso"], 960, 720) for bodies in (stage.bodies, stage.tool_end))
+    return near.scale > _SMALL * whole.scale
 
 
 @cache
