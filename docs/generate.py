@@ -25,8 +25,9 @@ import machine_pictures  # noqa: E402
 
 _DOCS = ("branches", "conventions", "findings", "kinematics", "machines", "robx", "tables")
 PAGES = ("README.md", *(f"docs/{name}.md" for name in _DOCS))
-_COLUMNS = 3  # of the contact sheet
-_WIDTH = 260  # pixels of its pictures
+_COLUMNS = 2  # of the contact sheet: two machines with two pictures each fit a page
+_WIDTH = 200  # pixels of its pictures
+_ALONE = 300  # pixels of a picture that stands alone
 _BLOCK = re.compile(r"(<!-- table: (?P<name>[\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -97,7 +98,7 @@ def type_parameters() -> str:
         rows = [(f"HD{r.n}", f"`{r.name}`", r.unit or r.kind, f"{r.default:g}", r.effect, r.meaning) for r in entry.hd]
         parts.append(f"\n### KIN_TYP {number}: {entry.title}\n\n{entry.summary}\n")
         if (picture := machine_pictures.of_type(number)) is not None:
-            parts.append(f'<img src="{picture}" alt="KIN_TYP {number}" width="{_WIDTH}">\n')
+            parts.append(f'<img src="{picture}" alt="KIN_TYP {number}" width="{_ALONE}">\n')
         if rows:
             parts.append(table(("HD", "name", "unit", "default", "acts on", "meaning"), rows))
     return "\n".join(parts)
