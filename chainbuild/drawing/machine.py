@@ -8,6 +8,7 @@ from typing import Final, Literal
 from chainbuild.chain.bodies.body import Body
 from chainbuild.chain.bodies.shapes import detail_bodies, link_bodies
 from chainbuild.chain.elements import Chain
+from chainbuild.chain.poses import path_to
 from chainbuild.drawing.arms import arm_bodies
 from chainbuild.drawing.given import with_given
 from chainbuild.drawing.held import as_tool_carrier, holds_workpiece, recoloured
@@ -41,14 +42,27 @@ _RULES: Final[dict[Build, Callable[[Site], list[Body]]]] = {
 def drawn_bodies(chain: Chain) -> tuple[Body, ...]:
     """Return the bodies that show a machine, several a link: by the rule of its build, and what the overlay gives.
 
-    Closed loops that have no pose to draw keep the skeleton.
+    Closed loops that no rule knows, or that have no pose to draw, keep the skeleton.
     """
-    if home_of(chain) is None:
+    if home_of(chain) is None or not _known_loops(chain):
         return (*link_bodies(chain), *detail_bodies(chain))
     if holds_workpiece(chain):
         return tuple(recoloured(chain, drawn_bodies(as_tool_carrier(chain))))
     site = Site(chain)
     return tuple(with_given(site, _RULES[build_of(site)](site)))
+
+
+def _known_loops(chain: Chain) -> bool:
+    """Return whether every loop is closed by a rod on an arm of its own: what the rules for closed loops draw."""
+    path = {
+        name: path_to(chain, chain.frame(name).link) for loop in chain.loops for name in (loop.frame_a, loop.frame_b)
+    }
+    driven = {axis.name for axis in chain.axes}
+    return all(
+        any(len(path[name]) > 1 and path[name][0].name in driven for name in (loop.frame_a, loop.frame_b))
+        and chain.frame(loop.frame_a).link != chain.frame(loop.frame_b).link
+        for loop in chain.loops
+    )
 
 
 def build_of(site: Site) -> Build:

@@ -124,6 +124,9 @@ def level_box(
     """
     start, along = ends[0], ends[1] - ends[0]
     length = float(np.hypot(along[0], along[1]))
+    if length < _SHORT:  # no way to go: a block about the place
+        at = np.array([start[0], start[1], 0.0])
+        return site.box(link, part, (-half, -half, heights[0]), (half, half, heights[1]), at=at, colour=colour)
     d = np.array([along[0], along[1], 0.0]) / length
     R = np.column_stack([d, np.cross(UP, d), UP])
     at = np.array([start[0], start[1], 0.0])

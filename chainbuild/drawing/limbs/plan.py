@@ -185,5 +185,5 @@ class ArmPlan:
             return end
         clear = _CLEAR if np.linalg.norm(after - end) < self.radii[n + 1] else 1.0
         way = end - self.before(n)
-        sign = 1.0 if way @ d >= 0.0 else -1.0
+        sign = 1.0 if way @ d > -self.near else -1.0
         return end - sign * clear * self.radii[n + 1] * d

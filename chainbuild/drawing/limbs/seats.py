@@ -126,7 +126,7 @@ def _roll(plan: ArmPlan, n: int, before: Seat | None) -> Seat:
         before is not None and before.kind in ("ram", "quill") and np.linalg.norm(np.cross(before.axis, d)) < SAME_LINE
     ):
         # The ram itself reaches up to what turns; one that begins on a slide across the arm is short.
-        short = before.kind == "ram" and np.linalg.norm(before.corner - before.place) == 0.0
+        short = before.kind == "ram" and np.linalg.norm(before.corner - before.place) < plan.near
         reach = float((before.ahead - corner) @ d) if short else max(stop - _NOSE * r, stop / 2.0)
         place = corner + reach * d
         return _seat(plan, n, place, d, place)
