@@ -17,6 +17,7 @@ _LOOK: Final = (
         "inspect {} --export page.html",
         "writes a page with the robot, its frames and a sweep of each axis: open it in a browser",
     ),
+    ("picture {} -o picture.svg --dimensions", "draws it with the lengths of its machine data"),
     ("info {}", "shows what was read: axes, parameters, conventions, findings"),
 )
 
