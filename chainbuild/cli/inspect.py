@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from chainbuild.cli.show import say
+from chainbuild.cli.show import note_undrawn, say
 from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions
 
 
@@ -22,5 +22,7 @@ def inspect(file: str, /, *, export: Path, options: MachineOptions = DEFAULT_OPT
     """
     from chainbuild.inspect.export import export_page
 
-    say(export_page(options.robot(file), export))
+    robot = options.robot(file)
+    note_undrawn(robot.chain.geometry)
+    say(export_page(robot, export))
     return 0

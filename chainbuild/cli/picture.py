@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from chainbuild.cli.show import note, say
+from chainbuild.cli.show import note, note_undrawn, say
 from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions
 from chainbuild.painting.views import PictureView
 
@@ -67,5 +67,6 @@ def picture(
         lengths = found(machine, kinematic, options.channel, options.tool_length, options.choices())
         if not lengths:
             note("--dimensions: no length of the machine data that is not 0 places a joint or frame")
+    note_undrawn(robot.chain.geometry)
     say(write_picture(robot, output_file, values, view=view, frames=frames, dimensions=lengths, path_axes=rows))
     return 0

@@ -21,6 +21,7 @@ from chainbuild.files import open_atomic, printable
 from chainbuild.findings import Collector, Finding
 
 if TYPE_CHECKING:
+    from chainbuild.chain.bodies.geometry import Geometry
     from chainbuild.tables.reader import Table
 
 Item = TypeVar("Item")
@@ -151,6 +152,14 @@ def counted_findings(warnings: int) -> str:
 def note(text: str) -> None:
     """Print a line on stderr."""
     print(printable(text, lines=False), file=sys.stderr)
+
+
+def note_undrawn(geometry: Geometry) -> None:
+    """Print which links have meshes that are not drawn, if any have."""
+    from chainbuild.drawing.given import undrawn_meshes
+
+    if links := undrawn_meshes(geometry):
+        note(f"meshes of {', '.join(links)} are not drawn: they count in collisions")
 
 
 @contextmanager

@@ -51,3 +51,12 @@ def test_a_trace_begins_at_its_first_row(run: Run) -> None:
     outcome = run("picture", "kr6r900", "-o", "m.svg", "--axes", "path.csv")
     assert (outcome.code, "no rows" in outcome.err) == (1, True)
     assert Path("m.svg").read_bytes() == first
+
+
+def test_meshes_that_are_not_drawn_are_named(run: Run) -> None:
+    Path("own.toml").write_text('[geometry.shapes]\nA3_link = [{mesh = "a.stl"}]\n', "utf-8")
+    outcome = run("picture", "kr6r900", "-o", "m.svg", "--overlay", "own.toml")
+    assert (outcome.code, outcome.out) == (0, "m.svg\n")
+    assert "meshes of A3_link are not drawn" in outcome.err
+    assert "not drawn" in run("inspect", "kr6r900", "--export", "m.html", "--overlay", "own.toml").err
+    assert "not drawn" not in run("picture", "kr6r900", "-o", "m.svg").err

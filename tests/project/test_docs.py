@@ -32,7 +32,7 @@ def test_tables_are_up_to_date(page: str) -> None:
     assert GENERATE.filled(text) == text, f"{page} has drifted: run `make docs`"
 
 
-@pytest.mark.parametrize(("file", "name", "view"), PICTURES.drawings())
+@pytest.mark.parametrize(("file", "name", "view"), list(PICTURES.drawings()))
 def test_pictures_are_up_to_date(file: str, name: str, view: str) -> None:
     assert PICTURES.drawn(name, view) == (PICTURES.FOLDER / file).read_text("utf-8"), "run `make docs`"
 
