@@ -53,14 +53,16 @@ def drawn_bodies(chain: Chain) -> tuple[Body, ...]:
 
 
 def _known_loops(chain: Chain) -> bool:
-    """Return whether every loop is closed by a rod on an arm of its own: what the rules for closed loops draw."""
-    path = {
-        name: path_to(chain, chain.frame(name).link) for loop in chain.loops for name in (loop.frame_a, loop.frame_b)
-    }
+    """Return whether a rod on a driven arm closes some loop, which the rules draw, or the chain has no loops."""
     driven = {axis.name for axis in chain.axes}
-    return all(
-        any(len(path[name]) > 1 and path[name][0].name in driven for name in (loop.frame_a, loop.frame_b))
-        and chain.frame(loop.frame_a).link != chain.frame(loop.frame_b).link
+
+    def on_an_arm(frame: str) -> bool:
+        path = path_to(chain, chain.frame(frame).link)
+        return len(path) > 1 and path[0].name in driven
+
+    return not chain.loops or any(
+        chain.frame(loop.frame_a).link != chain.frame(loop.frame_b).link
+        and (on_an_arm(loop.frame_a) or on_an_arm(loop.frame_b))
         for loop in chain.loops
     )
 
