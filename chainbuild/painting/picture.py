@@ -24,7 +24,7 @@ from chainbuild.painting.raster.lines import draw_marks
 from chainbuild.painting.raster.pixels import painted
 from chainbuild.painting.raster.png import png_bytes
 from chainbuild.painting.raster.sight import render
-from chainbuild.painting.stage import Stage, coordinate, framed
+from chainbuild.painting.stage import Stage, coordinate, framed, within
 from chainbuild.painting.vector.svg import Sheet
 from chainbuild.painting.views import BACK, VIEWS, PictureView, View, ViewName, Window
 
@@ -183,7 +183,8 @@ def _covering(stage: Stage, pane: _Pane) -> Callable[[LabelBox], float]:
 def _svg(stage: Stage, panes: Sequence[_Pane], size: tuple[int, int], marks: Marks) -> str:
     sheet = Sheet(*size)
     for pane in panes:
-        sheet.paint(stage.bodies, pane.view, pane.window.moved(pane.x, pane.y))
+        shown = within(stage.bodies, pane.view, pane.window)
+        sheet.paint(shown, pane.view, pane.window.moved(pane.x, pane.y))
     sheet.mark(marks)
     return sheet.text()
 

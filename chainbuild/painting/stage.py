@@ -171,3 +171,16 @@ def framed(
     """
     (left, right), (low, high) = extent(bodies, view.right, points), extent(bodies, view.up, points)
     return window_around((left, low), (right, high), width, height, margin)
+
+
+def within(bodies: Sequence[PlacedBody], view: View, window: Window) -> list[PlacedBody]:
+    """Return the bodies that a window may show: those beside it hide nothing in it, and large ones cost much."""
+    width, height = window.width / window.scale, window.height / window.scale
+
+    def meets(placed: PlacedBody) -> bool:
+        u, v = (coordinate(placed.T[:3, 3], side) for side in (view.right, view.up))
+        du, dv = half_span(placed, view.right), half_span(placed, view.up)
+        beside = u + du < window.left or u - du > window.left + width
+        return not (beside or v - dv > window.top or v + dv < window.top - height)
+
+    return [placed for placed in bodies if meets(placed)]

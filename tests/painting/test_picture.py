@@ -18,7 +18,8 @@ from chainbuild.painting.overlay.placing import caption_box
 from chainbuild.painting.overlay.trace import draw_trace
 from chainbuild.painting.overlay.triads import draw_triads
 from chainbuild.painting.picture import _marks, _panes
-from chainbuild.painting.stage import Stage, coordinate, framed
+from chainbuild.painting.raster.sight import render
+from chainbuild.painting.stage import Stage, coordinate, framed, within
 from chainbuild.painting.views import BACK, VIEWS, Window
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -227,3 +228,16 @@ def test_where_a_tool_points() -> None:
     ):
         pointing = Stage(Robot.load(name)).pointing
         assert pointing @ np.array(wanted) > 0.5 * np.linalg.norm(pointing)
+
+
+def test_bodies_beside_a_detail_are_left_out_and_no_others() -> None:
+    stage = Stage(Robot.load("delta_kin37"))
+    (whole,), _ = _panes(stage, "iso", None, labelled=False)
+    assert within(stage.bodies, whole.view, whole.window) == list(stage.bodies)
+    (pane,), _ = _panes(stage, "detail", None, labelled=False)
+    kept = within(stage.bodies, pane.view, pane.window)
+    shown = render(stage.bodies, pane.view, pane.window).bodies
+    seen = {stage.bodies[n] for n in np.unique(shown) if n >= 0}
+    assert seen <= set(kept)
+    assert len(kept) < len(stage.bodies)
+    assert (render(kept, pane.view, pane.window).depth == render(stage.bodies, pane.view, pane.window).depth).all()
