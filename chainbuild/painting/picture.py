@@ -38,8 +38,8 @@ _MARGIN: Final = 36  # pixels around the machine
 _LABELLED: Final = 52  # likewise with room for names
 _COARSE: Final = 4  # pixels in one: fine enough to tell where bodies are
 _TITLE: Final = 15.0  # pixels of text: the name of a view
-# What stands where on a sheet: above the front what is seen from above, beside it what is seen from the right.
 _AWAY: Final = 0.6  # cosine: a tool that hangs down, 0.44, is seen from the front
+# What stands where on a sheet: above the front what is seen from above, beside it what is seen from the right.
 _SHEET: Final[tuple[tuple[ViewName, int, int], ...]] = (("top", 0, 0), ("iso", 1, 0), ("front", 0, 1), ("right", 1, 1))
 
 

@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.bodies.body import JOINT_COLOUR, PART_COLOUR, TOOL_COLOUR, Body, Colour, Part
+from chainbuild.chain.bodies.body import JOINT_COLOUR, TOOL_COLOUR, Body, Colour, Part
 from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.elements import BASE_LINK
 from chainbuild.chain.poses import link_placements
-from chainbuild.drawing.site import UP, Site
+from chainbuild.drawing.machine_tools.tables import PART_HEIGHT, part_on
+from chainbuild.drawing.site import Site, upright_frame
 
 _LEAST_ROOM: Final = 0.02  # m: below a tip that comes lower over the bed there is no part
 _DROP: Final = 0.09  # of the machine's extent: bed below the lowest tip where the data put the workpiece elsewhere
-_PART_HEIGHT: Final = 0.6  # of the room below the lowest tip: no position touches the part
 _TOOL: Final = 0.35  # of the way from the tip to what carries it, where the data name no tool length
 _SLIM: Final = 0.4  # radius of the tool over that of the spindle
 _SHORT: Final = 1e-6  # m: shorter spindles cannot be seen
@@ -76,16 +76,7 @@ def part_block(site: Site, link: str, top: ArrayLike, width: float, room: float,
         room: Height [m] that the tool leaves above the table.
         R: (3, 3) axes of a table that is not level; None: the site's.
     """
-    given = site.chain.geometry.stand.part
-    edges = (width, width, min(_PART_HEIGHT * room, width)) if given is None else given
-    if min(edges) <= (_PART_HEIGHT * _LEAST_ROOM if given is None else 0.0):
-        return []
-    half = np.array([edges[0] / 2, edges[1] / 2, 0.0])
-    block = site.box(
-        link, "workpiece", -half, half + edges[2] * UP, R, np.asarray(top, dtype=float), colour=PART_COLOUR,
-        origin="drawn" if given is None else "data",
-    )  # fmt: skip
-    return [block]
+    return part_on(site, link, np.asarray(top, dtype=float), width, min(PART_HEIGHT * room, width), R)
 
 
 def tool_bodies(site: Site, carrier: ArrayLike, radius: float) -> list[Body]:
@@ -128,6 +119,7 @@ def level_box(
         at = np.array([start[0], start[1], 0.0])
         return site.box(link, part, (-half, -half, heights[0]), (half, half, heights[1]), at=at, colour=colour)
     d = np.array([along[0], along[1], 0.0]) / length
-    R = np.column_stack([d, np.cross(UP, d), UP])
     at = np.array([start[0], start[1], 0.0])
-    return site.box(link, part, (0.0, -half, heights[0]), (length, half, heights[1]), R, at, colour=colour)
+    return site.box(
+        link, part, (0.0, -half, heights[0]), (length, half, heights[1]), upright_frame(d), at, colour=colour
+    )

@@ -122,9 +122,7 @@ def _roll(plan: ArmPlan, n: int, before: Seat | None) -> Seat:
         at = 0.0
     elif given is not None:
         at = given
-    elif (
-        before is not None and before.kind in ("ram", "quill") and np.linalg.norm(np.cross(before.axis, d)) < SAME_LINE
-    ):
+    elif before is not None and _carries_on(before, d):
         # The ram itself reaches up to what turns; one that begins on a slide across the arm is short.
         short = before.kind == "ram" and np.linalg.norm(before.corner - before.place) < plan.near
         reach = float((before.ahead - corner) @ d) if short else max(stop - _NOSE * r, stop / 2.0)

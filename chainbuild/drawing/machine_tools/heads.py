@@ -59,8 +59,7 @@ def head_of(site: Site, joints: Sequence[Joint]) -> Head:
         site: The machine.
         joints: The joints after the slides, in order from the base to the tool.
     """
-    drawing = _Drawing(site, joints)
-    return drawing.head
+    return _Drawing(site, joints).head
 
 
 def spindle_radius(site: Site, joints: Sequence[Joint]) -> float:
@@ -78,7 +77,7 @@ def spindle_radius(site: Site, joints: Sequence[Joint]) -> float:
 
 
 class _Drawing:
-    """Builds a head from the tip up. `top` is where the part drawn last has to be held, on `link`."""
+    """Builds a head from the tip up. `top` is where the part drawn last has to be held."""
 
     def __init__(self, site: Site, joints: Sequence[Joint]) -> None:
         self.site = site
@@ -88,7 +87,6 @@ class _Drawing:
         self.top = self._spindle(joints)
         self.half = 1.2 * self.r
         for joint in reversed(joints):
-            self.link = joint.child
             self._joint(joint)
         self.head.link = joints[0].parent if joints else tool
         self.head.top, self.head.half = self.top, self.half

@@ -14,6 +14,8 @@ from chainbuild.chain.bodies.geometry import ColumnSide
 from chainbuild.chain.elements import BASE_LINK, Joint
 from chainbuild.drawing.machine_tools.heads import Head, head_of
 from chainbuild.drawing.machine_tools.tables import (
+    PART_HEIGHT,
+    PART_WIDTH,
     WorkTable,
     leading_slides,
     lowest,
@@ -28,7 +30,6 @@ _UPRIGHT: Final = 0.94  # cosine: a steeper slide is a ram
 _BEAM_SHARE: Final = 0.04  # half of a beam's width over the longest stroke
 _ROOM_SHARE: Final = 0.55  # of the radius a plate would have, between bed and lowest tip: where the part stands
 _BED: Final = 0.6  # of the strokes that the bed fills
-_PART_HEIGHT: Final = 0.6  # over the room below the lowest tip
 _JACK: Final = 1.2  # height of a sleeve over the stroke of the pillar that rises from it
 _PILLAR: Final = 1.1  # and of the pillar, which must neither leave it nor reach the floor
 _BEHIND: Final = (-1.0, 1.0)  # side on which a beam runs, away from whoever looks: -x, +y
@@ -305,7 +306,7 @@ class _Stand:
         self.add(BASE_LINK, "pedestal", self._bed_box().between(2, self.floor, top))
         room = lowest(self.site, self.head.low) - top
         at = np.array([*self.site.tip[:2], top])
-        self.bodies += part_on(self.site, BASE_LINK, at, self.R, _PART_HEIGHT * room)
+        self.bodies += part_on(self.site, BASE_LINK, at, PART_WIDTH * self.R, PART_HEIGHT * room)
 
 
 def _behind(column: ColumnSide | None) -> tuple[tuple[float, float], int]:

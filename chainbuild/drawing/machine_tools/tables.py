@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from chainbuild.arrays import Vector
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.bodies.body import JOINT_COLOUR, PART_COLOUR, Body, Origin, Part
 from chainbuild.chain.elements import BASE_LINK, Joint
 from chainbuild.drawing.site import UP, Site, upright_frame
@@ -18,8 +18,8 @@ _LEVEL: Final = 0.35  # sine: what turns about a flatter axis is a cradle
 _PLATE_SHARE: Final = 0.45  # radius of the plate over the shorter half stroke
 _BESIDE_SHARE: Final = 0.12  # likewise over the machine's size, where no slide tells
 _BOARD: Final = 0.8  # half the width of a table that does not turn about itself, over half its length
-_PART_WIDTH: Final = 0.7  # over the plate's radius
-_PART_HEIGHT: Final = 0.6  # over what the tip leaves above the plate: the tip never touches it at the lowest
+PART_WIDTH: Final = 0.7  # over the plate's radius
+PART_HEIGHT: Final = 0.6  # over what the tip leaves above the plate: the tip never touches it at the lowest
 _GAP: Final = 1e-3  # m: a tip at rest stands this much above the plate
 _PEDESTAL: Final = 0.85  # of what stands on it
 _LEAST_ROOM: Final = 0.02  # m above the plate, below which there is no room for a part
@@ -134,23 +134,24 @@ def pedestal(site: Site, table: WorkTable, floor: float) -> list[Body]:
     return [site.box(BASE_LINK, "pedestal", low - half, table.foot + half)]
 
 
-def part_on(site: Site, link: str, foot: Vector, radius: float, height: float) -> list[Body]:
+def part_on(site: Site, link: str, foot: Vector, width: float, height: float, R: Matrix | None = None) -> list[Body]:
     """Return the part on a plate or bed: what the overlay says, else a block; none where there is no room.
 
     Args:
         site: The machine.
         link: Link that carries it.
         foot: Point (3,) on which it stands.
-        radius: Radius of the plate [m].
-        height: Height [m] that the lowest tip leaves.
+        width: Its width where the overlay says nothing [m].
+        height: Its height likewise: what the lowest tip leaves.
+        R: (3, 3) axes of a table that is not level; None: the site's.
     """
     given = site.chain.geometry.stand.part
-    edges = (_PART_WIDTH * radius, _PART_WIDTH * radius, height) if given is None else given
-    if min(edges) <= (_PART_HEIGHT * _LEAST_ROOM if given is None else 0.0):
+    edges = (width, width, height) if given is None else given
+    if min(edges) <= (PART_HEIGHT * _LEAST_ROOM if given is None else 0.0):
         return []
     half = np.array([edges[0] / 2, edges[1] / 2, 0.0])
     origin: Origin = "drawn" if given is None else "data"
-    return [site.box(link, "workpiece", -half, half + edges[2] * UP, at=foot, colour=PART_COLOUR, origin=origin)]
+    return [site.box(link, "workpiece", -half, half + edges[2] * UP, R, foot, colour=PART_COLOUR, origin=origin)]
 
 
 def worktable(site: Site, tip: float) -> WorkTable:
@@ -198,7 +199,8 @@ class _Drawing:
 
     def _part(self, link: str) -> None:
         room = lowest(self.site, self.tip) - self.top
-        self.bodies += part_on(self.site, link, self.foot, self.R, min(_PART_HEIGHT * room, 0.9 * self.R))
+        height = min(PART_HEIGHT * room, 0.9 * self.R)
+        self.bodies += part_on(self.site, link, self.foot, PART_WIDTH * self.R, height)
 
     def _joint(self, joint: Joint) -> None:
         along = self.site.direction(joint)
