@@ -23,22 +23,17 @@ def html_escaped(text: str) -> str:
     return escape(printable(text))
 
 
-def panel_html(chain: Chain, grid_cell: float, stopped: Sequence[str]) -> str:
+def panel_html(chain: Chain, grid_cell: float) -> str:
     """Return the panel as HTML.
 
     Args:
         chain: The chain.
         grid_cell: Side of a grid square [m].
-        stopped: Names of axes that stop short of their range because there is no pose.
     """
     parts = [
         f"<p>{html_escaped(chain.dialect)} · {html_escaped(chain.kinematic)}</p>",
-        '<p id="now"></p>',
-        '<div id="controls"><button id="play" type="button">Pause</button>'
-        '<input id="time" type="range" min="0" value="0" step="0.01" aria-label="Time of the sweep in seconds">'
-        '<button id="fit" type="button">Fit view</button></div>',
         _tool(chain),
-        _axes(chain, stopped),
+        _axes(chain),
         _legend(chain, grid_cell),
         _conventions(chain.conventions),
         _findings(chain.findings),
@@ -82,7 +77,7 @@ def _displayed_meaning(chain: Chain) -> str:
     return "As the controller displays it: the tool tip" + (" and the tool vector." if display.columns else ".")
 
 
-def _axes(chain: Chain, stopped: Sequence[str]) -> str:
+def _axes(chain: Chain) -> str:
     rows = [
         f"<tr><td>{html_escaped(axis.name)}{' *' if axis.assumed else ''}</td><td>{axis.kind}</td>"
         f'<td class="number">{_number(axis.lower)}</td><td class="number">{_number(axis.upper)}</td>'
@@ -93,12 +88,11 @@ def _axes(chain: Chain, stopped: Sequence[str]) -> str:
         '<h2>Axes, swept in this order</h2><table id="axes"><thead><tr><th>Axis</th><th>Kind</th>'
         '<th class="number">Lower</th><th class="number">Upper</th><th></th><th class="number">Now</th></tr></thead>'
     )
-    notes = "".join(f'<p class="soft">{html_escaped(note)}</p>' for note in _axis_notes(chain, stopped))
+    notes = "".join(f'<p class="soft">{html_escaped(note)}</p>' for note in _axis_notes(chain))
     return f"{head}<tbody>{''.join(rows)}</tbody></table>{notes}"
 
 
-def _axis_notes(chain: Chain, stopped: Sequence[str]) -> Iterable[str]:
-    yield "Each axis moves alone to its lower limit, its upper limit and back. Click a row to see its sweep."
+def _axis_notes(chain: Chain) -> Iterable[str]:
     if any(axis.assumed for axis in chain.axes):
         yield "* Assumed limits: the machine data contain none."
     shortened = [
@@ -108,8 +102,6 @@ def _axis_notes(chain: Chain, stopped: Sequence[str]) -> Iterable[str]:
     ]
     if shortened:
         yield f"Shown over part of the range only: {', '.join(shortened)}."
-    if stopped:
-        yield f"Waits where the kinematic has no pose: {', '.join(stopped)}."
 
 
 def _whole(axis: Axis, low: float, high: float) -> bool:

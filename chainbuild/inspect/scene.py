@@ -18,7 +18,7 @@ from chainbuild.chain.poses import link_placements
 from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.drawing.shown import shown_chain
 from chainbuild.inspect.labels import Side, draw_label
-from chainbuild.inspect.sweep import FRAMES_PER_SECOND, joint_transforms
+from chainbuild.inspect.sweep import joint_transforms
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -44,6 +44,11 @@ class Scene:
     Args:
         viewer: `meshcat.Visualizer`; what it already shows outside `robot` stays.
         robot: What to draw.
+
+    Attributes:
+        size: Of the machine [m].
+        bodies: What is drawn.
+        link_paths: Name of a link → its path in the scene.
     """
 
     def __init__(self, viewer: Any, robot: Mechanism) -> None:
@@ -52,36 +57,21 @@ class Scene:
         chain = robot.chain
         self.size = machine_size(chain)
         self.bodies = drawn_bodies(chain)
-        self._paths = _link_paths(chain)
+        self.link_paths = _link_paths(chain)
 
     def draw(self, axes: ArrayLike) -> None:
         """Draw everything, the robot at axis values (n_axes,), mm and degrees."""
         q = self.robot.q(axes)
         self._draw_surroundings(self.floor(q))
         for n, body in enumerate(self.bodies):
-            self._draw_body(self.viewer[f"{self._paths[body.link]}/{body.part}{n}"], body)
+            self._draw_body(self.viewer[f"{self.link_paths[body.link]}/{body.part}{n}"], body)
         for label, frame in labelled_frames(self.robot.chain):
-            self._draw_triad(f"{self._paths[frame.link]}/frame {frame.name}", label, frame.T_link_frame)
+            self._draw_triad(f"{self.link_paths[frame.link]}/frame {frame.name}", label, frame.T_link_frame)
         self._place(q)
 
     def update(self, axes: ArrayLike) -> None:
         """Move the robot that was drawn to axis values (n_axes,), mm and degrees."""
         self._place(self.robot.q(axes))
-
-    def animate(self, q: Matrix) -> None:
-        """Play joint values (n_frames, n_q), SI, `FRAMES_PER_SECOND` apart, over and over."""
-        from meshcat.animation import Animation
-
-        chain = self.robot.chain
-        animation = Animation(default_framerate=FRAMES_PER_SECOND)
-        for k, row in enumerate(q):
-            around = q[max(k - 1, 0) : k + 2]
-            # A joint at rest needs no keys in between; the first and the last make all clips equally long.
-            moves = np.ptp(around, axis=0) > 0.0 if 0 < k < len(q) - 1 else np.full(len(row), True)
-            for joint, T, moving in zip(chain.joints, joint_transforms(chain, row), moves, strict=True):
-                if moving:
-                    animation.at_frame(self.viewer[self._paths[joint.child]], k).set_transform(T)
-        self.viewer.set_animation(animation, play=True, repetitions=1_000_000)
 
     def bounds(self, motion: Iterable[Vector]) -> tuple[Vector, Vector]:
         """Return the lowest and highest x, y, z [m] that any body reaches over joint values (n_q,) of a motion."""
@@ -109,12 +99,12 @@ class Scene:
     def frame_place(self, name: str) -> tuple[str, Matrix]:
         """Return the scene path of the link that carries a frame, and the frame in it (4, 4) [m]."""
         frame = self.robot.chain.frame(name)
-        return self._paths[frame.link], frame.T_link_frame
+        return self.link_paths[frame.link], frame.T_link_frame
 
     def _place(self, q: Vector) -> None:
         chain = self.robot.chain
         for joint, T in zip(chain.joints, joint_transforms(chain, q), strict=True):
-            self.viewer[self._paths[joint.child]].set_transform(T)
+            self.viewer[self.link_paths[joint.child]].set_transform(T)
 
     def _draw_body(self, node: Any, body: Body) -> None:
         from meshcat import geometry

@@ -1,9 +1,8 @@
-"""The motion of a page: each axis in turn from limit to limit and back, around a readable pose."""
+"""The pose in which a page shows a machine first, and how far its axes move it from there."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import pairwise, product
 from typing import TYPE_CHECKING, Final
 
@@ -21,83 +20,39 @@ from chainbuild.kinematics.ranges import range_beside
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
-FRAMES_PER_SECOND: Final = 10  # the viewer interpolates between keyframes
 _SEED: Final = 5  # the page of a machine does not change
 _CLOSING: Final = 40  # states looked at for one in which the loops close well
-_FRAMES_PER_AXIS: Final = 50  # five seconds
-# Shares of an axis's time: to the lower limit, across to the upper one, back; the rest is a pause.
-_PHASES: Final = (0.24, 0.44, 0.24)
-
 # Angles a rotary axis may take in the pose shown, degrees.
 _CANDIDATES: Final = (0.0, 45.0, -45.0, 90.0, -90.0)
 # A pose whose smallest singular value is below this share of the largest looks stretched or folded.
 _STRETCHED: Final = 0.05
 
 
-@dataclass(frozen=True, slots=True)
-class Segment:
-    """The frames, first and last included, in which one axis moves."""
+def swept_poses(robot: Mechanism, rest: Vector) -> list[Vector]:
+    """Return joint values (n_q,), SI, with each axis alone at either end of its shown range, the others at rest.
 
-    axis: int
-    first: int
-    last: int
+    Ends at which the kinematic has no pose are left out.
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class AxisSweep:
-    """A motion in keyframes, `FRAMES_PER_SECOND` apart.
-
-    Attributes:
-        axes: (n_frames, n_axes) axis values, mm and degrees.
-        q: (n_frames, n_q) joint values, SI.
-        segments: Which axis moves when, in channel order.
-        held: Names of axes that stop short of their range because the kinematic has no pose beyond.
+    Args:
+        robot: The robot.
+        rest: (n_axes,) axis values, mm and degrees.
     """
-
-    axes: Matrix
-    q: Matrix
-    segments: tuple[Segment, ...]
-    held: tuple[str, ...]
-
-
-def axis_sweep(robot: Mechanism) -> AxisSweep:
-    """Return the motion that takes every axis over its shown range, one after the other, starting and ending at rest.
-
-    Raises:
-        ChainbuildError: the kinematic has no pose to start from.
-    """
-    rest = rest_pose(robot)
     lower, upper = shown_limits(robot.chain)
-    axes, q, segments, held = [rest], [robot.q(rest)], [], []
-    for n, axis in enumerate(robot.axes):
-        segments.append(Segment(n, len(axes) - 1, len(axes) - 1 + _FRAMES_PER_AXIS))
-        for value in _course(rest[n], *_alone(robot, rest, n, lower[n], upper[n])):
+    found = [robot.q(rest)]
+    for n in range(len(rest)):
+        for end in _alone(robot, rest, n, lower[n], upper[n]):
             wanted = rest.copy()
-            wanted[n] = value
-            try:
-                q.append(robot.q(wanted))
-                axes.append(wanted)
-            except ChainbuildError:
-                q.append(q[-1])
-                axes.append(axes[-1])
-                held.append(axis.name)
-    return AxisSweep(np.array(axes), np.array(q), tuple(segments), tuple(dict.fromkeys(held)))
+            wanted[n] = end
+            q = robot.chain.axis_map.q(wanted)
+            if np.isfinite(q).all():
+                found.append(q)
+    return found
 
 
 def _alone(robot: Mechanism, rest: Vector, n: int, low: float, high: float) -> tuple[float, float]:
     """Return how far axis n moves of its shown range while the others rest."""
     least, most = range_beside(robot.chain, n, rest) or (rest[n], rest[n])
     return max(low, least), min(high, most)
-
-
-def _course(rest: float, lower: float, upper: float) -> list[float]:
-    """Return the values of one axis: rest, lower, upper, rest, with soft ends and a pause."""
-    stops = [float(rest), float(lower), float(upper), float(rest)]
-    values: list[float] = []
-    for start, stop, share in zip(stops[:-1], stops[1:], _PHASES, strict=True):
-        count = round(share * _FRAMES_PER_AXIS)
-        values += [start + (stop - start) * (1 - math.cos(math.pi * k / count)) / 2 for k in range(1, count)] + [stop]
-    return values + [stops[-1]] * (_FRAMES_PER_AXIS - len(values))
 
 
 def rest_pose(robot: Mechanism) -> Vector:

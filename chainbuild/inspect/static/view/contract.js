@@ -1,0 +1,23 @@
+// What others may call from outside: window.chainbuild.
+import { displayed } from "cb/display";
+
+/** Return the functions that drive the page from outside; poses are 16 numbers row by row, in metres. */
+export function contractOf(page) {
+  return {
+    ready: Promise.resolve(),
+    axes: () => page.axes.slice(),
+    set: (axes) => page.setAxes(axes),
+    fk: (axes) => page.chain.fk(axes),
+    display: (axes) => displayed(page.chain, axes),
+    drives: (axes) => page.limits.driveValues(axes),
+    ik: (T, start) => {
+      const { status, axes, branches } = page.solver.solve(T, start || page.axes);
+      return { status, axes, branches };
+    },
+    drag: (T) => page.drag(T),
+    drawn: (name) => page.machine.drawn(name),
+    get frames() {
+      return page.machine.frames;
+    },
+  };
+}

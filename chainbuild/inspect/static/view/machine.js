@@ -1,0 +1,97 @@
+// The machine in the viewer: commands of the scene, joints that move, placements read back, camera.
+
+const FIELD_OF_VIEW = 40; // degrees
+
+export class Machine {
+  /** @param page data of the page; @param pane element that holds the picture */
+  constructor(data, chain, pane) {
+    const three = MeshCat.THREE;
+    Object.assign(this, { data, chain, pane, three, moved: false });
+    // Without antialiasing twice as many frames a second; the background is the page's own.
+    const renderer = new three.WebGLRenderer({ antialias: false, alpha: true });
+    pane.appendChild(renderer.domElement);
+    this.viewer = new MeshCat.Viewer(pane, true, renderer);
+    // The viewer takes the window's height for its own; the pane may be lower.
+    const resize = this.viewer.set_3d_pane_size.bind(this.viewer);
+    this.viewer.set_3d_pane_size = () => resize(pane.offsetWidth, pane.offsetHeight);
+    data.commands.forEach((text) => {
+      this.viewer.handle_command_bytearray(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)));
+    });
+    this.viewer.scene.background = null;
+    this.root = this.node("robot");
+    this.links = chain.data.links.map((name) => this.node(data.paths[name]));
+    this.viewer.controls.addEventListener("start", () => { this.moved = true; });
+    new ResizeObserver(() => (this.moved ? this.viewer.set_3d_pane_size() : this.fit())).observe(pane);
+  }
+
+  /** Return the three.js object at a path of the scene. */
+  node(path) {
+    return this.viewer.scene_tree.find(["meshcat", ...path.split("/")]).object;
+  }
+
+  /** Return how many frames were drawn so far. */
+  get frames() {
+    return this.viewer.renderer.info.render.frame;
+  }
+
+  /** Move the joints to axis values; without a pose they stay. */
+  move(axes) {
+    const q = this.chain.q(axes);
+    if (!q.every(Number.isFinite)) return;
+    const placed = this.chain.placementsOf(q);
+    this.chain.data.joints.forEach((joint) => {
+      const parent = this.matrix(placed[joint.parent]).invert();
+      parent.multiply(this.matrix(placed[joint.child]));
+      const node = this.links[joint.child];
+      parent.decompose(node.position, node.quaternion, node.scale);
+    });
+    this.viewer.set_dirty();
+  }
+
+  matrix(T) {
+    return new this.three.Matrix4().set(...T);
+  }
+
+  /** Return the placement in the base, row by row, at which a link or a named frame is drawn. */
+  drawn(name) {
+    const frame = this.chain.data.frames[name];
+    const link = frame ? frame.link : this.chain.data.links.indexOf(name);
+    const node = this.links[link];
+    node.updateWorldMatrix(true, false);
+    this.root.updateWorldMatrix(true, false);
+    const T = this.root.matrixWorld.clone().invert().multiply(node.matrixWorld);
+    if (frame) T.multiply(this.matrix(frame.T));
+    return T.transpose().toArray();
+  }
+
+  /** Look at the whole machine from the front right, near enough that every corner of its box is inside the picture. */
+  fit() {
+    const { viewer, three } = this;
+    viewer.set_3d_pane_size();
+    const { camera } = viewer;
+    // Machine coordinates have z up, three.js has y up.
+    const raised = ([x, y, z]) => new three.Vector3(x, z, -y);
+    const [low, high] = this.data.bounds;
+    const target = raised(low.map((v, n) => (v + high[n]) / 2));
+    const back = raised(this.data.view).normalize();
+    const right = new three.Vector3(0, 1, 0).cross(back).normalize();
+    const up = back.clone().cross(right);
+    camera.fov = FIELD_OF_VIEW;
+    const tall = Math.tan((camera.fov * Math.PI) / 360);
+    const wide = tall * camera.aspect;
+    let distance = 0;
+    for (let n = 0; n < 8; n += 1) {
+      const corner = raised([0, 1, 2].map((k) => ((n >> k) & 1 ? high[k] : low[k]))).sub(target);
+      const across = Math.max(Math.abs(corner.dot(right)) / wide, Math.abs(corner.dot(up)) / tall);
+      distance = Math.max(distance, across + corner.dot(back));
+    }
+    distance *= 1.04;
+    camera.near = distance / 200;
+    camera.far = distance * 50;
+    camera.position.copy(target).addScaledVector(back, distance);
+    camera.updateProjectionMatrix();
+    viewer.controls.target.copy(target);
+    viewer.controls.update();
+    viewer.set_dirty();
+  }
+}

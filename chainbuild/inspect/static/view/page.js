@@ -1,0 +1,97 @@
+// The state of the page: axis values, what follows from them, and who wants to be told.
+import { Chain } from "cb/chain";
+import { displayed } from "cb/display";
+import { Limits } from "cb/limits";
+import { Machine } from "cb/machine";
+import { measure } from "cb/singular";
+import { Solver } from "cb/ik";
+import { solveDisplayed } from "cb/typed";
+
+export class Page {
+  constructor(data, pane) {
+    this.data = data;
+    this.chain = new Chain(data.chain);
+    this.limits = new Limits(this.chain);
+    this.solver = new Solver(this.chain, this.limits);
+    this.machine = new Machine(data, this.chain, pane);
+    this.listeners = [];
+    this.axes = data.rest.slice();
+    this.status = { status: "ok", words: "", branches: [], family: false };
+  }
+
+  /** Call a function after every change: with the page and what caused it. */
+  onChange(listener) {
+    this.listeners.push(listener);
+  }
+
+  /** Move the machine; values outside the limits are shown as such. */
+  setAxes(axes, cause = "axes") {
+    this.axes = axes.slice();
+    const violated = this.limits.violated(axes);
+    const pose = this.chain.fk(axes);
+    const status = pose === null ? "unreachable" : violated.length ? "limits" : "ok";
+    const words = pose === null ? "The kinematic has no pose here." : outsideWords(violated);
+    this.status = { status, words, violated, branches: [], family: false };
+    this.changed(cause);
+  }
+
+  /** Take the solution of a pose: the machine goes to the nearest branch, or as near as it can. */
+  take(found, cause) {
+    this.axes = found.axes.slice();
+    const violated = this.limits.violated(this.axes);
+    this.status = { ...found, violated, words: wordsOf(found, violated) };
+    this.changed(cause);
+  }
+
+  /** Solve for a pose as the controller displays it. */
+  setDisplayed(shown) {
+    this.take(solveDisplayed(this.solver, shown, this.axes), "pose");
+  }
+
+  /** Solve for the tool in the workpiece frame. */
+  setPose(T) {
+    this.take(this.solver.solve(T, this.axes), "pose");
+  }
+
+  /** Follow a dragged pose: the machine moves as far as its limits permit. */
+  drag(T) {
+    const { axes, met } = this.solver.approach(T, this.axes);
+    const violated = this.limits.violated(axes);
+    const branches = this.followed(T);
+    this.axes = axes;
+    const status = met ? "ok" : this.solver.follow(T, axes) ? "limits" : "unreachable";
+    const found = { status: met && violated.length ? "limits" : status, branches, family: this.status.family };
+    this.status = { ...found, violated, words: wordsOf(found, violated) };
+    this.changed("drag");
+  }
+
+  followed(T) {
+    return this.status.branches.map((axes) => this.solver.follow(T, axes)).filter((axes) => axes !== null);
+  }
+
+  changed(cause) {
+    this.machine.move(this.axes);
+    this.listeners.forEach((listener) => listener(this, cause));
+  }
+
+  displayed() {
+    return displayed(this.chain, this.axes);
+  }
+
+  measure() {
+    return measure(this.chain, this.axes);
+  }
+}
+
+function outsideWords(violated) {
+  return violated.length ? `Outside the limits of ${violated.join(", ")}.` : "";
+}
+
+function wordsOf({ status, branches, family }, violated) {
+  if (status === "ok") {
+    if (family) return "One of infinitely many solutions: more axes move than the pose determines.";
+    return branches.length > 1 ? `${branches.length} solutions.` : "";
+  }
+  if (status === "limits") return outsideWords(violated) || "Reached only outside the limits.";
+  return status === "unreachable" ? "Out of reach." : "No solution found from here.";
+}
