@@ -1,1 +1,0 @@
-export const driveMap = () => ({ drives: (axes) => axes.slice() });
