@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import math
 from dataclasses import dataclass, replace
@@ -28,7 +27,7 @@ from chainbuild.ik.branches.closed import joints_between_tips_in_order
 from chainbuild.kinematics.closure import closing_axes
 from chainbuild.kinematics.inputs import Pose
 from chainbuild.robot import Robot
-from tests.kit.module_page import computed, module_page, page_modules
+from tests.kit.module_page import computed, encoded, module_page, page_modules
 
 SAME = 1e-12  # m, rad
 POSITION = 1e-9  # m, of poses reached again
@@ -98,18 +97,6 @@ async ({ maps, drives }) => {
 """
 
 
-def encoded(value: Any) -> Any:
-    """Return a dataclass and what it holds as the page reads it."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        fields = {field.name: encoded(getattr(value, field.name)) for field in dataclasses.fields(value)}
-        return {"class": type(value).__name__, **fields}
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, complex):
-        return [value.real, value.imag]
-    return [encoded(one) for one in value] if isinstance(value, tuple) else value
-
-
 @dataclass(frozen=True)
 class LoopCase:
     """A closed map, axis values at which it closes and others at which it does not; its machine, if it has one."""
@@ -121,7 +108,11 @@ class LoopCase:
 
     @property
     def between(self) -> list[list[float]]:
-        return [self.axis_map.q(row).tolist() for row in self.rows[:POSED]]
+        """Joint values with branches; the lambda kinematic's arm a whole turn further at every other one."""
+        found = np.array([self.axis_map.q(row) for row in self.rows[:POSED]])
+        if isinstance(self.axis_map, LambdaMap):
+            found[1::2, 1] += math.tau
+        return found.tolist()
 
     @property
     def poses(self) -> list[Pose]:
