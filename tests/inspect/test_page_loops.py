@@ -21,6 +21,7 @@ from chainbuild.frames import cos_sin_deg, rot_about, transform
 from chainbuild.ik.branches.closed import joints_between_tips_in_order
 from chainbuild.kinematics.closure import closing_axes
 from chainbuild.robot import Robot
+from chainbuild.units import si_factor, unit_of
 from tests.kit.module_page import computed, encoded, module_page, page_modules
 
 SAME = 1e-12  # m, rad
@@ -178,14 +179,17 @@ def test_open_chain_between_the_tips(page: Page, name: str) -> None:
     assert len(opened["links"]) == len(tips) + 1
     assert not opened["loops"]
     for row in closing_axes(robot, np.random.default_rng(3), 20):
-        axes = robot.q(row)[tips] / opened["map"]["si_factors"]
+        axes = robot.q(row)[tips] / [si_factor(axis["kind"]) for axis in opened["axes"]]
         T = np.linalg.inv(placed(opened, "workpiece", axes)) @ placed(opened, "tool", axes)
         np.testing.assert_allclose(T, robot.fk(row).homogeneous, rtol=0.0, atol=SAME)
     own = {axis["name"] for axis in chain["axes"]}
     for axis, joint in zip(opened["axes"], opened["joints"], strict=True):
         assert axis["name"] == joint["name"]
         assert axis["kind"] == ("rotary" if joint["kind"] == "revolute" else "linear")
-        assert axis["name"] in own or (axis["unit"], axis["upper"]) in (("mm", 1e5), ("deg", 3600.0))
+        if axis["name"] not in own:
+            bound = 1e5 if axis["kind"] == "linear" else 3600.0
+            assert axis["unit"] == unit_of(axis["kind"])
+            assert [axis["lower"], axis["upper"]] == axis["shown"] == [-bound, bound]
 
 
 def test_no_open_chain_where_a_strut_is_held(page: Page) -> None:

@@ -2,9 +2,11 @@
 // `cb/loops` then tells which axis values close the loops there. Joints between the tips, each with an axis of its own:
 // the twin of `_opened` in Python's `ik/branches/closed.py`.
 
+import { metres, radians } from "cb/units";
+
 const WIDE = 10; // times the limits assumed for axes: what no axis drives has none
 const ASSUMED = { linear: 10000, rotary: 360 }; // mm, deg
-const SI = { linear: 1 / 1000, rotary: Math.PI / 180 };
+const SI = { linear: metres(1), rotary: radians(1) };
 
 /**
  * Return the data of the open chain, or null where a held axis keeps the way between the tips from being free.
