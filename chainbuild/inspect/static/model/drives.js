@@ -100,6 +100,8 @@ const KINDS = {
   BevelDrives: bevel,
 };
 
+export const DRIVES = Object.keys(KINDS);
+
 /** Return {drives(axes)} of the data of drives: drive values, not a number where there are none; null: the axes. */
 export function driveMap(data) {
   if (data === null) return { drives: (axes) => [...axes] };
