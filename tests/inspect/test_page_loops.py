@@ -1,34 +1,24 @@
-"""The page where rods just reach and angles are right, and the open chain between the tips of its closed loops."""
+"""The page's closed loops where rods just reach, and its angles where they are right."""
 
 from __future__ import annotations
 
 import math
-from functools import reduce
 from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from playwright.sync_api import Browser, Page
 
-from chainbuild.chain.elements import Chain
 from chainbuild.formats.twincat.maps.arms import Column, Lever, direction
 from chainbuild.formats.twincat.maps.scissors import LambdaMap
 from chainbuild.formats.twincat.maps.struts import ThreeRodsMap
 from chainbuild.formats.twincat.maps.table import TableMap
 from chainbuild.formats.twincat.maps.table_rods import TableRods
-from chainbuild.frames import cos_sin_deg, rot_about, transform
-from chainbuild.ik.branches.closed import joints_between_tips_in_order
-from chainbuild.kinematics.closure import closing_axes
-from chainbuild.robot import Robot
-from chainbuild.units import si_factor, unit_of
+from chainbuild.frames import cos_sin_deg
 from tests.kit.module_page import computed, encoded, module_page, page_modules
 
-SAME = 1e-12  # m, rad
 ROOTED = 1e-7  # m, rad: where rods just reach, rounding stands below a root
 SIZES = (0.3, 0.33, 0.41, 0.7, 0.9, 1.1)  # m; some sums and squares round upwards, others downwards
-
-Rows = NDArray[np.float64]
 
 
 @pytest.fixture(scope="module")
@@ -128,75 +118,3 @@ def test_right_angles_and_remainders(page: Page) -> None:
         assert np.array_equal(both[0][exact], np.round(both[0][exact]))
     assert found["rests"] == [math.remainder(value, whole) for value, whole in pairs]
     assert found["signs"] == [-3, -3, 3, 3]
-
-
-def chain_data(chain: Chain) -> dict[str, Any]:
-    """Return what the page knows of a chain, as far as the way between its tips needs it."""
-    links = [link.name for link in chain.links]
-    return {
-        "title": chain.title,
-        "links": links,
-        "axes": [{"name": axis.name, "kind": axis.kind, "held": axis.held} for axis in chain.axes],
-        "joints": [
-            {
-                "name": joint.name,
-                "kind": joint.kind,
-                "parent": links.index(joint.parent),
-                "child": links.index(joint.child),
-                "T": joint.T_parent_joint.ravel().tolist(),
-                "direction": joint.direction.tolist(),
-            }
-            for joint in chain.joints
-        ],
-        "frames": {f.name: {"link": links.index(f.link), "T": f.T_link_frame.ravel().tolist()} for f in chain.frames},
-        "loops": True,
-    }
-
-
-def placed(data: dict[str, Any], frame: str, axes: Rows) -> Rows:
-    """Return a frame (4, 4) of a chain's data in its base at axis values, each of which drives a joint."""
-    q = np.array(data["map"]["A"]) @ (axes * data["map"]["si_factors"]) + data["map"]["b"]
-    carrier = {joint["child"]: n for n, joint in enumerate(data["joints"])}
-    link, steps = data["frames"][frame]["link"], [np.reshape(data["frames"][frame]["T"], (4, 4))]
-    while link:
-        joint, value = data["joints"][carrier[link]], q[carrier[link]]
-        turns = joint["kind"] == "revolute"
-        moved = transform(rot_about(joint["direction"], math.degrees(value)) if turns else None)
-        moved[:3, 3] = 0.0 if turns else np.array(joint["direction"]) * value
-        steps[:0] = [np.reshape(joint["T"], (4, 4)), moved]
-        link = joint["parent"]
-    return reduce(np.matmul, steps)
-
-
-@pytest.mark.parametrize("name", ["delta_kin37", "lambda_kin21", "tripod_kin12", "tripod_table_kin209"])
-def test_open_chain_between_the_tips(page: Page, name: str) -> None:
-    robot = Robot.load(name)
-    tips = list(joints_between_tips_in_order(robot))
-    script = """async ({ chain, tips }) => (await import("cb/opened")).openedChain(chain, tips)"""
-    chain = chain_data(robot.chain)
-    opened = computed(page, script, {"chain": chain, "tips": tips})
-    assert [joint["name"] for joint in opened["joints"]] == [robot.chain.joints[n].name for n in tips]
-    assert len(opened["links"]) == len(tips) + 1
-    assert not opened["loops"]
-    for row in closing_axes(robot, np.random.default_rng(3), 20):
-        axes = robot.q(row)[tips] / [si_factor(axis["kind"]) for axis in opened["axes"]]
-        T = np.linalg.inv(placed(opened, "workpiece", axes)) @ placed(opened, "tool", axes)
-        np.testing.assert_allclose(T, robot.fk(row).homogeneous, rtol=0.0, atol=SAME)
-    own = {axis["name"] for axis in chain["axes"]}
-    for axis, joint in zip(opened["axes"], opened["joints"], strict=True):
-        assert axis["name"] == joint["name"]
-        assert axis["kind"] == ("rotary" if joint["kind"] == "revolute" else "linear")
-        if axis["name"] not in own:
-            bound = 1e5 if axis["kind"] == "linear" else 3600.0
-            assert axis["unit"] == unit_of(axis["kind"])
-            assert [axis["lower"], axis["upper"]] == axis["shown"] == [-bound, bound]
-
-
-def test_no_open_chain_where_a_strut_is_held(page: Page) -> None:
-    robot = Robot.load("tripod_table_kin209")
-    tips = list(joints_between_tips_in_order(robot))
-    script = """async ({ chain, tips }) => (await import("cb/opened")).openedChain(chain, tips) !== null"""
-    for n, axis in enumerate(robot.axes):
-        chain = chain_data(robot.chain)
-        chain["axes"][n]["held"] = True
-        assert computed(page, script, {"chain": chain, "tips": tips}) == (axis.kind == "rotary")

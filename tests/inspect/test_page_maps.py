@@ -23,7 +23,6 @@ from chainbuild.formats.twincat.maps.scissors import LambdaMap
 from chainbuild.formats.twincat.maps.struts import ThreeRodsMap
 from chainbuild.formats.twincat.maps.table import TableMap
 from chainbuild.formats.twincat.maps.table_rods import TableRods
-from chainbuild.ik.branches.closed import joints_between_tips_in_order
 from chainbuild.kinematics.closure import closing_axes
 from chainbuild.kinematics.inputs import Pose
 from chainbuild.robot import Robot
@@ -81,9 +80,6 @@ async ({ maps, drives }) => {
       q: rows.map((row) => map.q(row)),
       beside: beside.map((row) => map.q(row)),
       closing: between.map((q) => map.closing(q)),
-      closed: between.map((q) => loops.closedAxes(map, q)),
-      tips: map.tips,
-      turns: map.turns,
       posed: poses.map((pose) => map.posed(pose, ...frames)),
     };
   };
@@ -108,11 +104,7 @@ class LoopCase:
 
     @property
     def between(self) -> list[list[float]]:
-        """Joint values with branches; the lambda kinematic's arm a whole turn further at every other one."""
-        found = np.array([self.axis_map.q(row) for row in self.rows[:POSED]])
-        if isinstance(self.axis_map, LambdaMap):
-            found[1::2, 1] += math.tau
-        return found.tolist()
+        return [self.axis_map.q(row).tolist() for row in self.rows[:POSED]]
 
     @property
     def poses(self) -> list[Pose]:
@@ -251,15 +243,6 @@ def test_closed_maps_have_no_values_where_nothing_closes(compared: Compared) -> 
         assert np.isnan(found).all(), name
 
 
-@pytest.mark.parametrize("name", MACHINES)
-def test_joints_between_the_tips(compared: Compared, name: str) -> None:
-    case, found = compared.loops[name], compared.page["maps"][name]
-    assert case.robot is not None
-    joints = case.robot.chain.joints
-    assert found["tips"] == list(joints_between_tips_in_order(case.robot))
-    assert found["turns"] == [n for n in found["tips"] if joints[n].kind == "revolute"]
-
-
 def test_values_that_close(compared: Compared) -> None:
     for name, case in compared.loops.items():
         for q, found in zip(case.between, compared.page["maps"][name]["closing"], strict=True):
@@ -267,40 +250,6 @@ def test_values_that_close(compared: Compared) -> None:
             assert [len(values) for values in found] == [len(values) for values in wanted], name
             flat = [list(itertools.chain(*values)) for values in (found, wanted)]
             np.testing.assert_allclose(*flat, rtol=0.0, atol=1e3 * SAME, err_msg=name)
-
-
-def apart(axis_map: Any, one: Rows, other: Rows) -> float:
-    """Return the largest difference of axis values, whole turns of periodic axes taken off."""
-    off = one - other
-    turning = list(getattr(axis_map, "periodic", ()))
-    off[turning] = np.remainder(off[turning] + 180.0, 360.0) - 180.0
-    return float(np.abs(off).max())
-
-
-def test_branches_begin_with_what_they_came_from_and_lead_there(compared: Compared) -> None:
-    for name, case in compared.loops.items():
-        tips = compared.page["maps"][name]["tips"]
-        for row, q, found in zip(case.rows, case.between, compared.page["maps"][name]["closed"], strict=False):
-            assert min(apart(case.axis_map, np.array(one), row) for one in found) < 1e-6, name
-            for one in found:
-                off = (case.axis_map.q(np.array(one)) - q)[tips]
-                assert np.abs(np.remainder(off + math.pi, math.tau) - math.pi).max() < POSITION, name
-
-
-@pytest.mark.parametrize(("name", "most"), [("delta_kin37", 8), ("tripod_kin12", 1), ("rod_table_kin19", 1)])
-def test_branches_are_those_of_inverse_kinematics(compared: Compared, name: str, most: int) -> None:
-    """Where one way leads between the tips, the pose has these branches and no others, but for limits."""
-    case = compared.loops[name]
-    assert case.robot is not None
-    counts = []
-    for pose, found in zip(case.poses, compared.page["maps"][name]["closed"], strict=True):
-        inside = [one for one in found if not case.robot.violated_limits(one)]
-        branches = case.robot.ik_all(pose).axes
-        assert len(inside) == len(branches)
-        for branch in branches:
-            assert min(apart(case.axis_map, np.array(one), branch) for one in inside) < 1e-6
-        counts.append(len(found))
-    assert max(counts) == most
 
 
 def test_table_posed(compared: Compared) -> None:

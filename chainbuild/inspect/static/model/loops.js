@@ -3,13 +3,12 @@
 // The joint C stands at (s_c, y_c), the joint B at (s_b, y_b); the rods l_c from C and l_b from B meet in D, on one
 // side of the line from C to B: the twin of Python's `maps/scissors.py`, whose formulas it has.
 
-import { degrees, metres, millimetres, radians, remainder, withinOne } from "cb/units";
+import { degrees, metres, millimetres, radians, withinOne } from "cb/units";
 
 export { ThreeRodsMap } from "cb/loops_rods";
 export { TableMap } from "cb/loops_table";
 
 const IN_LINE = 1e-14; // of a cosine: rounding where the rods are in line
-const SAME_TIP = 1e-9; // m or rad: axis values that close elsewhere, in another assembly mode, miss by far more
 const Z = 2; // index in X1, X2, Z, C
 const C = 3; // likewise
 
@@ -18,9 +17,6 @@ export class LambdaMap {
   constructor(data) {
     this.data = data;
     this.count = 6;
-    // Joints between the tips, and those of them that turn.
-    this.tips = [0, 1, 2, 3];
-    this.turns = [1, 3];
   }
 
   // Direction θ of the rod from C and φ of that from B, or null where the rods do not meet.
@@ -66,24 +62,4 @@ export class LambdaMap {
     values[slides[1]] = square < 0 ? [] : [millimetres(middle - half), millimetres(middle + half)];
     return values;
   }
-}
-
-/** Return every row that takes one value from each list. */
-export function choices(lists) {
-  return lists.reduce((rows, list) => rows.flatMap((row) => list.map((value) => [...row, value])), [[]]);
-}
-
-/**
- * Return every row of axis values at which a closed map has the joint values between the tips that q has.
- *
- * The loops of each axis close by themselves; `q` of the map tells whether all close together, in the assembly mode.
- */
-export function closedAxes(map, q) {
-  return choices(map.closing(q)).filter((axes) => {
-    const found = map.q(axes);
-    return map.tips.every((n) => {
-      const off = found[n] - q[n];
-      return Math.abs(map.turns.includes(n) ? remainder(off, 2 * Math.PI) : off) < SAME_TIP;
-    });
-  });
 }

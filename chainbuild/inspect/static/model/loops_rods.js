@@ -85,9 +85,6 @@ export class ThreeRodsMap {
     this.data = data;
     this.arms = data.arms.map((arm) => new ARM_CLASSES[arm.class](arm));
     this.count = ARMS + data.beside + 3 * ARMS;
-    // Joints between the tips, and those of them that turn.
-    this.tips = Array.from({ length: ARMS + data.beside }, (_, n) => n);
-    this.turns = this.tips.slice(ARMS);
   }
 
   /** Return the joint values of axis values; not a number where the rods do not meet. */
@@ -114,10 +111,10 @@ export class ThreeRodsMap {
 
   /** Return the values of each arm that reach the platform's point, and the rotary ones as they are. */
   closing(q) {
-    const { rod, hanging } = this.data;
+    const { rod, hanging, beside } = this.data;
     const p = q.slice(0, ARMS);
     const own = this.arms.map((arm) => arm.values(p, rod, hanging).map(arm.shown));
-    return [...own, ...this.turns.map((n) => [degrees(q[n])])];
+    return [...own, ...q.slice(ARMS, ARMS + beside).map((turn) => [degrees(turn)])];
   }
 }
 

@@ -18,9 +18,6 @@ export class TableMap {
     this.radial = data.rods.offset[0] !== 0 || data.rods.offset[1] !== 0;
     this.count = this.radial ? 14 : 17;
     this.carriage = this.radial ? 8 : 6; // place of the first carriage among the joint values
-    // Joints between the tips, and those of them that turn.
-    this.tips = Array.from({ length: this.carriage }, (_, n) => n);
-    this.turns = this.tips.slice(-3);
   }
 
   /** Return the joint values of axis values; not a number where the way from home does not lead. */
