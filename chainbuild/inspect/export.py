@@ -79,7 +79,7 @@ def page_html(robot: Mechanism, *, at: ArrayLike | None = None) -> str:
 
 
 def _data(robot: Mechanism, scene: Scene, rest: Any, recorder: _Recorder) -> str:
-    swept = np.array(scene.bounds(swept_poses(robot, rest)))
+    swept = np.array(scene.bounds(robot.q(axes) for axes in swept_poses(robot, rest)))
     bounds = (1 - _SWEPT_SHARE) * np.array(scene.bounds([robot.q(rest)])) + _SWEPT_SHARE * swept
     data = {
         "chain": chain_data(robot.chain, robot.task),

@@ -14,13 +14,7 @@ from chainbuild.ik.branches.status_turn import status_turn
 from chainbuild.inspect.export import export_page
 from chainbuild.robot import Robot
 from tests.kit.drawn_robots import arm
-from tests.kit.live_page import LivePage, opened, started_browser
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
-    with started_browser() as found:
-        yield found
-
+from tests.kit.live_page import LivePage, opened
 
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:

@@ -15,21 +15,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import Browser, Locator, Page
 
-from tests.kit.browser import chromium
-
-FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 _PATIENCE = 20.0  # seconds until a page that does nothing fails its test
-
-
-@contextmanager
-def started_browser() -> Iterator[Browser]:
-    """Give the Chromium of the tests."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as play:
-        browser = play.chromium.launch(executable_path=chromium(), args=FLAGS)
-        yield browser
-        browser.close()
 
 
 class LivePage:

@@ -10,25 +10,40 @@ export function startLabels(page, root) {
   const labels = page.data.labels.map(({ text, frame }) => {
     const tag = document.createElement("span");
     tag.textContent = text;
-    root.append(tag);
-    return { tag, frame };
+    // A thin line leads from the name to what it names, which a body may hide.
+    const line = document.createElement("i");
+    root.append(line, tag);
+    return { tag, line, frame };
   });
+  let sizes = null;
   const draw = () => {
     root.hidden = !machine.shows.frames;
     if (root.hidden) return;
-    const pane = { width: machine.pane.offsetWidth, height: machine.pane.offsetHeight };
-    const seen = labels.map(({ tag, frame }) => ({ tag, arms: armsOf(page, frame, pane) }));
+    const size = machine.viewer.renderer.getSize(new machine.three.Vector2());
+    const pane = { width: size.x, height: size.y };
+    // Measured once: to ask for sizes at every frame would lay out the panel anew.
+    sizes = sizes || labels.map(({ tag }) => ({ width: tag.offsetWidth, height: tag.offsetHeight }));
+    const seen = labels.map(({ tag, line, frame }) => ({ tag, line, arms: armsOf(page, frame, pane) }));
+    const all = seen.flatMap((one) => one.arms || []);
     const taken = [];
-    seen.forEach(({ tag, arms }) => {
-      tag.hidden = arms === null;
+    seen.forEach(({ tag, line, arms }, n) => {
+      tag.hidden = line.hidden = arms === null;
       if (arms === null) return;
-      const size = { width: tag.offsetWidth, height: tag.offsetHeight };
-      const box = placed(arms[0], size, [...seen.flatMap((one) => one.arms || [])], taken, pane);
+      const box = placed(arms[0], sizes[n], all, taken, pane);
       taken.push(box);
       tag.style.transform = `translate(${box.x.toFixed(1)}px, ${box.y.toFixed(1)}px)`;
+      lead(line, arms[0], box);
     });
   };
   machine.onFrame(draw);
+}
+
+/** Draw a line from a point to the nearest place of a box. */
+function lead(line, from, box) {
+  const x = Math.min(Math.max(from.x, box.x), box.x + box.width) - from.x;
+  const y = Math.min(Math.max(from.y, box.y), box.y + box.height) - from.y;
+  line.style.width = `${Math.hypot(x, y).toFixed(1)}px`;
+  line.style.transform = `translate(${from.x.toFixed(1)}px, ${from.y.toFixed(1)}px) rotate(${Math.atan2(y, x)}rad)`;
 }
 
 /** Return points along the arms of a frame in pixels, its origin first; null behind the camera. */

@@ -13,7 +13,7 @@ import { startTools } from "cb/tools";
 const data = JSON.parse(document.getElementById("page-data").textContent);
 const page = new Page(data, document.getElementById("pane"));
 const ghosts = startGhosts(page);
-startTheme(document.getElementById("theme"));
+startTheme(page, document.getElementById("theme"));
 startPanel(page, ghosts);
 startTools(page, document.getElementById("tools"));
 startGizmo(page, document.getElementById("tools"));

@@ -1,0 +1,23 @@
+"""One browser for all tests of the page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, sync_playwright
+
+from tests.kit.browser import chromium
+
+
+@pytest.fixture(scope="package")
+def browser() -> Iterator[Browser]:
+    """Return a headless Chromium, started once.
+
+    It ends with this folder's tests: as long as it is driven no other event loop can run, which notebooks need.
+    """
+    flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    with sync_playwright() as driver:
+        started = driver.chromium.launch(executable_path=chromium(), args=flags)
+        yield started
+        started.close()
