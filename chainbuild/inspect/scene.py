@@ -66,7 +66,9 @@ class Scene:
         for n, body in enumerate(self.bodies):
             self._draw_body(self.viewer[f"{self.link_paths[body.link]}/{body.part}{n}"], body)
         for label, frame in labelled_frames(self.robot.chain):
-            self._draw_triad(f"{self.link_paths[frame.link]}/frame {frame.name}", label if labels else None, frame.T_link_frame)
+            self._draw_triad(
+                f"{self.link_paths[frame.link]}/frame {frame.name}", label if labels else None, frame.T_link_frame
+            )
         self._place(q)
 
     def update(self, axes: ArrayLike) -> None:

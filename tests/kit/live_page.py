@@ -47,7 +47,9 @@ class LivePage:
 
     def call(self, name: str, *arguments: Any) -> Any:
         """Return what a function of `window.chainbuild` returns."""
-        words = ", ".join(json.dumps(np.asarray(one).tolist() if not isinstance(one, str) else one) for one in arguments)
+        words = ", ".join(
+            json.dumps(np.asarray(one).tolist() if not isinstance(one, str) else one) for one in arguments
+        )
         return self.tab.evaluate(f"window.chainbuild.{name}({words})")
 
     @property
