@@ -17,7 +17,7 @@ from chainbuild.inspect.bundle import asset, import_map
 from chainbuild.inspect.chain_data import chain_data
 from chainbuild.inspect.panel import html_escaped, panel_html
 from chainbuild.inspect.presets import presets_of
-from chainbuild.inspect.scene import Scene, as_shown
+from chainbuild.inspect.scene import Scene, as_shown, labelled_frames
 from chainbuild.inspect.sweep import rest_pose, swept_poses
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def page_html(robot: Mechanism, *, at: ArrayLike | None = None) -> str:
     rest = rest_pose(robot) if at is None else robot.axis_values(at)
     recorder = _Recorder()
     scene = Scene(Visualizer(window=recorder), robot)
-    scene.draw(rest)
+    scene.draw(rest, labels=False)
     template = string.Template(asset("page.html"))
     return template.substitute(
         title=html_escaped(robot.chain.title),
@@ -79,7 +79,7 @@ def page_html(robot: Mechanism, *, at: ArrayLike | None = None) -> str:
 
 
 def _data(robot: Mechanism, scene: Scene, rest: Any, recorder: _Recorder) -> str:
-    swept = np.array(scene.bounds(swept_poses(robot, rest)))
+    swept = np.array(scene.bounds(robot.q(axes) for axes in swept_poses(robot, rest)))
     bounds = (1 - _SWEPT_SHARE) * np.array(scene.bounds([robot.q(rest)])) + _SWEPT_SHARE * swept
     data = {
         "chain": chain_data(robot.chain, robot.task),
@@ -88,6 +88,8 @@ def _data(robot: Mechanism, scene: Scene, rest: Any, recorder: _Recorder) -> str
         "paths": scene.link_paths,
         "bounds": bounds.round(6).tolist(),
         "view": _VIEW,
+        "labels": [{"text": text, "frame": frame.name} for text, frame in labelled_frames(robot.chain)],
+        "arm": round(scene.triad_length, 6),
         "size": round(scene.size, 6),
         "playback": None,
         "commands": [base64.b64encode(command).decode("ascii") for command in recorder.commands],

@@ -16,6 +16,8 @@ from chainbuild.findings import Finding
 from chainbuild.frames import ANGLE_MODES
 
 _MARKS = {"I": "inferred", "?": "open"}
+_UNITS = {"mm": "mm", "deg": "°", "": ""}
+_SPOKEN = {"mm": "millimetres", "deg": "degrees"}
 
 
 def html_escaped(text: str) -> str:
@@ -24,16 +26,25 @@ def html_escaped(text: str) -> str:
 
 
 def panel_html(chain: Chain, grid_cell: float) -> str:
-    """Return the panel as HTML.
+    """Return the panel as HTML: all that does not change; the page's scripts fill in what does.
 
     Args:
         chain: The chain.
         grid_cell: Side of a grid square [m].
     """
     parts = [
-        f"<p>{html_escaped(chain.dialect)} · {html_escaped(chain.kinematic)}</p>",
-        _tool(chain),
+        f'<p class="soft">{html_escaped(chain.dialect)} · {html_escaped(chain.kinematic)}</p>',
+        _state(),
+        _pose(chain),
         _axes(chain),
+        '<section id="bars" hidden><h2>Further limits</h2><div class="rows"></div></section>',
+        '<section id="solutions"><h2>Solutions of this pose</h2><p class="words soft"></p><div class="rows"></div>'
+        "</section>",
+        '<section id="presets"><h2>Poses</h2><div class="rows"></div><p class="note soft" aria-live="polite"></p>'
+        "</section>",
+        '<section id="playback" hidden></section>',
+        '<section id="dimensions" hidden></section>',
+        _keys(),
         _legend(chain, grid_cell),
         _conventions(chain.conventions),
         _findings(chain.findings),
@@ -41,23 +52,44 @@ def panel_html(chain: Chain, grid_cell: float) -> str:
     return "\n".join(parts)
 
 
-def _tool(chain: Chain) -> str:
-    """Return the table for the pose of the tool, which the page fills."""
-    shown = [_column_title(chain, column) for column in chain.display_columns]
-    titles = ("X mm", "Y mm", "Z mm", *shown)
-    head = "".join(f'<th class="number">{html_escaped(text)}</th>' for text in titles)
-    cells = '<td class="number"></td>' * len(titles)
+def _state() -> str:
+    """Return what tells the state of the pose: its status, and how close it is to a singular one."""
     return (
-        f'<h2>Tool in the workpiece frame</h2><table id="tcp"><thead><tr>{head}</tr></thead><tbody><tr>{cells}</tr>'
-        f'</tbody></table><p class="soft">{html_escaped(_displayed_meaning(chain))}</p>'
+        '<section id="state" aria-label="State of the pose"><p data-status="ok" role="status"></p>'
+        '<div data-singular><div class="scale"><i class="level"></i></div>'
+        '<p><b class="number"></b> <span class="sentence"></span></p></div></section>'
     )
 
 
-def _column_title(chain: Chain, column: str) -> str:
-    """Return the heading of a displayed column."""
+def _pose(chain: Chain) -> str:
+    """Return the fields of the pose as the controller displays it."""
+    shown = [
+        *(_field("data-pose", f"{letter}_mm", letter.upper(), "mm") for letter in "xyz"),
+        *(_field("data-pose", column, *_column_title(chain, column)) for column in chain.display_columns),
+    ]
+    meaning = html_escaped(_displayed_meaning(chain))
+    return (
+        f'<section id="pose"><h2>Tool in the workpiece frame</h2><div class="fields">{"".join(shown)}</div>'
+        f'<p class="soft">{meaning}</p></section>'
+    )
+
+
+def _field(attribute: str, name: str, title: str, unit: str) -> str:
+    """Return a number field with its title, its unit and a name that says both."""
+    spoken = f"{title} in {_SPOKEN[unit]}" if unit else title
+    return (
+        f'<label class="field"><span class="name">{html_escaped(title)}</span>'
+        f'<input type="number" step="any" {attribute}="{html_escaped(name)}" aria-label="{html_escaped(spoken)}">'
+        f'<span class="unit">{_UNITS[unit]}</span></label>'
+    )
+
+
+def _column_title(chain: Chain, column: str) -> tuple[str, str]:
+    """Return the heading and the unit of a displayed column."""
     if chain.display.kind == "vector":
-        return column.replace("_", " ")
-    return f"{column.removesuffix('_deg').upper() if column.endswith('_deg') else column}°"
+        return column.replace("_", " "), ""
+    unit = {axis.name: axis.unit for axis in chain.axes}.get(column, "deg")
+    return (column.removesuffix("_deg").upper() if column.endswith("_deg") else column), unit
 
 
 def _displayed_meaning(chain: Chain) -> str:
@@ -78,18 +110,36 @@ def _displayed_meaning(chain: Chain) -> str:
 
 
 def _axes(chain: Chain) -> str:
-    rows = [
-        f"<tr><td>{html_escaped(axis.name)}{' *' if axis.assumed else ''}</td><td>{axis.kind}</td>"
-        f'<td class="number">{_number(axis.lower)}</td><td class="number">{_number(axis.upper)}</td>'
-        f'<td>{"°" if axis.unit == "deg" else axis.unit}</td><td class="number value"></td></tr>'
-        for axis in chain.axes
-    ]
-    head = (
-        '<h2>Axes, swept in this order</h2><table id="axes"><thead><tr><th>Axis</th><th>Kind</th>'
-        '<th class="number">Lower</th><th class="number">Upper</th><th></th><th class="number">Now</th></tr></thead>'
-    )
+    shown = zip(chain.axes, *shown_limits(chain), strict=True)
+    rows = "".join(_axis_row(axis, float(low), float(high)) for axis, low, high in shown)
     notes = "".join(f'<p class="soft">{html_escaped(note)}</p>' for note in _axis_notes(chain))
-    return f"{head}<tbody>{''.join(rows)}</tbody></table>{notes}"
+    return (
+        '<section id="axes"><h2>Axes <label class="step">step <select aria-label="Step of the arrow keys, mm or '
+        'degrees"><option>0.1</option><option selected>1</option></select></label></h2>'
+        f'<div class="rows">{rows}</div>{notes}</section>'
+    )
+
+
+def _axis_row(axis: Axis, low: float, high: float) -> str:
+    """Return a slider over the range shown, with marks at the limits, and a number field."""
+    name, unit = html_escaped(axis.name), _SPOKEN[axis.unit]
+    marks = [end for end in axis.range if not axis.endless and low <= end <= high]
+    ticks = "".join(f'<i class="limit" style="--at: {_share(end, low, high)}"></i>' for end in marks)
+    ends = "".join(f"<span>{_number(end)}</span>" for end in (low, high))
+    limits = "endless" if axis.endless else f"limits {_number(axis.range[0])} … {_number(axis.range[1])} {unit}"
+    held = '<span class="held">held</span>' if axis.held else ""
+    return (
+        f'<div class="axis" role="group" aria-label="Axis {name}" title="{axis.kind}, {limits}">'
+        f'<span class="name">{name}{" *" if axis.assumed else ""}{held}</span>'
+        f'<span class="track"><input type="range" data-axis="{name}" min="{low:.12g}" max="{high:.12g}" step="any" '
+        f'aria-label="{name} slider, {unit}">{ticks}<span class="ends">{ends}</span></span>'
+        f'<input type="number" data-axis="{name}" step="any" aria-label="{name} in {unit}, {limits}">'
+        f'<span class="unit">{_UNITS[axis.unit]}</span></div>'
+    )
+
+
+def _share(value: float, low: float, high: float) -> str:
+    return f"{(value - low) / (high - low) if high > low else 0.0:.4f}"
 
 
 def _axis_notes(chain: Chain) -> Iterable[str]:
@@ -108,32 +158,40 @@ def _whole(axis: Axis, low: float, high: float) -> bool:
     return low <= axis.lower and high >= axis.upper
 
 
+def _keys() -> str:
+    return (
+        '<p class="soft keys"><kbd>↑</kbd> <kbd>↓</kbd> choose an axis, <kbd>←</kbd> <kbd>→</kbd> step it, with '
+        "<kbd>Shift</kbd> ten steps. Drag the arrows in the picture to move the tool.</p>"
+    )
+
+
 def _legend(chain: Chain, grid_cell: float) -> str:
     swatches = [("base", BASE_COLOUR), ("carries the tool", TOOL_SIDE[0])]
     if any(axis.carries == "workpiece" for axis in chain.axes):
         swatches.append(("carries the workpiece", WORKPIECE_SIDE[0]))
     keys = "".join(f'<span class="key"><i style="background:{_css(c)}"></i>{text}</span>' for text, c in swatches)
     return (
-        "<h2>Drawing</h2><p><strong>The bodies are drawn, not measured.</strong> Machine data contain only the place "
+        "<details><summary>Drawing</summary><p><strong>The bodies are drawn, not measured.</strong> Machine data contain only the place "
         "and direction of the joints; all else is assumed by rule to show how the machine is built, so clearances "
         "cannot be read from this page.</p>"
         f'<p class="soft">Frames: x red, y green, z blue. A grid square is {_length(grid_cell)}.</p>'
-        f"<p>{keys}</p>"
+        f"<p>{keys}</p></details>"
     )
 
 
 def _conventions(used: Sequence[UsedConvention]) -> str:
     if not used:
-        return "<h2>Conventions</h2><p>The chain uses no open convention.</p>"
+        return "<details><summary>Conventions</summary><p>The chain uses no open convention.</p></details>"
     rows = [
-        f"<dt>{html_escaped(u.convention.name)} = {html_escaped(u.choice)}</dt>"
+        f'<dt data-convention="{html_escaped(u.convention.name)}">{html_escaped(u.convention.name)} = '
+        f"{html_escaped(u.choice)}</dt>"
         f"<dd>{html_escaped(u.convention.choices.get(u.choice, ''))} "
         f'<span class="soft">({_MARKS[u.convention.mark]}; {"chosen by you" if u.by_user else "default"})</span></dd>'
         for u in used
     ]
     return (
-        '<h2>Conventions used</h2><p class="soft">The manuals leave these points open; verify them on the controller '
-        f"(chainbuild info shows how).</p><dl>{''.join(rows)}</dl>"
+        f'<details><summary>Conventions used ({len(used)})</summary><p class="soft">The manuals leave these points '
+        f"open; verify them on the controller (chainbuild info shows how).</p><dl>{''.join(rows)}</dl></details>"
     )
 
 
@@ -141,7 +199,7 @@ def _findings(findings: Sequence[Finding]) -> str:
     if not findings:
         return ""
     rows = "".join(f"<li>{html_escaped(_finding(finding))}</li>" for finding in findings)
-    return f"<h2>Findings</h2><ul>{rows}</ul>"
+    return f"<details><summary>Findings ({len(findings)})</summary><ul>{rows}</ul></details>"
 
 
 def _finding(finding: Finding) -> str:

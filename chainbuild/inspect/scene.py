@@ -59,14 +59,16 @@ class Scene:
         self.bodies = drawn_bodies(chain)
         self.link_paths = _link_paths(chain)
 
-    def draw(self, axes: ArrayLike) -> None:
-        """Draw everything, the robot at axis values (n_axes,), mm and degrees."""
+    def draw(self, axes: ArrayLike, *, labels: bool = True) -> None:
+        """Draw everything, the robot at axis values (n_axes,), mm and degrees; labels: the names of the frames, too."""
         q = self.robot.q(axes)
         self._draw_surroundings(self.floor(q))
         for n, body in enumerate(self.bodies):
             self._draw_body(self.viewer[f"{self.link_paths[body.link]}/{body.part}{n}"], body)
         for label, frame in labelled_frames(self.robot.chain):
-            self._draw_triad(f"{self.link_paths[frame.link]}/frame {frame.name}", label, frame.T_link_frame)
+            self._draw_triad(
+                f"{self.link_paths[frame.link]}/frame {frame.name}", label if labels else None, frame.T_link_frame
+            )
         self._place(q)
 
     def update(self, axes: ArrayLike) -> None:
@@ -123,10 +125,15 @@ class Scene:
         node.set_object(shape, geometry.MeshLambertMaterial(color=_hex(body.colour)))
         node.set_transform(T)
 
-    def _draw_triad(self, path: str, label: str, T: Matrix) -> None:
+    @property
+    def triad_length(self) -> float:
+        """Length of a frame's arms [m]."""
+        return _TRIAD_SHARE * self.size
+
+    def _draw_triad(self, path: str, label: str | None, T: Matrix) -> None:
         from meshcat import geometry
 
-        length, thickness = _TRIAD_SHARE * self.size, 0.006 * self.size
+        length, thickness = self.triad_length, 0.006 * self.size
         self.viewer[path].set_transform(T)
         for n, (letter, colour) in enumerate(zip("xyz", _TRIAD_COLOURS, strict=True)):
             centre = np.eye(3)[n] * length / 2
@@ -134,6 +141,8 @@ class Scene:
             node = self.viewer[f"{path}/{letter}"]
             node.set_object(geometry.Cylinder(length, thickness), geometry.MeshBasicMaterial(color=_hex(colour)))
             node.set_transform(frames.transform(turn, centre))
+        if label is None:
+            return
         side: Side = "left" if label == "flange" else "below" if "base" in label else "right"
         draw_label(self.viewer[f"{path}/label"], label, side)
 

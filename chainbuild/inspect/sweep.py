@@ -29,7 +29,7 @@ _STRETCHED: Final = 0.05
 
 
 def swept_poses(robot: Mechanism, rest: Vector) -> list[Vector]:
-    """Return joint values (n_q,), SI, with each axis alone at either end of its shown range, the others at rest.
+    """Return axis values (n_axes,), mm and degrees: at rest, then each axis alone at either end of its shown range.
 
     Ends at which the kinematic has no pose are left out.
 
@@ -38,14 +38,13 @@ def swept_poses(robot: Mechanism, rest: Vector) -> list[Vector]:
         rest: (n_axes,) axis values, mm and degrees.
     """
     lower, upper = shown_limits(robot.chain)
-    found = [robot.q(rest)]
+    found = [rest]
     for n in range(len(rest)):
         for end in _alone(robot, rest, n, lower[n], upper[n]):
             wanted = rest.copy()
             wanted[n] = end
-            q = robot.chain.axis_map.q(wanted)
-            if np.isfinite(q).all():
-                found.append(q)
+            if np.isfinite(robot.chain.axis_map.q(wanted)).all():
+                found.append(wanted)
     return found
 
 

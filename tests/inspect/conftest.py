@@ -16,7 +16,8 @@ def browser() -> Iterator[Browser]:
 
     It ends with this folder's tests: as long as it is driven no other event loop can run, which notebooks need.
     """
+    flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
     with sync_playwright() as driver:
-        started = driver.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+        started = driver.chromium.launch(executable_path=chromium(), args=flags)
         yield started
         started.close()

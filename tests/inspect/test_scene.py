@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from meshcat import Visualizer
 
-from chainbuild.frames import matrix_from_quaternion, transform
 from chainbuild.inspect.scene import Scene, labelled_frames
-from chainbuild.inspect.sweep import axis_sweep
+from chainbuild.inspect.sweep import rest_pose, swept_poses
 from tests.kit.drawn_robots import ROBOTS, arm, gantry
 
 
@@ -57,41 +56,17 @@ def test_draw_and_update_put_links_and_frames_in_place(name: str) -> None:
             np.testing.assert_allclose(in_world(path, transforms), expected[frame].homogeneous, atol=1e-9)
 
 
-@pytest.mark.parametrize("name", ROBOTS)
-def test_every_keyframe_is_the_pose_that_pinocchio_computes(name: str) -> None:
-    robot, window = ROBOTS[name](), Window()
-    scene, motion = Scene(Visualizer(window=window), robot), axis_sweep(robot)
-    scene.animate(motion.q)
-    clips = {a["path"]: a["clip"] for a in window.commands[-1]["animations"]}
-    assert len(clips) == len(robot.chain.joints)
-    for k in range(0, len(motion.q), 7):
-        transforms = {path: pose_at(clip, k) for path, clip in clips.items()}
-        expected = robot.frame_placements(motion.axes[k])
-        for link, path in link_paths(transforms).items():
-            np.testing.assert_allclose(in_world(path, transforms), expected[link].homogeneous, atol=1e-9)
-
-
-def pose_at(clip: dict[str, Any], frame: int) -> np.ndarray:
-    """Return a clip's pose at a frame; a joint at rest has no key there and keeps the last one."""
-    found = {}
-    for track in clip["tracks"]:
-        keys = [key for key in track["keys"] if key["time"] <= frame]
-        found[track["name"]] = keys[-1]["value"]
-        assert track["keys"][0]["time"] == 0
-    return transform(matrix_from_quaternion(found[".quaternion"]), found[".position"])
-
-
 def test_frames_in_one_place_share_a_label() -> None:
     assert [label for label, _ in labelled_frames(arm().chain)] == ["base = workpiece", "flange", "tool"]
     assert [label for label, _ in labelled_frames(gantry().chain)] == ["base", "flange", "tool", "workpiece"]
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_bounds_hold_every_frame(name: str) -> None:
+def test_bounds_hold_every_flange(name: str) -> None:
     robot = ROBOTS[name]()
-    scene, motion = Scene(Visualizer(window=Window()), robot), axis_sweep(robot)
-    low, high = scene.bounds(motion.q)
-    for axes in motion.axes[::5]:
+    scene, swept = Scene(Visualizer(window=Window()), robot), swept_poses(robot, rest_pose(robot))
+    low, high = scene.bounds(robot.q(axes) for axes in swept)
+    for axes in swept:
         place = robot.frame_placements(axes)["flange"].translation
         assert (low - 1e-9 <= place).all()
         assert (place <= high + 1e-9).all()
@@ -108,3 +83,11 @@ def test_a_live_meshcat_server_takes_the_scene() -> None:
     finally:
         viewer.window.server_proc.kill()
         viewer.window.server_proc.wait()
+
+
+def test_names_of_frames_are_drawn_where_they_are_asked_for() -> None:
+    robot = arm()
+    for labels in (True, False):
+        window = Window()
+        Scene(Visualizer(window=window), robot).draw([0.0] * 6, labels=labels)
+        assert any("/label/" in command["path"] for command in window.commands) == labels

@@ -14,7 +14,7 @@ from chainbuild.analysis.workspace.maps import make_map
 from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.closing import drawn_range
 from chainbuild.comparison.samples import random_samples
-from chainbuild.inspect.sweep import axis_sweep
+from chainbuild.inspect.sweep import rest_pose, swept_poses
 from chainbuild.kinematics.closure import closing_axes
 from tests.hand.loops_cases import channel_list, random_hd
 from tests.hand.loops_hand import LOOPS
@@ -117,9 +117,9 @@ def test_limits_that_somebody_gives_are_kept(tmp_path: Path) -> None:
 def test_what_draws_states_works_without_an_overlay(kin: int, tmp_path: Path) -> None:
     """The page, a map, the pairs that can collide, a comparison: each of a file that limits nothing."""
     robot = bare(tmp_path, kin, random_hd(kin, np.random.default_rng(seed_of("bare", kin)), {}))
-    sweep = axis_sweep(robot)
-    assert np.isfinite(sweep.q).all()
-    assert np.ptp(sweep.axes, axis=0).min() > 0.0  # every axis moves
+    swept = swept_poses(robot, rest_pose(robot))
+    assert np.isfinite([robot.q(axes) for axes in swept]).all()
+    assert np.ptp(swept, axis=0).min() > 0.0  # every axis moves
     samples = random_samples(robot, 100, np.random.default_rng(1))
     assert sum(np.isfinite(robot.chain.axis_map.q(row)).all() for row in samples) > 90
     if kin == 21:

@@ -1,4 +1,4 @@
-"""A headless Chromium for the tests: pictures and the document of a page."""
+"""A headless Chromium for the tests, and the document of a page."""
 
 from __future__ import annotations
 
@@ -7,10 +7,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-import numpy as np
 import pytest
-from numpy.typing import NDArray
-from PIL import Image
 
 _NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 _FLAGS = [
@@ -51,20 +48,6 @@ def run(page: Path, *arguments: str, fragment: str = "") -> subprocess.Completed
         done = subprocess.run(command, capture_output=True, text=True, timeout=180, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
     return done
-
-
-def console_errors(done: subprocess.CompletedProcess[str]) -> list[str]:
-    """Return what the page wrote to the console, but for the driver's remarks on speed."""
-    return [line for line in done.stderr.splitlines() if "CONSOLE" in line and "GL Driver Message" not in line]
-
-
-def screenshot(page: Path, fragment: str, width: int = 1280, height: int = 800) -> NDArray[np.uint8]:
-    """Return a picture (height, width, 3) of a page; a console message fails the test."""
-    picture = page.with_suffix(f".{width}.png")
-    done = run(page, f"--window-size={width},{height}", f"--screenshot={picture}", fragment=fragment)
-    assert not console_errors(done), console_errors(done)
-    with Image.open(picture) as image:
-        return np.asarray(image.convert("RGB"))
 
 
 def document(page: Path, fragment: str) -> str:

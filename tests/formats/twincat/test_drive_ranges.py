@@ -14,7 +14,7 @@ from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.drives import AffineDrives, DrivesSideBySide
 from chainbuild.comparison.samples import make_samples
 from chainbuild.formats.twincat.maps.drives import BevelAxes, BevelDrives
-from chainbuild.inspect.sweep import axis_sweep, rest_pose
+from chainbuild.inspect.sweep import rest_pose, swept_poses
 from tests.kit.machine_files import machine_file
 from tests.kit.named_axes import bezeichnungen
 
@@ -64,19 +64,19 @@ def test_the_page_moves_an_axis_as_far_as_the_others_let_it(tmp_path: Path) -> N
     robot = geared(tmp_path, "C = [-100, 300]\nA = [-360, 360]\n", HALF)
     assert (robot.axes[4].lower, robot.axes[4].upper) == (-75.0, 25.0)
     assert rest_pose(robot)[3:].tolist() == [0.0, 0.0]
-    motion = axis_sweep(robot)
-    assert robot.limits.inside_rows(motion.axes).all()
-    assert [motion.axes[:, 4].min(), motion.axes[:, 4].max()] == [-50.0, 50.0]
-    assert [motion.axes[:, 3].min(), motion.axes[:, 3].max()] == [-100.0, 200.0]
+    swept = np.array(swept_poses(robot, rest_pose(robot)))
+    assert robot.limits.inside_rows(swept).all()
+    assert [swept[:, 4].min(), swept[:, 4].max()] == [-50.0, 50.0]
+    assert [swept[:, 3].min(), swept[:, 3].max()] == [-100.0, 200.0]
 
 
 def test_the_page_moves_a_bent_axis_likewise(tmp_path: Path) -> None:
     overlay = f"[limits]\n{LINEAR}C = [-180, 180]\n[limits.drives]\nA = [-60, 100]\nC = [-150, 100]\n"
     robot = Robot.load(machine_file(tmp_path, text_of(59, CARDAN), overlay))
-    motion = axis_sweep(robot)
-    assert robot.limits.inside_rows(motion.axes).all()
-    assert motion.axes[:, 3].min() == pytest.approx(-150.0)
-    assert motion.axes[:, 3].max() == pytest.approx(100.0)
+    swept = np.array(swept_poses(robot, rest_pose(robot)))
+    assert robot.limits.inside_rows(swept).all()
+    assert swept[:, 3].min() == pytest.approx(-150.0)
+    assert swept[:, 3].max() == pytest.approx(100.0)
 
 
 @pytest.mark.parametrize("zero", [-1200000, 1200000])

@@ -7,6 +7,8 @@ export class Machine {
   constructor(data, chain, pane) {
     const three = MeshCat.THREE;
     Object.assign(this, { data, chain, pane, three, moved: false });
+    this.shows = { frames: true, bodies: true };
+    this.watchers = [];
     // Without antialiasing twice as many frames a second; the background is the page's own.
     const renderer = new three.WebGLRenderer({ antialias: false, alpha: true });
     pane.appendChild(renderer.domElement);
@@ -18,6 +20,11 @@ export class Machine {
       this.viewer.handle_command_bytearray(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)));
     });
     this.viewer.scene.background = null;
+    const render = this.viewer.render.bind(this.viewer);
+    this.viewer.render = () => {
+      render();
+      this.watchers.forEach((watch) => watch());
+    };
     this.root = this.node("robot");
     this.links = chain.data.links.map((name) => this.node(data.paths[name]));
     this.viewer.controls.addEventListener("start", () => { this.moved = true; });
@@ -27,6 +34,11 @@ export class Machine {
   /** Return the three.js object at a path of the scene. */
   node(path) {
     return this.viewer.scene_tree.find(["meshcat", ...path.split("/")]).object;
+  }
+
+  /** Call a function after every frame that is drawn. */
+  onFrame(watch) {
+    this.watchers.push(watch);
   }
 
   /** Return how many frames were drawn so far. */
@@ -95,3 +107,18 @@ export class Machine {
     viewer.set_dirty();
   }
 }
+
+const partsOf = (machine, n, frames) => {
+  const { data } = machine;
+  const path = data.paths[data.chain.links[n]];
+  const { children } = machine.viewer.scene_tree.find(["meshcat", ...path.split("/")]);
+  const links = new Set(Object.values(data.paths));
+  const names = Object.keys(children).filter((name) => !links.has(`${path}/${name}`));
+  return names.filter((name) => name.startsWith("frame ") === frames).map((name) => children[name].object);
+};
+
+/** Return the bodies that are drawn on the n-th link. */
+export const linkBodies = (machine, n) => partsOf(machine, n, false);
+
+/** Return the frames that are drawn on the n-th link. */
+export const linkFrames = (machine, n) => partsOf(machine, n, true);

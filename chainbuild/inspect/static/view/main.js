@@ -1,9 +1,26 @@
 // Starts the page.
-import { Page } from "cb/page";
 import { contractOf } from "cb/contract";
+import { startGhosts } from "cb/ghosts";
+import { startGizmo } from "cb/gizmo";
+import { axesOfHash, startHash } from "cb/hash";
+import { startKeyboard } from "cb/keyboard";
+import { startLabels } from "cb/labels";
+import { Page } from "cb/page";
+import { startPanel } from "cb/panel";
+import { startTheme } from "cb/theme";
+import { startTools } from "cb/tools";
 
 const data = JSON.parse(document.getElementById("page-data").textContent);
 const page = new Page(data, document.getElementById("pane"));
-page.setAxes(page.axes, "start");
+const ghosts = startGhosts(page);
+startTheme(page, document.getElementById("theme"));
+startPanel(page, ghosts);
+startTools(page, document.getElementById("tools"));
+startGizmo(page, document.getElementById("tools"));
+startLabels(page, document.getElementById("labels"));
+startKeyboard(page, document.getElementById("axes"));
+page.setAxes(axesOfHash(page.axes.length) || page.axes, "start");
 page.machine.fit();
+startHash(page);
+page.searchWhenIdle();
 window.chainbuild = contractOf(page);

@@ -7,6 +7,8 @@ import { measure } from "cb/singular";
 import { Solver } from "cb/ik";
 import { solveDisplayed } from "cb/typed";
 
+const IDLE = 250; // milliseconds at rest before other solutions are looked for
+
 export class Page {
   constructor(data, pane) {
     this.data = data;
@@ -43,9 +45,9 @@ export class Page {
     this.changed(cause);
   }
 
-  /** Solve for a pose as the controller displays it. */
-  setDisplayed(shown) {
-    this.take(solveDisplayed(this.solver, shown, this.axes), "pose");
+  /** Solve for a pose as the controller displays it, for the solution nearest to axis values. */
+  setDisplayed(shown, start = this.axes) {
+    this.take(solveDisplayed(this.solver, shown, start), "pose");
   }
 
   /** Solve for the tool in the workpiece frame. */
@@ -67,6 +69,37 @@ export class Page {
 
   followed(T) {
     return this.status.branches.map((axes) => this.solver.follow(T, axes)).filter((axes) => axes !== null);
+  }
+
+  /** Look for the other solutions of the place where the machine stands; it does not move. */
+  search() {
+    const T = this.chain.fk(this.axes);
+    if (T === null || this.status.branches.length) return;
+    const { branches, family } = this.solver.solve(T, this.axes);
+    this.status = { ...this.status, branches, family };
+    if (this.status.status === "ok") this.status.words = wordsOf(this.status, []);
+    this.changed("search");
+  }
+
+  /** Look for the other solutions whenever the machine has rested for a moment. */
+  searchWhenIdle() {
+    let timer = null;
+    const wait = () => {
+      window.clearTimeout(timer);
+      timer = window.setTimeout(() => this.search(), IDLE);
+    };
+    this.onChange((_, cause) => { if (!["search", "pose", "branch", "drag"].includes(cause)) wait(); });
+    wait();
+  }
+
+  /** Go to one of the solutions; the others stay. */
+  choose(k) {
+    const { branches, family } = this.status;
+    if (!branches[k]) return;
+    this.axes = branches[k].slice();
+    this.status = { status: "ok", violated: [], branches, family, words: "" };
+    this.status.words = wordsOf(this.status, []);
+    this.changed("branch");
   }
 
   changed(cause) {

@@ -1,0 +1,24 @@
+// Named poses: a button each, with a note on the one that was chosen.
+import { element } from "cb/elements";
+
+/** Offer the named poses of the page. */
+export function startNamed(page, root) {
+  const note = root.querySelector(".note");
+  const buttons = page.data.presets.map((preset) => {
+    const button = element("button", { type: "button", "data-preset": preset.name }, preset.title);
+    if (preset.note) button.title = preset.note;
+    button.addEventListener("click", () => {
+      page.setAxes(preset.axes, "preset");
+      note.textContent = preset.note;
+    });
+    return button;
+  });
+  root.querySelector(".rows").append(...buttons);
+  page.onChange((_, cause) => {
+    if (cause !== "search") note.textContent = "";
+    buttons.forEach((button, n) => {
+      const same = page.data.presets[n].axes.every((v, k) => Math.abs(v - page.axes[k]) < 1e-9);
+      button.setAttribute("aria-pressed", String(same));
+    });
+  });
+}

@@ -1,0 +1,22 @@
+// The state of the pose: its status, and how close to a singular position it is.
+import { traceColour, traceShare } from "cb/colours";
+
+/** Keep the status and the singular value in the panel up to date. */
+export function startState(page, root) {
+  const status = root.querySelector("[data-status]");
+  const singular = root.querySelector("[data-singular]");
+  const part = (name) => singular.querySelector(name);
+  page.onChange(() => {
+    const { status: word, words } = page.status;
+    status.dataset.status = word;
+    const text = [word, words].filter(Boolean).join(" · ");
+    if (status.textContent !== text) status.textContent = text;
+    const found = page.measure();
+    const value = found ? found.smallest : NaN;
+    singular.dataset.singular = found ? String(value) : "";
+    singular.style.setProperty("--colour", traceColour(value));
+    part(".level").style.width = `${100 * (found ? traceShare(value) : 0)}%`;
+    part(".number").textContent = found ? Number(value.toPrecision(2)).toString() : "–";
+    part(".sentence").textContent = found ? found.sentence : "No pose, no measure.";
+  });
+}

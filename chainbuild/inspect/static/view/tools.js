@@ -1,0 +1,20 @@
+// The buttons over the picture: what it shows, and from where.
+import { linkBodies, linkFrames } from "cb/machine";
+
+/** Let the buttons over the picture work. */
+export function startTools(page, root) {
+  const { machine } = page;
+  root.querySelector("#fit").addEventListener("click", () => {
+    machine.moved = false;
+    machine.fit();
+  });
+  const parts = { bodies: linkBodies, frames: linkFrames };
+  Object.entries(parts).forEach(([name, of]) => {
+    const box = root.querySelector(`[data-show=${name}]`);
+    box.addEventListener("input", () => {
+      machine.shows[name] = box.checked;
+      machine.links.forEach((_, n) => of(machine, n).forEach((part) => { part.visible = box.checked; }));
+      machine.viewer.set_dirty();
+    });
+  });
+}

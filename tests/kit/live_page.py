@@ -1,0 +1,112 @@
+"""An exported page in a browser, as its user has it: fields, sliders, keys, mouse, picture."""
+
+from __future__ import annotations
+
+import io
+import json
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+from playwright.sync_api import Browser, Locator, Page
+
+_PATIENCE = 20.0  # seconds until a page that does nothing fails its test
+
+
+class LivePage:
+    """A page that is open.
+
+    Attributes:
+        tab: Playwright's page.
+        told: What went wrong in it: errors on the console, exceptions, requests to anywhere.
+    """
+
+    def __init__(self, tab: Page) -> None:
+        self.tab = tab
+        self.told: list[str] = []
+        tab.on("console", lambda m: self.told.append(m.text) if m.type == "error" else None)
+        tab.on("pageerror", lambda error: self.told.append(str(error)))
+        tab.on("request", lambda r: None if r.url.startswith(("file:", "data:", "blob:")) else self.told.append(r.url))
+
+    def until(self, expression: str) -> Any:
+        """Return the value of a JavaScript expression once it is true.
+
+        Raises:
+            AssertionError: it never was.
+        """
+        end = time.monotonic() + _PATIENCE
+        while not (value := self.tab.evaluate(expression)):
+            assert time.monotonic() < end, f"never: {expression}; {self.told}"
+            self.tab.wait_for_timeout(20)
+        return value
+
+    def call(self, name: str, *arguments: Any) -> Any:
+        """Return what a function of `window.chainbuild` returns."""
+        words = ", ".join(
+            json.dumps(np.asarray(one).tolist() if not isinstance(one, str) else one) for one in arguments
+        )
+        return self.tab.evaluate(f"window.chainbuild.{name}({words})")
+
+    @property
+    def axes(self) -> NDArray[np.float64]:
+        """The axis values, mm and degrees."""
+        return np.array(self.call("axes"))
+
+    def drawn(self, links: Sequence[str]) -> NDArray[np.float64]:
+        """Return the placements (n, 4, 4) [m] at which links are drawn."""
+        script = f"{json.dumps(list(links))}.map((name) => window.chainbuild.drawn(name))"
+        return np.array(self.tab.evaluate(script)).reshape(-1, 4, 4)
+
+    def set_input(self, selector: str, value: float) -> None:
+        """Write a value into a field or slider, as typing or dragging does."""
+        self.tab.evaluate(
+            "([selector, value]) => { const field = document.querySelector(selector); field.value = value;"
+            " field.dispatchEvent(new Event('input', { bubbles: true })); }",
+            [selector, repr(float(value))],
+        )
+
+    def one(self, selector: str) -> Locator:
+        """Return the element of a selector."""
+        return self.tab.locator(selector)
+
+    def status(self) -> str:
+        """Return the status word."""
+        return self.one("[data-status]").get_attribute("data-status") or ""
+
+    def shown(self) -> dict[str, float]:
+        """Return the displayed pose by column, in full."""
+        script = "Object.fromEntries([...document.querySelectorAll('[data-pose]')].map((f) => [f.dataset.pose, +f.dataset.value]))"
+        found: dict[str, float] = self.tab.evaluate(script)
+        return found
+
+    def picture(self) -> NDArray[np.uint8]:
+        """Return a picture (height, width, 3) of the window."""
+        with Image.open(io.BytesIO(self.tab.screenshot())) as image:
+            return np.asarray(image.convert("RGB"))
+
+    def overflow(self) -> int:
+        """Return by how many pixels the page is wider than its window."""
+        width: int = self.tab.evaluate("document.documentElement.scrollWidth - window.innerWidth")
+        return width
+
+
+@contextmanager
+def opened(
+    browser: Browser, page: Path, fragment: str = "", size: tuple[int, int] = (1280, 720), scheme: str = "light"
+) -> Iterator[LivePage]:
+    """Give a page in a window of its own; an error on its console or a request to anywhere fails the test."""
+    width, height = size
+    tab = browser.new_page(viewport={"width": width, "height": height}, color_scheme=scheme)  # type: ignore[arg-type]
+    try:
+        live = LivePage(tab)
+        tab.goto(page.as_uri() + fragment)
+        live.until("!!window.chainbuild")
+        yield live
+        assert live.told == []
+    finally:
+        tab.close()
