@@ -70,6 +70,7 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.chain.elements import Task as Task
     from chainbuild.chain.programmed.display import Display as Display
     from chainbuild.chain.programmed.display import DisplayKind as DisplayKind
+    from chainbuild.chain.programmed.named import NamedPose as NamedPose
     from chainbuild.chain.programmed.vectors import AngleLetter as AngleLetter
     from chainbuild.chain.programmed.vectors import OriMode as OriMode
     from chainbuild.chain.programmed.vectors import ToolPlane as ToolPlane
@@ -182,6 +183,7 @@ _HOMES = {
     "chainbuild.chain.bodies.geometry": "Geometry RodData Shape Stand",
     "chainbuild.chain.drives": "AffineDrives DriveLimit DriveMap",
     "chainbuild.chain.sums": "AxisConstraint AxisSum",
+    "chainbuild.chain.programmed.named": "NamedPose",
     "chainbuild.chain.programmed.vectors": "AngleLetter OriMode ToolPlane VectorProgramming",
     "chainbuild.collision.model": "CollisionModel Distance",
     "chainbuild.comparison.comparison": "Forward Inverse",

@@ -147,6 +147,7 @@ OBJECTS: dict[str, Callable[[], Any]] = {
     "MeasureTable": lambda: chainbuild.measure_batch(robot(), [AXES, AT_WRIST]),
     "Measures": lambda: report().measures,
     "Mechanism": lambda: chainbuild.Mechanism(robot().chain),
+    "NamedPose": lambda: chainbuild.NamedPose("park", (0.123456789012345,) * 6),
     "Nearest": lambda: chainbuild.nearest_singularity(robot(), AXES),
     "ParameterRow": lambda: chainbuild.load("kr6r900").parameters()[0],
     "Partial": lambda: robot("gantry_robot_kin210").chain.partials[0],
