@@ -20,6 +20,9 @@ from chainbuild.inspect.sweep import FRAMES_PER_SECOND, AxisSweep, axis_sweep
 from chainbuild.kinematics.displayed import arm_normal
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from chainbuild.inspect.playback import Playback
     from chainbuild.kinematics.mechanism import Mechanism
 
 # Direction of view: from in front of the machine's right side, slightly from above (machine coordinates).
@@ -28,7 +31,13 @@ _VIEW: Final = (1.0, -1.35, 0.75)
 _SWEPT_SHARE: Final = 0.6
 
 
-def export_page(robot: Mechanism, path: str | os.PathLike[str]) -> Path:
+def export_page(
+    robot: Mechanism,
+    path: str | os.PathLike[str],
+    *,
+    playback: Playback | None = None,
+    at: ArrayLike | None = None,
+) -> Path:
     """Write one self-contained HTML file with the robot, its frames and a sweep of each axis.
 
     The file holds the meshcat viewer itself and loads nothing. It is written in one piece or not at all.
@@ -36,22 +45,26 @@ def export_page(robot: Mechanism, path: str | os.PathLike[str]) -> Path:
     Args:
         robot: The robot.
         path: The HTML file; an existing one is replaced.
+        playback: Rows of a table to play back; see `axes_playback`.
+        at: (n_axes,) axis values that the page opens at, mm and degrees.
 
     Returns:
         The path written.
 
     Raises:
+        AxisValueError: `at` has the wrong number of values, or one that is not finite.
         ChainbuildError: the kinematic has no pose to show, or the file cannot be written.
     """
     target = Path(path)
-    write_text(target, page_html(robot))
+    write_text(target, page_html(robot, playback, at))
     return target
 
 
-def page_html(robot: Mechanism) -> str:
+def page_html(robot: Mechanism, playback: Playback | None = None, at: ArrayLike | None = None) -> str:
     """Return the text of the page; the same robot gives the same text."""
     from meshcat import Visualizer
 
+    opened = None if at is None else robot.axis_values(at).tolist()
     robot = as_shown(robot)
     motion = axis_sweep(robot)
     recorder = _Recorder()
@@ -65,12 +78,14 @@ def page_html(robot: Mechanism) -> str:
         panel=panel_html(robot.chain, scene.grid_cell, motion.held),
         licences=_viewer_file("main.min.js.LICENSE.txt").replace("--", "- -"),
         viewer=_viewer_file("main.min.js"),
-        data=_data(robot, scene, motion, recorder),
+        data=_data(
+            robot, scene, motion, recorder, {"playback": None if playback is None else playback.data(), "at": opened}
+        ),
         script=_asset("page.js"),
     )
 
 
-def _data(robot: Mechanism, scene: Scene, motion: AxisSweep, recorder: _Recorder) -> str:
+def _data(robot: Mechanism, scene: Scene, motion: AxisSweep, recorder: _Recorder, more: dict[str, Any]) -> str:
     bounds = np.array(scene.bounds(motion.q))
     bounds = (1 - _SWEPT_SHARE) * np.array(scene.bounds(motion.q[:1])) + _SWEPT_SHARE * bounds
     data = {
@@ -82,6 +97,7 @@ def _data(robot: Mechanism, scene: Scene, motion: AxisSweep, recorder: _Recorder
         "view": _VIEW,
         "pose": _pose(robot, scene),
         "commands": [base64.b64encode(command).decode("ascii") for command in recorder.commands],
+        **more,
     }
     # No text may end the script element.
     return json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
