@@ -22,8 +22,9 @@ from chainbuild.comparison.comparison import forward_poses, pose_errors
 from chainbuild.ik.search.words import kind_of
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.progress import Progress
-from chainbuild.shown import angle_shown, fields_shown, length_shown, number
+from chainbuild.shown import fields_shown, number
 from chainbuild.tolerances import LIMIT_SLACK
+from chainbuild.units import deg_from_rad, mm_from_m
 
 _JUMP: Final = 0.5  # rad, or share of the machine's length: less is a step of a path with few rows
 _MORE: Final = 10.0  # times the motion of the tool: no axis needs so much away from a singularity
@@ -115,10 +116,9 @@ def _jumps(robot: Mechanism, rows: Matrix, without: NDArray[np.bool_]) -> Iterat
         if most[n] > _MORE * max(shift / length, turn):
             far = int(np.abs(moves[n]).argmax())
             axis, way = robot.axes[far], float(rows[n + 1, far] - rows[n, far])
-            tool = f"the tool moves {length_shown(shift)} and turns {angle_shown(turn)}"
-            yield PlaybackNote(
-                n + 2, n + 2, "jump", f"{axis.name} moves {number(way)} {axis.unit} to here while {tool}"
-            )
+            tool = f"the tool moves {number(mm_from_m(shift))} mm and turns {number(deg_from_rad(turn))} deg"
+            text = f"{axis.name} moves {number(way)} {axis.unit} from {n + 1} to {n + 2} while {tool}"
+            yield PlaybackNote(n + 2, n + 2, "jump", text)
 
 
 def _violated_at_rows(robot: Mechanism, rows: Matrix) -> Iterator[PlaybackNote]:
