@@ -39,16 +39,18 @@ export async function drawTrace(page) {
   const blocks = Math.max(rows.length - 1, 1);
   // Poses are joined by lines.
   const parts = kind === "poses" ? 1 : Math.min(MOST_BETWEEN, Math.max(1, Math.floor(CORNERS / blocks)));
-  const corners = { at: [], value: [] };
+  const corners = { at: [], value: [], ofRows: [] };
   for (let n = 0; n < rows.length; n++) {
-    for (let k = 0; k < (n + 1 < rows.length ? parts : 1); k++) {
+    corners.ofRows.push(corners.at.length);
+    const moves = rows[n] !== null && n + 1 < rows.length && rows[n + 1] !== null;
+    for (let k = 0; k < (moves ? parts : 1); k++) {
       addCorner(page.chain, corners, between(rows, n, k / parts), valueBetween(singular, n, k / parts));
     }
     if (n % Math.ceil(SLICE / parts) === 0) await pause();
   }
   const group = new page.three.Group();
   group.name = "trace";
-  group.add(lines(page.three, corners), dots(page.three, corners, parts));
+  group.add(lines(page.three, corners), dots(page.three, corners));
   page.inWorkpiece.add(group);
   page.redraw();
   return group;
@@ -85,9 +87,9 @@ function lines(three, corners) {
 }
 
 // A dot where a row of the file is.
-function dots(three, corners, parts) {
+function dots(three, corners) {
   const [places, colours] = [[], []];
-  for (let n = 0; n < corners.at.length; n += parts) {
+  for (const n of corners.ofRows) {
     if (corners.at[n] === null) continue;
     places.push(...corners.at[n]);
     colours.push(...traceColour(corners.value[n]));
