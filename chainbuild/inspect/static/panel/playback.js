@@ -91,6 +91,7 @@ class Player {
     this.button.dataset.play = "";
     this.slider = made("input", { type: "range", min: "0", max: String(count - 1), step: "1", value: "0" });
     this.slider.setAttribute("aria-label", `Row of ${this.data.source}`);
+    this.slider.style.width = "100%";
     this.slider.addEventListener("input", () => this.seek(this.data.numbers[Number(this.slider.value)]));
     this.speed = choice(SPEEDS, SPEEDS.find((speed) => count / speed <= WHOLE) ?? SPEEDS.at(-1), (speed) => `${speed} rows/s`);
     this.speed.dataset.speed = "";
@@ -192,16 +193,17 @@ function signed(value) {
 }
 
 function noteList(data, player) {
-  const list = made("ol", { className: "playback-notes" });
-  Object.assign(list.style, { maxHeight: "14em", overflowY: "auto" });
+  const list = made("ul", { className: "playback-notes" });
+  Object.assign(list.style, { maxHeight: "14em", overflowY: "auto", listStyle: "none", padding: 0 });
   for (const note of data.notes.slice(0, NOTES_SHOWN)) {
     const rows = note.last > note.row ? `rows ${note.row} \u2026 ${note.last}` : `row ${note.row}`;
     const jump = button(`${rows}: ${note.text}`, () => player.seek(note.row));
     jump.dataset.note = note.kind;
+    Object.assign(jump.style, { width: "100%", textAlign: "left" });
     list.append(made("li", {}, jump));
   }
   const more = data.notes.length - NOTES_SHOWN;
-  const said = data.notes.length ? `${data.notes.length} notes on rows` : "no notes on rows";
+  const said = `${data.notes.length || "No"} note${data.notes.length === 1 ? "" : "s"} on rows`;
   const rest = more > 0 ? [made("p", { textContent: `\u2026 and ${more} more` })] : [];
   const remarks = data.remarks.map((text) => made("p", { className: "soft", textContent: text }));
   return [made("h3", { textContent: said }), ...(data.notes.length ? [list] : []), ...rest, ...remarks];
