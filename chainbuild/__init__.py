@@ -138,6 +138,11 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.ik.search.table import StatusChange as StatusChange
     from chainbuild.ik.warm import warm_up as warm_up
     from chainbuild.inspect.export import export_page as export_page
+    from chainbuild.inspect.playback import Playback as Playback
+    from chainbuild.inspect.playback import axes_playback as axes_playback
+    from chainbuild.inspect.playback import pose_playback as pose_playback
+    from chainbuild.inspect.playback import recording_playback as recording_playback
+    from chainbuild.inspect.playnotes import PlaybackNote as PlaybackNote
     from chainbuild.kinematics.limits import Limits as Limits
     from chainbuild.kinematics.mechanism import Mechanism as Mechanism
     from chainbuild.machines import shipped as shipped
@@ -217,6 +222,8 @@ _HOMES = {
     "chainbuild.ik.search.table": "IkTable StatusChange",
     "chainbuild.ik.warm": "warm_up",
     "chainbuild.inspect.export": "export_page",
+    "chainbuild.inspect.playback": "Playback axes_playback pose_playback recording_playback",
+    "chainbuild.inspect.playnotes": "PlaybackNote",
     "chainbuild.kinematics.limits": "Limits",
     "chainbuild.kinematics.mechanism": "Mechanism",
     "chainbuild.machines": "shipped",
