@@ -188,6 +188,12 @@ export class Solver {
     return end.met && this.limits.inside(reached) ? reached : null;
   }
 
+  /** Tell whether a pose is met from axis values on where no limit stops them. */
+  reaches(T, axes, how = {}) {
+    const free = how.free || this.free;
+    return descend(poseError(this.chain, T, how.task || this.chain.data.task), this.si(axes), free).met;
+  }
+
   /** Return the place inside the limits nearest to a pose, from axis values on: what a dragged machine can do. */
   approach(T, axes, how = {}) {
     const free = how.free || this.free;

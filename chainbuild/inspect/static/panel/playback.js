@@ -1,9 +1,8 @@
 // Plays back the rows of a table: clock, slider, notes on rows, the legend of the trace, errors of a recording.
 // Texts come from files: they are set as text, never as HTML.
 
-import { between, cssColour, drawErrors, drawTrace, errorScale, HIGHEST, LOWEST } from "cb/trace";
-
-export { traceColour } from "cb/trace";
+import { HIGHEST, LOWEST, traceColour } from "cb/colours";
+import { between, drawErrors, drawTrace, errorScale } from "cb/trace";
 
 const SPEEDS = [0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000];
 const WHOLE = 30; // seconds that all rows take at first, about
@@ -215,7 +214,7 @@ function legend() {
   const bar = made("div");
   Object.assign(bar.style, { height: "10px", borderRadius: "3px" });
   const steps = 24; // colours of the bar: it looks like a ramp
-  const stops = Array.from({ length: steps + 1 }, (_, n) => cssColour(LOWEST * (HIGHEST / LOWEST) ** (n / steps)));
+  const stops = Array.from({ length: steps + 1 }, (_, n) => traceColour(LOWEST * (HIGHEST / LOWEST) ** (n / steps)));
   bar.style.background = `linear-gradient(to right, ${stops.join(", ")})`;
   const scale = made("div", {}, ...ticks.map((value, n) => made("span", {
     textContent: n === 0 ? `\u2264 ${value}` : n === ticks.length - 1 ? `\u2265 ${value}` : String(value),

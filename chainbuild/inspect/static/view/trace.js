@@ -1,30 +1,14 @@
 // The trace of the tool on the workpiece, coloured by how close it is to a singularity, and what was measured there.
 
-// From singular to well-conditioned; each colour reads on the pale ground, also to who sees no red or no green.
-const RAMP = [[0.6, 0.02, 0.15], [0.88, 0.32, 0.12], [0.9, 0.66, 0.1], [0.3, 0.62, 0.62], [0.1, 0.3, 0.66]];
-const UNKNOWN = [0.55, 0.55, 0.55];
+import { traceRGB } from "cb/colours";
+
 const MEASURED = 0x8e24aa; // as no body and no colour of the ramp
-// The scale is logarithmic: of 0.05, where names of singularities begin, both sides are told apart.
-export const LOWEST = 1e-3;
-export const HIGHEST = 1;
 
 const SLICE = 2000; // forward kinematics at a time: a few hundredths of a second without an answer to the mouse
 const CORNERS = 20000; // of the whole trace, as far as rows are fewer
 const MOST_BETWEEN = 16; // corners a block: the tool moves on curves between rows of axis values
 
-/** Colour [r, g, b] in 0 … 1 of a smallest scaled singular value; grey where there is none (null). */
-export function traceColour(value) {
-  if (value === null || !Number.isFinite(value)) return UNKNOWN;
-  const share = Math.log(Math.max(value, LOWEST) / LOWEST) / Math.log(HIGHEST / LOWEST);
-  const place = Math.min(share, 1) * (RAMP.length - 1);
-  const before = Math.min(Math.floor(place), RAMP.length - 2);
-  return RAMP[before].map((part, n) => part + (place - before) * (RAMP[before + 1][n] - part));
-}
-
-/** The same colour for a style sheet. */
-export function cssColour(value) {
-  return `rgb(${traceColour(value).map((part) => Math.round(255 * part)).join(", ")})`;
-}
+const unitColour = (value) => traceRGB(value).map((part) => part / 255);
 
 /** Axis values a share of the way from a row to the next; null where one of them has none. */
 export function between(rows, n, share) {
@@ -78,7 +62,7 @@ function lines(three, corners) {
     if (corners.at[n] === null || corners.at[n + 1] === null) continue;
     for (const m of [n, n + 1]) {
       places.push(...corners.at[m]);
-      colours.push(...traceColour(corners.value[m]));
+      colours.push(...unitColour(corners.value[m]));
     }
   }
   const drawn = new three.LineSegments(geometry(three, places, colours), new three.LineBasicMaterial({ vertexColors: true }));
@@ -92,7 +76,7 @@ function dots(three, corners) {
   for (const n of corners.ofRows) {
     if (corners.at[n] === null) continue;
     places.push(...corners.at[n]);
-    colours.push(...traceColour(corners.value[n]));
+    colours.push(...unitColour(corners.value[n]));
   }
   const material = new three.PointsMaterial({ size: 4, sizeAttenuation: false, vertexColors: true });
   const drawn = new three.Points(geometry(three, places, colours), material);
