@@ -22,6 +22,10 @@ export function contractOf(page) {
     },
     singular: (axes) => measure(page.chain, axes),
     violated: (axes) => page.limits.violated(axes),
+    goTo: (T) => page.setPose(T),
+    get ghosts() {
+      return page.status.family ? 0 : Math.max(page.status.branches.length - 1, 0);
+    },
     drag: (T) => page.drag(T),
     drawn: (name) => page.machine.drawn(name),
     get frames() {
