@@ -183,6 +183,7 @@ def drive_cases() -> dict[str, tuple[DriveMap | None, Rows]]:
     rng = np.random.default_rng(8)
     five = rng.uniform([-500.0] * 3 + [-400.0, -170.0], [500.0] * 3 + [400.0, 170.0], (ROWS, 5))
     six = rng.uniform([-500.0] * 3 + [-400.0] * 3, [500.0] * 3 + [400.0] * 3, (ROWS, 6))
+    five[0, 3:] = 40.0, 130.0  # the edge of what the upright head reaches
     geared = Robot.load("geared_head_kin28").chain.drives
     assert isinstance(geared, AffineDrives)
     bevel = BevelDrives(65.0, 17.0, "b_outside")
