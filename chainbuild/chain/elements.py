@@ -259,7 +259,7 @@ class Chain:
         vectors: How a program states orientations by vectors, where it can.
         drives: What the drives stand at, by the axis values; None: at the axis values.
         drive_limits: Limits and speeds of drives that do not stand at their axis values.
-        named_poses: Poses that the overlay names; a partial has none.
+        named_poses: Poses that the overlay names; composing drops those of the parts.
     """
 
     name: str

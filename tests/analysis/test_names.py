@@ -138,6 +138,16 @@ def test_a_pole_matters_only_where_a_vector_is_the_target() -> None:
         assert not any(one.remark.startswith("only where") for one in examine(robot(name), axes).names)
 
 
+def test_a_search_inside_the_limits_stops_where_it_leaves_them() -> None:
+    delta, start = robot("delta_kin37"), [0.0, 0.0, 0.0]
+    anywhere, inside = nearest_singularity(delta, start), nearest_singularity(delta, start, inside=True)
+    assert (anywhere.found, anywhere.inside) == (True, False)
+    assert (inside.found, inside.inside) == (False, False)
+    assert 1 < inside.steps < anywhere.steps
+    arm = [0.0, -90.0, 90.0, 10.0, 5.0, 0.0]
+    assert nearest_singularity(robot("kr6r900"), arm, inside=True).found
+
+
 def test_the_nearest_singularity_is_found_and_says_when_there_is_none() -> None:
     near = nearest_singularity(robot("kr6r900"), [0.0, -90.0, 90.0, 10.0, 5.0, 0.0])
     assert near.found
