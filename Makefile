@@ -24,9 +24,10 @@ types: $(INSTALLED_TEST)
 test-slow: $(INSTALLED_TEST) $(INSTALLED_BENCH) chromium
 	$(BIN)/python -m pytest chainbuild tests -m slow
 
-bench: $(INSTALLED_BENCH)
+bench: $(INSTALLED_BENCH) $(INSTALLED_TEST) chromium
 	$(BIN)/python -m tests.bench
 	$(BIN)/python -m tests.bench.displayed
+	$(BIN)/python -m tests.bench.page
 	$(BIN)/python docs/generate.py
 
 # Some 1600 of them; those that no test kills at once are judged in fresh processes, which takes most of the time.

@@ -70,6 +70,7 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.chain.elements import Task as Task
     from chainbuild.chain.programmed.display import Display as Display
     from chainbuild.chain.programmed.display import DisplayKind as DisplayKind
+    from chainbuild.chain.programmed.named import NamedPose as NamedPose
     from chainbuild.chain.programmed.vectors import AngleLetter as AngleLetter
     from chainbuild.chain.programmed.vectors import OriMode as OriMode
     from chainbuild.chain.programmed.vectors import ToolPlane as ToolPlane
@@ -137,6 +138,11 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.ik.search.table import StatusChange as StatusChange
     from chainbuild.ik.warm import warm_up as warm_up
     from chainbuild.inspect.export import export_page as export_page
+    from chainbuild.inspect.playback import Playback as Playback
+    from chainbuild.inspect.playback import axes_playback as axes_playback
+    from chainbuild.inspect.playback import pose_playback as pose_playback
+    from chainbuild.inspect.playback import recording_playback as recording_playback
+    from chainbuild.inspect.playnotes import PlaybackNote as PlaybackNote
     from chainbuild.kinematics.limits import Limits as Limits
     from chainbuild.kinematics.mechanism import Mechanism as Mechanism
     from chainbuild.machines import shipped as shipped
@@ -182,6 +188,7 @@ _HOMES = {
     "chainbuild.chain.bodies.geometry": "Geometry RodData Shape Stand",
     "chainbuild.chain.drives": "AffineDrives DriveLimit DriveMap",
     "chainbuild.chain.sums": "AxisConstraint AxisSum",
+    "chainbuild.chain.programmed.named": "NamedPose",
     "chainbuild.chain.programmed.vectors": "AngleLetter OriMode ToolPlane VectorProgramming",
     "chainbuild.collision.model": "CollisionModel Distance",
     "chainbuild.comparison.comparison": "Forward Inverse",
@@ -215,6 +222,8 @@ _HOMES = {
     "chainbuild.ik.search.table": "IkTable StatusChange",
     "chainbuild.ik.warm": "warm_up",
     "chainbuild.inspect.export": "export_page",
+    "chainbuild.inspect.playback": "Playback axes_playback pose_playback recording_playback",
+    "chainbuild.inspect.playnotes": "PlaybackNote",
     "chainbuild.kinematics.limits": "Limits",
     "chainbuild.kinematics.mechanism": "Mechanism",
     "chainbuild.machines": "shipped",

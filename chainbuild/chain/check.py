@@ -97,6 +97,9 @@ def _check_axes(chain: Chain) -> None:
     for axis in chain.axes:
         if not axis.lower < axis.upper:
             raise ChainError(f"axis {axis.name} has an empty range: {axis.lower} … {axis.upper}")
+    for pose in chain.named_poses:
+        if len(pose.axes) != len(chain.axes):
+            raise ChainError(f"pose {pose.name} has {len(pose.axes)} values for {len(chain.axes)} axes")
 
 
 @dataclass(frozen=True, slots=True)

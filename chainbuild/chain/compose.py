@@ -247,6 +247,7 @@ def _graft(host: Chain, link: str, T: Matrix, guest: Chain, prefix: str, *, root
         ),
         follows_c=False,
         controller_solver=None,
+        named_poses=(),
         geometry=joined_geometry(host.geometry, guest.geometry, names, [*tree.placements]),
         conventions=tuple({used.convention.name: used for used in (*host.conventions, *guest.conventions)}.values()),
         findings=Findings(dict.fromkeys((*host.findings, *guest.findings))),

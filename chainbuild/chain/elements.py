@@ -10,6 +10,7 @@ from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.bodies.geometry import NO_GEOMETRY, Geometry
 from chainbuild.chain.drives import DriveLimit, DriveMap
 from chainbuild.chain.programmed.display import POSE_ANGLES, Display
+from chainbuild.chain.programmed.named import NamedPose
 from chainbuild.chain.programmed.vectors import VectorProgramming
 from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.convention import UsedConvention
@@ -258,6 +259,7 @@ class Chain:
         vectors: How a program states orientations by vectors, where it can.
         drives: What the drives stand at, by the axis values; None: at the axis values.
         drive_limits: Limits and speeds of drives that do not stand at their axis values.
+        named_poses: Poses that the overlay names; a partial has none.
     """
 
     name: str
@@ -286,6 +288,7 @@ class Chain:
     vectors: VectorProgramming | None = None
     drives: DriveMap | None = None
     drive_limits: tuple[DriveLimit, ...] = ()
+    named_poses: tuple[NamedPose, ...] = ()
 
     def __repr__(self) -> str:
         names = [axis.name for axis in self.axes]

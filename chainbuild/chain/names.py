@@ -12,6 +12,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+import numpy as np
+
+from chainbuild.arrays import Vector
 from chainbuild.chain.axismap import named_map
 from chainbuild.chain.drives import named_drives
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Partial
@@ -33,6 +36,7 @@ _FRAMES: Final = frozenset(("tool", "workpiece", "universe"))  # looked up by na
 DRIVE_SUFFIX: Final = "_drive"  # of a column that holds what a drive stands at
 # What CSV, JSON, XML, HTML and `PARTIAL.AXIS` on the command line leave as it is.
 _SAFE: Final = re.compile(r"[^\W\d][\w-]*")
+_SAFE_POSE: Final = re.compile(r"[^\W\d](?:[\w -]*[\w-])?")  # the same, and words
 
 
 def axis_index(axes: Sequence[Axis], name: str) -> int | None:
@@ -61,6 +65,24 @@ def axis_index(axes: Sequence[Axis], name: str) -> int | None:
 def name_meaning(axes: Sequence[Axis], n: int, names: Iterable[str]) -> str | None:
     """Return the first of some names that means the n-th axis; None where none does."""
     return next((name for name in names if axis_index(axes, name) == n), None)
+
+
+def pose_name_fault(name: str) -> str | None:
+    """Return what is permitted where a name of a pose is not, else None."""
+    return None if _SAFE_POSE.fullmatch(name) else "a letter, then letters, digits, spaces, _ and -"
+
+
+def pose_named(chain: Chain, text: str) -> Vector | None:
+    """Return the axis values (n_axes,), mm and degrees, of the named pose that a text means, or None.
+
+    Args:
+        chain: The chain.
+        text: A name, in any case where one pose alone can be meant.
+    """
+    name, known = text.strip(), chain.named_poses
+    same = [one for one in known if one.name == name]
+    same = same or [one for one in known if one.name.casefold() == name.casefold()]
+    return np.array(same[0].axes) if len(same) == 1 else None
 
 
 def generic_name(axis: Axis) -> str:

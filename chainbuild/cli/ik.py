@@ -263,12 +263,16 @@ class IkReport:
 
     def tell_held(self, robot: Robot, table: PoseTable, starts: AxisTable | None) -> None:
         """Name unused columns, and the input axes that are held at 0 because nothing gives a value for them."""
-        if table.unused:
-            used = ", ".join(table.orientation.columns) or "the position alone"
-            note(f"{table.file}: {', '.join(table.unused)} not used: {used} counts")
+        self.tell_unused(table)
         names = [axis.name for axis in robot.axes if axis.held and axis.name not in table.names and not starts]
         if names:
             note(f"{', '.join(names)} held at 0: neither {self._file} nor --start gives a value")
+
+    def tell_unused(self, table: PoseTable) -> None:
+        """Name unused columns."""
+        if table.unused:
+            used = ", ".join(table.orientation.columns) or "the position alone"
+            note(f"{table.file}: {', '.join(table.unused)} not used: {used} counts")
 
     def add(self, row: PoseRow, result: IkResult, contradictory: bool) -> None:
         """Count a row; `contradictory`: another orientation stands beside the one that is used."""

@@ -16,6 +16,7 @@ from chainbuild.cli.info_tables import (
     limits_source,
     line_of,
     parameters_table,
+    poses_table,
 )
 from chainbuild.cli.show import console, error_data, finding_data, print_findings, print_json, refusal_as_json
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, all_findings
@@ -96,6 +97,8 @@ def _print(machine: Machine, chain: Chain | None, options: MachineOptions, defau
         drives = drives_table(chain)
         if drives is not None:
             out.print(drives)
+        if chain.named_poses:
+            out.print(poses_table(chain))
     rows = _parameters(machine, options)
     chosen = [row for row in rows if row.given or defaults]
     out.print(parameters_table(chosen, out.width))
@@ -153,6 +156,7 @@ def _data(machine: Machine, chain: Chain | None, options: MachineOptions) -> dic
         "vectors": asdict(chain.vectors) if chain and chain.vectors else None,
         "axes": [_axis_data(machine, chain, n) for n in range(len(chain.axes))] if chain else [],
         "drives": [_drive_data(chain, limit) for limit in chain.drive_limits] if chain else [],
+        "poses": {pose.name: list(pose.axes) for pose in chain.named_poses} if chain else {},
         "parameters": [_with_line(row) for row in _parameters(machine, options)],
         "conventions": [_convention_data(used) for used in chain.conventions] if chain else [],
         "findings": [finding_data(finding) for finding in all_findings(machine, chain)],

@@ -93,6 +93,14 @@ def drives_table(chain: Chain) -> Table | None:
     return shown
 
 
+def poses_table(chain: Chain) -> Table:
+    """Return the poses that the overlay names, as `--at` takes axis values."""
+    shown = empty_table("Named poses", "Pose", "Axis values")
+    for pose in chain.named_poses:
+        shown.add_row(pose.name, ",".join(shown_number(value) for value in pose.axes))
+    return shown
+
+
 def axis_meanings(chain: Chain) -> list[str]:
     """Return the meaning of each axis if the chain is one KIN_TYP whose table states it, else an empty list."""
     from chainbuild.formats.twincat.lists.hdtable import type_data

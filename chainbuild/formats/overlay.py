@@ -5,23 +5,31 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, TypeVar
 
-from chainbuild import tolerances
 from chainbuild.chain.bodies.geometry import NO_GEOMETRY, Geometry
 from chainbuild.chain.bodies.geometry_table import geometry_from_table
 from chainbuild.chain.bodies.linkage import with_linkage
 from chainbuild.chain.drives import DriveLimit
 from chainbuild.chain.elements import Axis, Chain, Link
-from chainbuild.chain.names import DRIVE_SUFFIX, axis_index, link_names, name_meaning
+from chainbuild.chain.names import DRIVE_SUFFIX, axis_index, link_names, name_meaning, pose_name_fault
 from chainbuild.convention import check_choice
-from chainbuild.errors import ChainError, FileAccessError, MachineDataError, OverlayError, Span
-from chainbuild.formats.text import parsed_toml, read_source, toml_line
+from chainbuild.errors import ChainError, MachineDataError, OverlayError, Span
+from chainbuild.formats.text import (
+    DRIVES,
+    POSES,
+    parsed_toml,
+    read_source,
+    toml_number,
+    toml_refusal,
+    toml_span,
+    toml_table,
+    toml_text,
+)
 
 SUFFIX = ".chainbuild.toml"
 _T = TypeVar("_T")
 _Ends = tuple[float, float]
-_DRIVES: Final = "drives"  # the table within [limits] and [speeds]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +50,7 @@ class Overlay:
         tool: ROBX tool data such as `TC_DP3`, names as in the machine data without `$`.
         axis_lists: Files with TwinCAT axis lists, relative to the overlay.
         kinematic: Default kinematic id, name or transformation number, or a pair of these for two steps.
+        poses: Name of a pose → its axis values in channel order, or axis name → value; mm or degrees.
         geometry: Bodies for drawings and collision.
     """
 
@@ -58,6 +67,7 @@ class Overlay:
     tool: Mapping[str, float | tuple[float, ...]] = field(default_factory=dict)
     axis_lists: tuple[Path, ...] = ()
     kinematic: int | str | tuple[int | str, int | str] | None = None
+    poses: Mapping[str, Mapping[str, float] | tuple[float, ...]] = field(default_factory=dict)
     geometry: Geometry = NO_GEOMETRY
 
     def apply_limits(self, axes: tuple[Axis, ...], behind: Collection[int] = ()) -> tuple[Axis, ...]:
@@ -71,11 +81,11 @@ class Overlay:
             OverlayError: the overlay names an axis that the kinematic does not have, one axis by two names, an endless
                 one that is linear, or limits of an axis and its drive that leave nothing.
         """
-        limits = self._by_axis(axes, ("limits",), self.limits)
-        speeds = self._by_axis(axes, ("speeds",), self.speeds)
-        drive_limits = self._by_axis(axes, ("limits", _DRIVES), self.drive_limits)
-        drive_speeds = self._by_axis(axes, ("speeds", _DRIVES), self.drive_speeds)
-        endless = self._by_axis(axes, ("endless",), dict.fromkeys(self.endless, True))
+        limits = self.by_axis(axes, ("limits",), self.limits)
+        speeds = self.by_axis(axes, ("speeds",), self.speeds)
+        drive_limits = self.by_axis(axes, ("limits", DRIVES), self.drive_limits)
+        drive_speeds = self.by_axis(axes, ("speeds", DRIVES), self.drive_speeds)
+        endless = self.by_axis(axes, ("endless",), dict.fromkeys(self.endless, True))
         for n in endless:
             if axes[n].kind == "linear":
                 rotary = ", ".join(axis.name for axis in axes if axis.kind == "rotary") or "none"
@@ -99,12 +109,12 @@ class Overlay:
     def limits_span(self, axes: Sequence[Axis], n: int, *, drives: bool = False) -> Span | None:
         """Return the place of the limits of the n-th axis, or of its drive; None where the overlay gives none."""
         name = name_meaning(axes, n, self.drive_limits if drives else self.limits)
-        return None if name is None else self.span("limits", *([_DRIVES] if drives else []), name)
+        return None if name is None else self.span("limits", *([DRIVES] if drives else []), name)
 
     def drive_limit(self, axes: Sequence[Axis], known: DriveLimit) -> DriveLimit:
         """Return the limits and speed of an axis' drive, those of the overlay where it gives them."""
         lower, upper = self.limits_of(axes, known.axis, drives=True) or (known.lower, known.upper)
-        speeds = self._by_axis(axes, ("speeds", _DRIVES), self.drive_speeds)
+        speeds = self.by_axis(axes, ("speeds", DRIVES), self.drive_speeds)
         return DriveLimit(known.axis, lower, upper, speeds.get(known.axis, known.max_speed))
 
     def for_axes(self, axes: Sequence[Axis]) -> Overlay:
@@ -123,8 +133,8 @@ class Overlay:
             endless=tuple(name for name in self.endless if axis_index(axes, name) in rotary),
         )
 
-    def _by_axis(self, axes: Sequence[Axis], keys: tuple[str, ...], values: Mapping[str, _T]) -> dict[int, _T]:
-        """Return values by the index of the axis that their names mean."""
+    def by_axis(self, axes: Sequence[Axis], keys: tuple[str, ...], values: Mapping[str, _T]) -> dict[int, _T]:
+        """Return values by the index of the axis that their names mean; `keys` names their table for errors."""
         found: dict[int, _T] = {}
         names: dict[int, str] = {}
         for name, value in values.items():
@@ -176,14 +186,14 @@ class Overlay:
             lower, upper = max(lower, axis.lower), min(upper, axis.upper)
         if not lower < upper:
             text = f"the limits of axis '{axis.name}' and those of its drive have no value in common"
-            raise self.error(text, ("limits", _DRIVES, written or axis.name), "ranges that overlap")
+            raise self.error(text, ("limits", DRIVES, written or axis.name), "ranges that overlap")
         speeds = [one for one in (axis.max_speed, drive_speed) if one is not None]
         assumed = axis.assumed and not drive
         return replace(axis, lower=lower, upper=upper, assumed=assumed, max_speed=min(speeds, default=None))
 
     def span(self, *keys: str) -> Span | None:
         """Return the place of a key in the file, such as ("limits", "A1"); None where there is no file."""
-        return None if self.path is None else _span(self.path, *keys)
+        return None if self.path is None else toml_span(self.path, *keys)
 
     def at_key(self, error: MachineDataError, key: str) -> MachineDataError:
         """Return an error that points at the overlay's key, where it gives one, in place of the machine file."""
@@ -194,15 +204,6 @@ class Overlay:
     def error(self, text: str, keys: tuple[str, ...], permitted: str) -> OverlayError:
         """Return an error that points at a key."""
         return OverlayError(text, span=self.span(*keys), parameter=".".join(keys), permitted=permitted)
-
-
-def _span(path: Path, *keys: str) -> Span:
-    try:
-        lines = read_source(path, may_be_empty=True).lines()
-    except FileAccessError:
-        return Span(str(path))
-    number = toml_line(lines, keys)
-    return Span(str(path), number, 1, lines[number - 1]) if number else Span(str(path))
 
 
 def overlay_path(machine_file: Path) -> Path:
@@ -224,89 +225,75 @@ def read_overlay(path: Path) -> Overlay:
         reader = _READERS.get(key)
         if reader is None:
             known = ", ".join(_READERS)
-            raise OverlayError(f"unknown key '{key}'", span=_span(path, key), parameter=key, permitted=known)
-        if key in ("limits", "speeds") and isinstance(value, dict) and isinstance(value.get(_DRIVES), dict):
-            given = {name.removesuffix(DRIVE_SUFFIX): one for name, one in value[_DRIVES].items()}
-            values[f"drive_{key}"] = reader(path, f"{key}.{_DRIVES}", given)
-            value = {name: one for name, one in value.items() if name != _DRIVES}  # noqa: PLW2901
+            raise OverlayError(f"unknown key '{key}'", span=toml_span(path, key), parameter=key, permitted=known)
+        if key in ("limits", "speeds") and isinstance(value, dict) and isinstance(value.get(DRIVES), dict):
+            given = {name.removesuffix(DRIVE_SUFFIX): one for name, one in value[DRIVES].items()}
+            values[f"drive_{key}"] = reader(path, f"{key}.{DRIVES}", given)
+            value = {name: one for name, one in value.items() if name != DRIVES}  # noqa: PLW2901
         values[key] = reader(path, key, value)
     return Overlay(path=path, **values)
 
 
-def _refuse(path: Path, key: str, permitted: str, text: str = "") -> OverlayError:
-    """Return the error of a value; `key` has its table before a dot."""
-    text = text or f"the value of '{key}' has the wrong type"
-    table, _, name = key.partition(".")
-    inner, _, of_drive = name.partition(".")
-    keys = (inner, of_drive) if inner == _DRIVES and of_drive else (name,) if name else ()
-    return OverlayError(text, span=_span(path, table, *keys), parameter=key, permitted=permitted)
-
-
-def _number(path: Path, key: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise _refuse(path, key, "a finite number")
-    if not abs(value) < tolerances.HUGE_AXIS_VALUE:
-        shown = f"'{key}' is {value:g}" if isinstance(value, float) else f"'{key}' is too large"
-        raise _refuse(path, key, f"a finite number below {tolerances.HUGE_AXIS_VALUE:g}", shown)
-    return float(value)
-
-
-def _text(path: Path, key: str, value: object) -> str:
-    if not isinstance(value, str):
-        raise _refuse(path, key, "a string")
-    return value
-
-
-def _table(path: Path, key: str, value: object) -> dict[str, object]:
-    if not isinstance(value, dict):
-        raise _refuse(path, key, f"a table [{key}]")
-    return value
-
-
 def _limits(path: Path, key: str, value: object) -> dict[str, tuple[float, float]]:
     result = {}
-    for axis, pair in _table(path, key, value).items():
+    for axis, pair in toml_table(path, key, value).items():
         place = f"{key}.{axis}"
         if not isinstance(pair, list) or len(pair) != 2:
-            raise _refuse(path, place, "[lower, upper] in mm or degrees")
-        lower, upper = _number(path, place, pair[0]), _number(path, place, pair[1])
+            raise toml_refusal(path, place, "[lower, upper] in mm or degrees")
+        lower, upper = toml_number(path, place, pair[0]), toml_number(path, place, pair[1])
         if not lower < upper:
             text = f"the limits of axis '{axis}' leave no range: {lower:g} to {upper:g}"
-            raise _refuse(path, place, "lower below upper", text)
+            raise toml_refusal(path, place, "lower below upper", text)
         result[axis] = (lower, upper)
     return result
 
 
 def _speeds(path: Path, key: str, value: object) -> dict[str, float]:
-    speeds = {axis: _number(path, f"{key}.{axis}", speed) for axis, speed in _table(path, key, value).items()}
+    speeds = {axis: toml_number(path, f"{key}.{axis}", speed) for axis, speed in toml_table(path, key, value).items()}
     for axis, speed in speeds.items():
         if speed <= 0:
             text = f"the speed of axis '{axis}' is {speed:g}"
-            raise _refuse(path, f"{key}.{axis}", "a speed above 0 in mm/s or deg/s", text)
+            raise toml_refusal(path, f"{key}.{axis}", "a speed above 0 in mm/s or deg/s", text)
     return speeds
 
 
 def _names(path: Path, key: str, value: object) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
-        raise _refuse(path, key, "a list of strings")
+        raise toml_refusal(path, key, "a list of strings")
     return tuple(value)
 
 
 def _conventions(path: Path, key: str, value: object) -> dict[str, str]:
-    chosen = {name: _text(path, f"{key}.{name}", choice) for name, choice in _table(path, key, value).items()}
+    chosen = {name: toml_text(path, f"{key}.{name}", choice) for name, choice in toml_table(path, key, value).items()}
     for name, choice in chosen.items():
-        check_choice(name, choice, _span(path, key, name))
+        check_choice(name, choice, toml_span(path, key, name))
     return chosen
+
+
+def _poses(path: Path, key: str, value: object) -> dict[str, dict[str, float] | tuple[float, ...]]:
+    result: dict[str, dict[str, float] | tuple[float, ...]] = {}
+    for name, given in toml_table(path, key, value).items():
+        place = f"{key}.{name}"
+        if (fault := pose_name_fault(name)) is not None:
+            text = f"the pose is called {name[:40]!r}"
+            raise OverlayError(text, span=toml_span(path, key, name), parameter=key, permitted=fault)
+        if isinstance(given, list):
+            result[name] = tuple(toml_number(path, place, one) for one in given)
+        elif isinstance(given, dict):
+            result[name] = {axis: toml_number(path, f"{place}.{axis}", one) for axis, one in given.items()}
+        else:
+            raise toml_refusal(path, place, "a list of axis values, or a table of axis = value, in mm and degrees")
+    return result
 
 
 def _tool(path: Path, key: str, value: object) -> dict[str, float | tuple[float, ...]]:
     result: dict[str, float | tuple[float, ...]] = {}
-    for name, entry in _table(path, key, value).items():
+    for name, entry in toml_table(path, key, value).items():
         place = f"{key}.{name}"
         if isinstance(entry, list):
-            result[name] = tuple(_number(path, place, item) for item in entry)
+            result[name] = tuple(toml_number(path, place, item) for item in entry)
         else:
-            result[name] = _number(path, place, entry)
+            result[name] = toml_number(path, place, entry)
     return result
 
 
@@ -317,7 +304,7 @@ def _files(path: Path, key: str, value: object) -> tuple[Path, ...]:
 def _kinematic(path: Path, key: str, value: object) -> int | str | tuple[int | str, int | str]:
     def one(part: object) -> int | str:
         if isinstance(part, bool) or not isinstance(part, int | str) or part == "":
-            raise _refuse(path, key, "an id or a name, or a list of two for the two transformation steps")
+            raise toml_refusal(path, key, "an id or a name, or a list of two for the two transformation steps")
         return part
 
     if isinstance(value, list) and len(value) == 2:
@@ -326,25 +313,26 @@ def _kinematic(path: Path, key: str, value: object) -> int | str | tuple[int | s
 
 
 def _geometry(path: Path, key: str, value: object) -> Geometry:
-    table = _table(path, key, value)
+    table = toml_table(path, key, value)
 
     def refuse(name: str, permitted: str) -> OverlayError:
         text = f"the value of '{name}' has the wrong type"
-        return OverlayError(text, span=_span(path, key, name), parameter=name, permitted=permitted)
+        return OverlayError(text, span=toml_span(path, key, name), parameter=name, permitted=permitted)
 
     return geometry_from_table(table, path.parent, refuse)
 
 
 _READERS = {
-    "name": _text,
-    "source": _text,
+    "name": toml_text,
+    "source": toml_text,
     "limits": _limits,
     "speeds": _speeds,
     "endless": _names,
     "conventions": _conventions,
-    "tool_length_mm": _number,
+    "tool_length_mm": toml_number,
     "tool": _tool,
     "axis_lists": _files,
     "kinematic": _kinematic,
+    POSES: _poses,
     "geometry": _geometry,
 }

@@ -1,5 +1,7 @@
 """Text of machine files: encodings, bounds and line ends, the same for both dialects; and which dialect it is.
 
+Also the values of TOML files beside them, with errors that point at their line.
+
 The dialect is detected by content alone, without the code of either one.
 """
 
@@ -15,6 +17,8 @@ from typing import Any, Final
 from chainbuild import tolerances
 from chainbuild.errors import FileAccessError, FileContentError, OverlayError, Span
 
+DRIVES: Final = "drives"  # the table within [limits] and [speeds] of an overlay
+POSES: Final = "poses"  # the overlay's table of named poses, which may be tables
 _TOML_HEADER = re.compile(r"\s*\[\[?([^\[\]]+)\]")
 _DEEP_KEY = re.compile(r"""(?:\.[ \t]*["']?[\w-]+["']?[ \t]*){50}""")
 _TOML_NAME = re.compile(r'"[^"]*"|\'[^\']*\'|[^.\s"\']+')
@@ -98,6 +102,8 @@ def toml_line(lines: Sequence[str], keys: Sequence[str]) -> int:
         if not path or path[0] != first or not (header or equals):
             continue
         nearest = nearest or number
+        if any(key not in path and key not in rest for key in keys[1:-1]):
+            continue  # a key of that name in another table
         if (path[-1] == last and len(path) >= len(keys)) or inline.search(rest):
             return number
     return nearest
@@ -197,3 +203,54 @@ def parsed_toml(path: Path, text: str) -> dict[str, Any]:
         raise OverlayError(f"not valid TOML: {error}", span=Span(str(path), int(found[1]) if found else 0)) from None
     except ValueError:  # from int()
         raise OverlayError("not valid TOML: a number has thousands of digits", span=Span(str(path))) from None
+
+
+def toml_span(path: Path, *keys: str) -> Span:
+    """Return the place of a key of a TOML file, such as ("limits", "A1"); the file alone where it is not found."""
+    try:
+        lines = read_source(path, may_be_empty=True).lines()
+    except FileAccessError:
+        return Span(str(path))
+    number = toml_line(lines, keys)
+    return Span(str(path), number, 1, lines[number - 1]) if number else Span(str(path))
+
+
+def toml_refusal(path: Path, key: str, permitted: str, text: str = "") -> OverlayError:
+    """Return the error of a value.
+
+    Args:
+        path: The file.
+        key: Its table, a dot and its name; of a table within that table also a dot and the name there.
+        permitted: What is permitted.
+        text: What is wrong; empty: it has the wrong type.
+    """
+    text = text or f"the value of '{key}' has the wrong type"
+    table, _, name = key.partition(".")
+    inner, _, last = name.partition(".")
+    nested = last and (table == POSES or inner == DRIVES)  # other names may hold a dot
+    keys = (inner, last) if nested else (name,) if name else ()
+    return OverlayError(text, span=toml_span(path, table, *keys), parameter=key, permitted=permitted)
+
+
+def toml_number(path: Path, key: str, value: object) -> float:
+    """Return a value that must be a finite number; `key` as for `toml_refusal`."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise toml_refusal(path, key, "a finite number")
+    if not abs(value) < tolerances.HUGE_AXIS_VALUE:
+        shown = f"'{key}' is {value:g}" if isinstance(value, float) else f"'{key}' is too large"
+        raise toml_refusal(path, key, f"a finite number below {tolerances.HUGE_AXIS_VALUE:g}", shown)
+    return float(value)
+
+
+def toml_text(path: Path, key: str, value: object) -> str:
+    """Return a value that must be a string; `key` as for `toml_refusal`."""
+    if not isinstance(value, str):
+        raise toml_refusal(path, key, "a string")
+    return value
+
+
+def toml_table(path: Path, key: str, value: object) -> dict[str, object]:
+    """Return a value that must be a table; `key` as for `toml_refusal`."""
+    if not isinstance(value, dict):
+        raise toml_refusal(path, key, f"a table [{key}]")
+    return value

@@ -23,6 +23,7 @@ from chainbuild.inspect.sweep import rest_pose, swept_poses
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from chainbuild.inspect.playback import Playback
     from chainbuild.kinematics.mechanism import Mechanism
 
 # Direction of view: from in front of the machine's right side, slightly from above (machine coordinates).
@@ -31,7 +32,13 @@ _VIEW: Final = (1.0, -1.35, 0.75)
 _SWEPT_SHARE: Final = 0.6
 
 
-def export_page(robot: Mechanism, path: str | os.PathLike[str], *, at: ArrayLike | None = None) -> Path:
+def export_page(
+    robot: Mechanism,
+    path: str | os.PathLike[str],
+    *,
+    playback: Playback | None = None,
+    at: ArrayLike | None = None,
+) -> Path:
     """Write one self-contained HTML file in which the robot is moved axis by axis, by its pose or by its gizmo.
 
     The file holds the viewer and the mathematics and loads nothing. It is written in one piece or not at all.
@@ -39,6 +46,7 @@ def export_page(robot: Mechanism, path: str | os.PathLike[str], *, at: ArrayLike
     Args:
         robot: The robot.
         path: The HTML file; an existing one is replaced.
+        playback: Rows of a table to play back; see `axes_playback`.
         at: Axis values (n_axes,), mm and degrees, at which the page opens; None: a pose that shows the machine well.
 
     Returns:
@@ -48,15 +56,16 @@ def export_page(robot: Mechanism, path: str | os.PathLike[str], *, at: ArrayLike
         ChainbuildError: the kinematic has no pose to show, or the file cannot be written.
     """
     target = Path(path)
-    write_text(target, page_html(robot, at=at))
+    write_text(target, page_html(robot, playback=playback, at=at))
     return target
 
 
-def page_html(robot: Mechanism, *, at: ArrayLike | None = None) -> str:
+def page_html(robot: Mechanism, *, playback: Playback | None = None, at: ArrayLike | None = None) -> str:
     """Return the text of the page; the same robot gives the same text.
 
     Args:
         robot: The robot.
+        playback: As for `export_page`.
         at: As for `export_page`.
     """
     from meshcat import Visualizer
@@ -74,11 +83,11 @@ def page_html(robot: Mechanism, *, at: ArrayLike | None = None) -> str:
         licences=_viewer_file("main.min.js.LICENSE.txt").replace("--", "- -"),
         modules=import_map(),
         viewer=_viewer_file("main.min.js"),
-        data=_data(robot, scene, rest, recorder),
+        data=_data(robot, scene, rest, recorder, {"playback": playback and playback.data(), "given": at is not None}),
     )
 
 
-def _data(robot: Mechanism, scene: Scene, rest: Any, recorder: _Recorder) -> str:
+def _data(robot: Mechanism, scene: Scene, rest: Any, recorder: _Recorder, more: dict[str, Any]) -> str:
     swept = np.array(scene.bounds(robot.q(axes) for axes in swept_poses(robot, rest)))
     bounds = (1 - _SWEPT_SHARE) * np.array(scene.bounds([robot.q(rest)])) + _SWEPT_SHARE * swept
     data = {
@@ -91,8 +100,8 @@ def _data(robot: Mechanism, scene: Scene, rest: Any, recorder: _Recorder) -> str
         "labels": [{"text": text, "frame": frame.name} for text, frame in labelled_frames(robot.chain)],
         "arm": round(scene.triad_length, 6),
         "size": round(scene.size, 6),
-        "playback": None,
         "commands": [base64.b64encode(command).decode("ascii") for command in recorder.commands],
+        **more,
     }
     # No text may end the script element.
     return json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")

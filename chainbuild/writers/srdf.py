@@ -1,4 +1,4 @@
-"""SRDF: pairs of links that need no collision check, and passive joints, for MoveIt and other readers."""
+"""SRDF: pairs of links that need no collision check, passive joints and named poses, for MoveIt and other readers."""
 
 from __future__ import annotations
 
@@ -7,17 +7,24 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from chainbuild.files import file_of, write_text
+import numpy as np
+
+from chainbuild.chain.bodies.rods import rod_masters
+from chainbuild.files import angle_text, file_of, number_text, write_text
 
 if TYPE_CHECKING:
     from chainbuild.analysis.collision.pairs import PairTable, Verdict
     from chainbuild.kinematics.mechanism import Mechanism
 
+_GROUP: Final = "axes"
 _REASONS: Final[tuple[tuple[Verdict, str], ...]] = (("adjacent", "Adjacent"), ("always", "Always"), ("never", "Never"))
 
 
 def srdf_text(robot: Mechanism, table: PairTable) -> str:
-    """Return the SRDF of a robot with the pairs that need no check, and the joints of loops that no axis drives."""
+    """Return the SRDF of a robot: pairs that need no check, joints of loops that no axis drives, named poses.
+
+    A named pose stands there where the kinematic can take it, as joint values of the URDF.
+    """
     root = ET.Element("robot", name=robot.name)
     root.append(
         ET.Comment(
@@ -25,6 +32,7 @@ def srdf_text(robot: Mechanism, table: PairTable) -> str:
             f"confidence a pair listed as Never touches at less than {table.bound:.2g} of all positions. "
         )
     )
+    _add_poses(root, robot)
     axes = {axis.name for axis in robot.axes}
     for joint in robot.chain.joints if robot.chain.loops else ():
         if joint.name not in axes:
@@ -36,6 +44,25 @@ def srdf_text(robot: Mechanism, table: PairTable) -> str:
     buffer = io.BytesIO()
     ET.ElementTree(root).write(buffer, encoding="utf-8", xml_declaration=True)
     return buffer.getvalue().decode("utf-8") + "\n"
+
+
+def _add_poses(root: ET.Element, robot: Mechanism) -> None:
+    """Write the named poses as states of one group, which has every joint that no other one drives."""
+    chain = robot.chain
+    states = [(pose.name, chain.axis_map.q(np.array(pose.axes))) for pose in chain.named_poses]
+    states = [(name, q) for name, q in states if np.isfinite(q).all()]
+    if not states:
+        return
+    masters = rod_masters(chain)
+    free = [n for n, joint in enumerate(chain.joints) if joint.name not in masters]
+    group = ET.SubElement(root, "group", name=_GROUP)
+    for n in free:
+        ET.SubElement(group, "joint", name=chain.joints[n].name)
+    for name, q in states:
+        state = ET.SubElement(root, "group_state", name=name, group=_GROUP)
+        for n in free:
+            write = angle_text if chain.joints[n].kind == "revolute" else number_text
+            ET.SubElement(state, "joint", name=chain.joints[n].name, value=write(float(q[n])))
 
 
 def _where(robot: Mechanism) -> str:

@@ -8,6 +8,7 @@ import pytest
 from playwright.sync_api import Browser, sync_playwright
 
 from tests.kit.browser import chromium
+from tests.kit.live_page import FLAGS
 
 
 @pytest.fixture(scope="package")
@@ -16,8 +17,7 @@ def browser() -> Iterator[Browser]:
 
     It ends with this folder's tests: as long as it is driven no other event loop can run, which notebooks need.
     """
-    flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
     with sync_playwright() as driver:
-        started = driver.chromium.launch(executable_path=chromium(), args=flags)
+        started = driver.chromium.launch(executable_path=chromium(), args=FLAGS)
         yield started
         started.close()

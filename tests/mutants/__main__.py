@@ -82,8 +82,13 @@ class Run:
 
     def kind(self, job: Job) -> str:
         """Return what became of a mutant."""
-        kind = self.outcomes[job].kind if job in self.outcomes else "left"
-        return "equivalent" if kind == "survived" and is_equivalent(job.path, job.mutant) else kind
+        return self.outcomes[job].kind if job in self.outcomes else "left"
+
+    def set_aside(self) -> None:
+        """Note the mutants that are known to compute the same: no test need be run on them."""
+        for job in self.jobs:
+            if is_equivalent(job.path, job.mutant):
+                self.outcomes[job] = Outcome("equivalent")
 
 
 def fingerprint(jobs: Sequence[Job]) -> str:
@@ -137,6 +142,7 @@ def main() -> int:
 
     run = Run(jobs_of(options.only), options.state and options.state.resolve())
     run.go_on()
+    run.set_aside()
     start = time.monotonic()
 
     def told() -> None:

@@ -38,7 +38,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a mutant: `killed` by a test, `survived`, `hung`, or met by no test at all (`untested`)."""
+    """What became of a mutant: `killed` by a test, `survived`, `hung`, met by no test (`untested`), or `equivalent`."""
 
     kind: str
     killer: str = ""

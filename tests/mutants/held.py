@@ -23,6 +23,7 @@ from typing import NoReturn
 from tests.mutants.forked import Job, Outcome, TypeFilter, in_fork, module_of, quiet_pytest, split_types
 from tests.mutants.transplant import transplanted
 
+ENOUGH_SECONDS = 60.0  # of tests that call the function: what none of them failed is judged anew at any rate
 _WORD = 2  # bytes of a job's number in the pipe that workers read them from, which holds 65,536 bytes
 Callers = dict[tuple[str, str], dict[str, float]]  # (file, function) → test → seconds
 Told = Callable[[Job, Outcome], None]
@@ -160,7 +161,10 @@ def _note_callers(items, files: set[str], path: Path) -> None:
 
 
 def _first_failing(session, job: Job, killers: list[str], callers: Callers) -> str:
-    """Return the first test that fails with a mutant, in this process; empty: none, or the mutant has no place."""
+    """Return the first test that fails with a mutant, in this process; empty: none, or the mutant has no place.
+
+    Where tests are known to call the function, those alone are run: what others notice is judged anew.
+    """
     from _pytest.runner import runtestprotocol
 
     if not job.mutant.function or not transplanted(module_of(job.path), job.path, job.mutant.source):
@@ -170,8 +174,14 @@ def _first_failing(session, job: Job, killers: list[str], callers: Callers) -> s
         TypeFilter(types).pytest_collection_modifyitems(items)
     # First what killed others, the newest first, then what calls the function, the quickest first, then the others.
     ranks = {name: (0, float(-n)) for n, name in enumerate(killers)}
-    for name, seconds in callers.get((str(job.path), job.mutant.function), {}).items():
-        ranks.setdefault(name, (1, seconds))
+    calling = callers.get((str(job.path), job.mutant.function), {})
+    taken = 0.0
+    for name, seconds in sorted(calling.items(), key=lambda item: item[1]):
+        taken += seconds
+        if taken < ENOUGH_SECONDS:
+            ranks.setdefault(name, (1, seconds))
+    if calling:
+        items = [item for item in items if item.nodeid in ranks]
     items.sort(key=lambda item: ranks.get(item.nodeid, (2, 0.0)))
     sys.stdout = sys.stderr = io.StringIO()
     for item, following in zip(items, [*items[1:], None], strict=True):

@@ -23,7 +23,7 @@ ORDER = [
     "collision",
     "machines",
     "tables",
-    "formats.text", "formats.overlay", "formats.entries", "formats.machine",
+    "formats.text", "formats.overlay", "formats.overlay_poses", "formats.entries", "formats.machine",
     "formats.sinumerik.reading", "formats.sinumerik.geometry", "formats.sinumerik.rules", "formats.sinumerik",
     "formats.twincat.lists", "formats.twincat.maps", "formats.twincat.recipes", "formats.twincat.families",
     "formats.twincat.types", "formats.twincat.universal", "formats.twincat.coupling", "formats.twincat",

@@ -94,6 +94,11 @@ def workspace() -> chainbuild.Map:
     return chainbuild.make_map(robot(), MapSpec(cells=5, samples=50), workers=1)
 
 
+@cache
+def playback() -> chainbuild.Playback:
+    return chainbuild.pose_playback(robot(), "folder/poses.csv", [robot().ik(far())])
+
+
 LONG = "a text that goes on and on, " * 30
 FINDING = Finding("CB501", "warning", LONG, Span("robot.lis", 12, 1, LONG), "do something about it")
 
@@ -147,6 +152,7 @@ OBJECTS: dict[str, Callable[[], Any]] = {
     "MeasureTable": lambda: chainbuild.measure_batch(robot(), [AXES, AT_WRIST]),
     "Measures": lambda: report().measures,
     "Mechanism": lambda: chainbuild.Mechanism(robot().chain),
+    "NamedPose": lambda: chainbuild.NamedPose("park", (0.123456789012345,) * 6),
     "Nearest": lambda: chainbuild.nearest_singularity(robot(), AXES),
     "ParameterRow": lambda: chainbuild.load("kr6r900").parameters()[0],
     "Partial": lambda: robot("gantry_robot_kin210").chain.partials[0],
@@ -160,6 +166,8 @@ OBJECTS: dict[str, Callable[[], Any]] = {
     "PathSpeed": lambda: path().speeds[0],
     "PathStretch": lambda: path().stretches[0],
     "PathViolation": lambda: path().violations[0],
+    "Playback": playback,
+    "PlaybackNote": lambda: playback().notes[0],
     "PartialPose": lambda: distribution().partials[0],
     "Recording": lambda: chainbuild.Recording(np.zeros((90, 6)), np.zeros((90, 4, 4))),
     "SingularityReport": report,

@@ -59,7 +59,9 @@ class Nearest:
         )
 
 
-def nearest_singularity(robot: Mechanism, axes: ArrayLike, *, length: float | None = None) -> Nearest:
+def nearest_singularity(
+    robot: Mechanism, axes: ArrayLike, *, length: float | None = None, inside: bool = False
+) -> Nearest:
     """Return the singularity that a descent from axis values (n_axes,), mm and degrees, ends at.
 
     The descent follows the steepest fall of the smallest scaled singular value: a local search, which finds the
@@ -69,6 +71,7 @@ def nearest_singularity(robot: Mechanism, axes: ArrayLike, *, length: float | No
         robot: The robot.
         axes: Axis values to start from.
         length: Characteristic length [m]; None: the default.
+        inside: True: the search is given up where it leaves the limits.
 
     Raises:
         AxisValueError: wrong number of values, or a non-finite value.
@@ -76,7 +79,7 @@ def nearest_singularity(robot: Mechanism, axes: ArrayLike, *, length: float | No
     """
     jacobian_at(robot, axes)  # raises where there is no pose
     descent = _Descent(robot, scaling_of(robot, length), robot.axis_values(axes))
-    return descent.run()
+    return descent.run(inside)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,7 +120,7 @@ class _Descent:
             return _Value(1.0 / most, -U[:, 0] / most**2, Vt[0], share=0.5)
         return _Value(least, U[:, -1], Vt[-1])
 
-    def run(self) -> Nearest:
+    def run(self, inside: bool) -> Nearest:
         z = np.zeros(len(self.unit))
         value = self.smallest(z)
         steps = 0
@@ -135,6 +138,8 @@ class _Descent:
                 break
             z = z + step
             value = tried
+            if inside and self.robot.violated_limits(self.x(z) / self.robot.kinematics.si_factors):
+                break
         return self._result(z, value, steps)
 
     def _step(self, z: Vector, value: _Value) -> Vector | None:

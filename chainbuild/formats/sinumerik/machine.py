@@ -25,6 +25,7 @@ from chainbuild.formats.entries import (
 )
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay
+from chainbuild.formats.overlay_poses import with_named_poses
 from chainbuild.formats.sinumerik.geometry.robot_axes import basic_moves
 from chainbuild.formats.sinumerik.geometry.tool import Tool, active_data, tools_of_channels
 from chainbuild.formats.sinumerik.geometry.translate import translate
@@ -209,7 +210,16 @@ class RobxMachine(Machine):
         found = self._found(selected.entry)
         check_axes(found.robx, self.table, collector)
         refuse_errors(collector.findings)  # a chain needs axes that do not contradict each other
-        return _build(self, found.robx, tool_length_mm, found.gripper, choose, collector)
+        chain = _build(self, found.robx, tool_length_mm, found.gripper, choose, collector)
+        poses = self.overlay.poses and self._has_poses(selected.entry)
+        return with_named_poses(chain, self.overlay, collector) if poses else chain
+
+    def _has_poses(self, entry: KinematicEntry) -> bool:
+        """Return whether the overlay's poses are those of a kinematic: of its transformation or the default one."""
+        named = self.overlay.kinematic
+        if isinstance(named, int):
+            return entry.id == named
+        return any(one.default and one.id == entry.id for one in self._entries_of(entry.channel))
 
 
 def read_machine(source: SourceText, path: Path, overlay: Overlay, collector: Collector) -> RobxMachine:

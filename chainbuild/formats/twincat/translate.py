@@ -12,6 +12,7 @@ from chainbuild.chain.names import channel_names, renamed
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, MachineDataError, UnsupportedKinematicError
 from chainbuild.findings import Collector
+from chainbuild.formats.overlay_poses import with_named_poses
 from chainbuild.formats.twincat.axis_offsets import with_axis_offsets
 from chainbuild.formats.twincat.coupling.coupling import coupling_draft
 from chainbuild.formats.twincat.coupling.coupling_groups import (
@@ -56,7 +57,8 @@ def translate(source: Source, name: str, title: str, choose: Choices, collector:
         chain = two_steps(chain, source.trafo, above, source.second, collector)
         axes = (*axes, *above.axes)
     _tell_table_sense(axes, source, choose, collector)
-    return replace(_limited(chain, ahead, source, collector), name=name, title=title)
+    chain = replace(_limited(chain, ahead, source, collector), name=name, title=title)
+    return with_named_poses(chain, source.overlay, collector) if source.main and source.overlay.poses else chain
 
 
 def _tell_table_sense(axes: Iterable[Axis], source: Source, choose: Choices, collector: Collector) -> None:

@@ -21,7 +21,7 @@ export function poseAngles(factors, T) {
     const cosine = Math.hypot(R(i, i), R(i, j));
     const middle = Math.atan2(parity * R(i, k), cosine);
     raw = cosine < LOCK
-      ? [0, middle, Math.atan2(parity * R(k, j), R(j, j))]
+      ? [0, middle, Math.atan2(parity * R(j, i), R(j, j))]
       : [Math.atan2(-parity * R(j, k), R(k, k)), middle, Math.atan2(-parity * R(i, j), R(i, i))];
   }
   const angles = [0, 0, 0];

@@ -79,7 +79,7 @@ export class Solver {
     const found = [];
     const next = this.starts(start, free);
     let best = null;
-    for (let n = 0, idle = 0; n < MOST_STARTS && idle < STARTS; n += 1, idle += 1) {
+    for (let n = 0, idle = 0; n < MOST_STARTS && (idle < STARTS || !found.length); n += 1, idle += 1) {
       const end = descend(error, next(n), free);
       if (best === null || end.size < best.size) best = end;
       const x = end.met ? this.settled(error, end.x, start, free) : null;
@@ -90,7 +90,8 @@ export class Solver {
     }
     if (found.length) return this.sorted(found, start);
     const end = descend(error, this.si(start), free, this.box);
-    return { status: best.stalled ? "stalled" : "unreachable", axes: this.shown(end.x), branches: [], family: false };
+    const status = best.stalled ? "stalled" : "unreachable";
+    return { status, axes: this.beside(end.x, start), branches: [], family: false };
   }
 
   /** Return the solution of a redundant kinematic near the start; the others are a continuous family. */
@@ -99,23 +100,29 @@ export class Solver {
     let best = null;
     for (let n = 0; n < 12; n += 1) {
       const end = descend(error, next(n), free, this.box);
-      if (end.met) return { status: "ok", axes: this.shown(end.x), branches: [this.shown(end.x)], family: true };
+      if (end.met) return { status: "ok", axes: this.beside(end.x, start), branches: [this.beside(end.x, start)], family: true };
       if (best === null || end.size < best.size) best = end;
     }
     const open = descend(error, this.si(start), free);
     const status = open.met ? "limits" : best.stalled ? "stalled" : "unreachable";
-    return { status, axes: this.shown(open.met ? open.x : best.x), branches: [], family: true };
+    return { status, axes: this.beside(open.met ? open.x : best.x, start), branches: [], family: true };
   }
 
   /** Return the solutions (SI) by whether they are inside the limits, the nearest to the start first. */
   sorted(found, start) {
     const x0 = this.si(start);
     const distance = (x) => Math.hypot(...x.map((v, n) => v - x0[n]));
-    const shown = found.sort((a, b) => distance(a) - distance(b)).map((x) => this.shown(x));
+    const shown = found.sort((a, b) => distance(a) - distance(b)).map((x) => this.beside(x, start));
     const branches = shown.filter((axes) => this.limits.inside(axes)).map((axes) => this.limits.clamped(axes));
     if (branches.length) return { status: "ok", axes: branches[0], branches, family: false };
     if (shown.length) return { status: "limits", axes: shown[0], branches: [], family: false };
     return { status: "unreachable", axes: start.slice(), branches: [], family: false };
+  }
+
+  /** Return SI values in mm and degrees; axes that did not move have exactly the value of the start. */
+  beside(x, start) {
+    const x0 = this.si(start);
+    return this.shown(x).map((v, n) => (x[n] === x0[n] ? start[n] : v));
   }
 
   /** Return the function n → where the n-th descent starts: the start itself, then anywhere within limits and a turn. */
@@ -177,7 +184,14 @@ export class Solver {
   follow(T, axes, how = {}) {
     const free = how.free || this.free;
     const end = descend(poseError(this.chain, T, how.task || this.chain.data.task), this.si(axes), free, null, 12);
-    return end.met && this.limits.inside(this.shown(end.x)) ? this.shown(end.x) : null;
+    const reached = this.beside(end.x, axes);
+    return end.met && this.limits.inside(reached) ? reached : null;
+  }
+
+  /** Tell whether a pose is met from axis values on where no limit stops them. */
+  reaches(T, axes, how = {}) {
+    const free = how.free || this.free;
+    return descend(poseError(this.chain, T, how.task || this.chain.data.task), this.si(axes), free).met;
   }
 
   /** Return the place inside the limits nearest to a pose, from axis values on: what a dragged machine can do. */
@@ -185,6 +199,6 @@ export class Solver {
     const free = how.free || this.free;
     const error = poseError(this.chain, T, how.task || this.chain.data.task);
     const end = descend(error, this.si(axes), free, this.box, 30);
-    return { axes: this.shown(end.x), met: end.met };
+    return { axes: this.beside(end.x, axes), met: end.met };
   }
 }

@@ -1,6 +1,7 @@
 // Axis maps: from the values a controller shows to the joint values, as in Python; one class for each of its classes.
 import { Chain } from "cb/chain";
 import { poseAngles } from "cb/angles";
+import { LambdaMap, ThreeRodsMap, TableMap } from "cb/loops";
 
 const HALF = Math.PI / 180;
 const TAU = 2 * Math.PI;
@@ -9,12 +10,12 @@ const TAU = 2 * Math.PI;
 const nearTurn = (angle, wanted) => angle + TAU * Math.round((wanted - angle) / TAU);
 
 class AffineMap {
-  constructor({ A, b, si_factors: factors, back }) {
-    Object.assign(this, { A, b, factors, back });
+  constructor({ A, b, si_factors: si, back }) {
+    Object.assign(this, { A, b, si_factors: si, back });
   }
 
   q(axes) {
-    const x = axes.map((v, n) => v * this.factors[n]);
+    const x = axes.map((v, n) => v * this.si_factors[n]);
     return this.b.map((b, r) => {
       let sum = b;
       const row = this.A[r];
@@ -154,8 +155,11 @@ class TwoStepMap {
 }
 
 const CLASSES = {
-  AffineMap, BlockMap, ShiftedMap, SpatialAnglesMap, VirtualTurnMap, TiltLengthMap, TwoStepMap,
+  AffineMap, BlockMap, ShiftedMap, SpatialAnglesMap, VirtualTurnMap, TiltLengthMap, TwoStepMap, LambdaMap, ThreeRodsMap,
+  TableMap,
 };
+
+export const MAPS = Object.keys(CLASSES);
 
 /** Return the axis map of its data: an object with q(axes), all NaN where there are no joint values. */
 export function axisMap(data) {

@@ -1,5 +1,7 @@
 // What others may call from outside: window.chainbuild.
 import { displayed } from "cb/display";
+import { measure } from "cb/singular";
+import { solveDisplayed } from "cb/typed";
 
 /** Return the functions that drive the page from outside; poses are 16 numbers row by row, in metres. */
 export function contractOf(page) {
@@ -13,6 +15,16 @@ export function contractOf(page) {
     ik: (T, start) => {
       const { status, axes, branches } = page.solver.solve(T, start || page.axes);
       return { status, axes, branches };
+    },
+    ikDisplayed: (shown, start) => {
+      const { status, axes, branches } = solveDisplayed(page.solver, shown, start || page.axes);
+      return { status, axes, branches };
+    },
+    singular: (axes) => measure(page.chain, axes),
+    violated: (axes) => page.limits.violated(axes),
+    goTo: (T) => page.setPose(T),
+    get ghosts() {
+      return page.status.family ? 0 : Math.max(page.status.branches.length - 1, 0);
     },
     drag: (T) => page.drag(T),
     drawn: (name) => page.machine.drawn(name),

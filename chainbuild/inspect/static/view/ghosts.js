@@ -12,6 +12,7 @@ export function startGhosts(page) {
   const { three } = machine;
   const material = (opacity) => new three.MeshLambertMaterial({
     color: 0x5b7fa6, transparent: true, opacity, depthWrite: false,
+    polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2, // behind bodies in the same place
   });
   const [faint, strong] = [material(FAINT), material(STRONG)];
   const group = new three.Group();

@@ -60,6 +60,15 @@ export class Machine {
     this.viewer.set_dirty();
   }
 
+  /** Return a group that hangs in the workpiece frame and moves with it: z up, metres. */
+  inWorkpiece() {
+    const { link, T } = this.chain.data.frames.workpiece;
+    const group = new this.three.Group();
+    this.matrix(T).decompose(group.position, group.quaternion, group.scale);
+    this.links[link].add(group);
+    return group;
+  }
+
   matrix(T) {
     return new this.three.Matrix4().set(...T);
   }

@@ -7,6 +7,7 @@ import { startKeyboard } from "cb/keyboard";
 import { startLabels } from "cb/labels";
 import { Page } from "cb/page";
 import { startPanel } from "cb/panel";
+import { startPlayback } from "cb/playback";
 import { startTheme } from "cb/theme";
 import { startTools } from "cb/tools";
 
@@ -21,6 +22,7 @@ startLabels(page, document.getElementById("labels"));
 startKeyboard(page, document.getElementById("axes"));
 page.setAxes(axesOfHash(page.axes.length) || page.axes, "start");
 page.machine.fit();
+startPlayback(page.forPlayback(document.getElementById("playback")));
 startHash(page);
 page.searchWhenIdle();
 window.chainbuild = contractOf(page);

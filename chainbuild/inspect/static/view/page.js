@@ -61,7 +61,7 @@ export class Page {
     const violated = this.limits.violated(axes);
     const branches = this.followed(T);
     this.axes = axes;
-    const status = met ? "ok" : this.solver.follow(T, axes) ? "limits" : "unreachable";
+    const status = met ? "ok" : this.solver.reaches(T, axes) ? "limits" : "unreachable";
     const found = { status: met && violated.length ? "limits" : status, branches, family: this.status.family };
     this.status = { ...found, violated, words: wordsOf(found, violated) };
     this.changed("drag");
@@ -100,6 +100,20 @@ export class Page {
     this.status = { status: "ok", violated: [], branches, family, words: "" };
     this.status.words = wordsOf(this.status, []);
     this.changed("branch");
+  }
+
+  /** Return what a playback of a table needs of the page, for a section of the panel. */
+  forPlayback(root) {
+    root.hidden = !this.data.playback;
+    return {
+      root,
+      data: this.data,
+      chain: this.chain,
+      three: this.machine.three,
+      inWorkpiece: this.machine.inWorkpiece(),
+      setAxes: (axes) => this.setAxes(axes, "playback"),
+      redraw: () => this.machine.viewer.set_dirty(),
+    };
   }
 
   changed(cause) {
