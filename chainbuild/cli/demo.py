@@ -15,7 +15,7 @@ _EXAMPLE: Final = "kr6r900"
 _LOOK: Final = (
     (
         "inspect {} --export page.html",
-        "writes a page with the robot, its frames and a sweep of each axis: open it in a browser",
+        "writes a page on which the robot is moved axis by axis: open it in a browser",
     ),
     ("picture {} -o picture.svg --dimensions", "draws it with the lengths of its machine data"),
     ("info {}", "shows what was read: axes, parameters, conventions, findings"),

@@ -99,7 +99,7 @@ def inspect(
     playback: PlaybackInput = NO_PLAYBACK,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
-    """Write an HTML page that shows the robot, its frames and a sweep of each axis, or plays back a table.
+    """Write an HTML page on which the robot is moved by its axes, its pose or the mouse, or plays back a table.
 
     The page is a single self-contained HTML file for any browser.
 

@@ -171,9 +171,9 @@ def _legend(chain: Chain, grid_cell: float) -> str:
         swatches.append(("carries the workpiece", WORKPIECE_SIDE[0]))
     keys = "".join(f'<span class="key"><i style="background:{_css(c)}"></i>{text}</span>' for text, c in swatches)
     return (
-        "<details><summary>Drawing</summary><p><strong>The bodies are drawn, not measured.</strong> Machine data contain only the place "
-        "and direction of the joints; all else is assumed by rule to show how the machine is built, so clearances "
-        "cannot be read from this page.</p>"
+        "<details><summary>Drawing</summary><p><strong>The bodies are drawn, not measured.</strong> Machine data "
+        "contain only the place and direction of the joints; all else is assumed by rule to show how the machine is "
+        "built, so clearances cannot be read from this page.</p>"
         f'<p class="soft">Frames: x red, y green, z blue. A grid square is {_length(grid_cell)}.</p>'
         f"<p>{keys}</p></details>"
     )

@@ -12,8 +12,8 @@ from playwright.sync_api import sync_playwright
 import chainbuild
 from chainbuild.inspect.export import export_page
 from tests.bench.tables import markdown
-from tests.kit.live_page import FLAGS, opened
 from tests.kit.browser import chromium
+from tests.kit.live_page import FLAGS, opened
 
 MACHINES = ("kr6r900", "tx2_60", "irb2600")
 SIZE = (640, 360)

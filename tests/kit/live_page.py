@@ -16,7 +16,7 @@ from PIL import Image
 from playwright.sync_api import Browser, Locator, Page
 
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]  # no GPU here
-_PATIENCE = 20.0  # seconds until a page that does nothing fails its test
+_PATIENCE = 60.0  # seconds until a page that does nothing fails its test
 
 
 class LivePage:
@@ -81,7 +81,8 @@ class LivePage:
 
     def shown(self) -> dict[str, float]:
         """Return the displayed pose by column, in full."""
-        script = "Object.fromEntries([...document.querySelectorAll('[data-pose]')].map((f) => [f.dataset.pose, +f.dataset.value]))"
+        fields = "[...document.querySelectorAll('[data-pose]')]"
+        script = f"Object.fromEntries({fields}.map((f) => [f.dataset.pose, +f.dataset.value]))"
         found: dict[str, float] = self.tab.evaluate(script)
         return found
 

@@ -23,11 +23,11 @@ export function startGhosts(page) {
     const links = machine.links.map((_, n) => {
       const copy = new three.Group();
       copy.matrixAutoUpdate = false;
-      copy.add(...linkBodies(machine, n).map((body) => copied(body, faint)));
+      linkBodies(machine, n).forEach((body) => copy.add(copied(body, faint)));
       return copy;
     });
     const whole = new three.Group();
-    whole.add(...links);
+    links.forEach((link) => whole.add(link));
     group.add(whole);
     return { whole, links };
   };
