@@ -138,6 +138,7 @@ def chain_data(chain: Chain, task: Task | None = None) -> dict[str, Any]:
         "between": sorted(joints_between_tips(chain)),
         "loops": bool(chain.loops),
         "followsC": chain.follows_c,
+        "solvesLinear": chain.solves_linear_axes,
         "hasStatus": chain.has_status,
     }
 

@@ -50,7 +50,13 @@ function sentenceOf(chain, smallest, least, lost, names) {
   const nearly = smallest < EXACT ? "" : "nearly ";
   const moved = names.length > 1 ? `${names.slice(0, -1).join(", ")} and ${names[names.length - 1]}` : names[0];
   if (smallest < least) return `Singular: the platform is ${nearly}loose, it moves without the axes.`;
-  return `Singular: ${lostMotion(chain, lost)} is ${nearly}lost; ${moved} run away.`;
+  const runs = names.length > 1 ? "run" : "runs";
+  return `Singular: ${lostMotion(chain, lost)} is ${nearly}lost; ${moved} ${runs} away.${remarkOf(chain)}`;
+}
+
+/** Return when that matters on a machine that is programmed by its rotary axes. */
+function remarkOf(chain) {
+  return chain.data.solvesLinear ? " With the rotary axes programmed the linear ones alone follow, and nothing is lost." : "";
 }
 
 /** Return which motion is lost, such as "rotation about the flange's Y". */
