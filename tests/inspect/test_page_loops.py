@@ -15,7 +15,8 @@ from chainbuild.formats.twincat.maps.struts import ThreeRodsMap
 from chainbuild.formats.twincat.maps.table import TableMap
 from chainbuild.formats.twincat.maps.table_rods import TableRods
 from chainbuild.frames import cos_sin_deg
-from tests.kit.module_page import computed, encoded, module_page, page_modules
+from chainbuild.inspect.chain_data import as_json
+from tests.kit.module_page import computed, module_page, page_modules
 
 ROOTED = 1e-7  # m, rad: where rods just reach, rounding stands below a root
 SIZES = (0.3, 0.33, 0.41, 0.7, 0.9, 1.1)  # m; some sums and squares round upwards, others downwards
@@ -33,7 +34,7 @@ def compare(page: Page, axis_map: Any, rows: list[list[float]], between: list[li
       const map = new loops[data.class](data);
       return { q: rows.map((row) => map.q(row)), closing: between.map((q) => map.closing(q)) };
     }"""
-    found = computed(page, script, {"data": encoded(axis_map), "rows": rows, "between": between})
+    found = computed(page, script, {"data": as_json(axis_map), "rows": rows, "between": between})
     for row, q in zip(rows, found["q"], strict=True):
         wanted = axis_map.q(np.array(row))
         np.testing.assert_allclose(np.array(q, dtype=float), wanted, rtol=0.0, atol=ROOTED, err_msg=str(row))

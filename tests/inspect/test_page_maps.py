@@ -23,10 +23,11 @@ from chainbuild.formats.twincat.maps.scissors import LambdaMap
 from chainbuild.formats.twincat.maps.struts import ThreeRodsMap
 from chainbuild.formats.twincat.maps.table import TableMap
 from chainbuild.formats.twincat.maps.table_rods import TableRods
+from chainbuild.inspect.chain_data import as_json
 from chainbuild.kinematics.closure import closing_axes
 from chainbuild.kinematics.inputs import Pose
 from chainbuild.robot import Robot
-from tests.kit.module_page import computed, encoded, module_page, page_modules
+from tests.kit.module_page import computed, module_page, page_modules
 
 SAME = 1e-12  # m, rad
 POSITION = 1e-9  # m, of poses reached again
@@ -34,41 +35,6 @@ MACHINES = ("delta_kin37", "lambda_kin21", "tripod_kin12", "tripod_table_kin209"
 ROWS, OTHERS, BESIDE, POSED = 1000, 200, 100, 40  # of a machine, of another map; where nothing closes; with branches
 
 Rows = NDArray[np.float64]
-
-# Until the page has its axis maps: those that drives hold.
-MAPS = """
-const times = (A, v) => A.map((row) => row.reduce((sum, factor, n) => sum + factor * v[n], 0));
-class AffineMap {
-  constructor(data) { Object.assign(this, data); }
-  q(axes) { return times(this.A, axes.map((v, n) => v * this.si_factors[n])).map((v, n) => v + this.b[n]); }
-}
-class SpatialAnglesMap {
-  constructor(data) { Object.assign(this, data); this.straight = new AffineMap(data.straight); }
-  q(axes) {
-    const q = this.straight.q(axes);
-    const far = Math.abs(q[4]) > 2 * Math.asin(Math.abs(this.sin_tilt)) + 1e-12;
-    const ratio = Math.max(-1, Math.min(1, Math.sin(q[4] / 2) / this.sin_tilt));
-    const machine = far ? NaN : this.side * 2 * Math.asin(ratio);
-    const turn = Math.atan2(this.cos_tilt * Math.sin(machine / 2), Math.cos(machine / 2));
-    return [...q.slice(0, 3), q[3] - turn - this.zero[0], machine - this.zero[1]];
-  }
-}
-class VirtualTurnMap {
-  constructor(data) { Object.assign(this, data); this.straight = new AffineMap(data.straight); }
-  q(axes) {
-    const [x0, y0, z0, b, a, cv] = this.straight.q(axes);
-    const [x, y, z] = [Math.sin(b) * Math.cos(a), -Math.sin(a), Math.cos(b) * Math.cos(a)];
-    const [tx, ty] = [Math.cos(cv) * x - Math.sin(cv) * y, Math.sin(cv) * x + Math.cos(cv) * y];
-    const side = Math.cos(a) < 0 ? -1 : 1;
-    const level = Math.asin(Math.max(-1, Math.min(1, -ty)));
-    const near = (angle, wanted) => angle + 2 * Math.PI * Math.round((wanted - angle) / (2 * Math.PI));
-    const turned = [Math.atan2(side * tx, side * z), side < 0 ? Math.PI - level : level];
-    return [x0, y0, z0, near(turned[0], b), near(turned[1], a)];
-  }
-}
-const classes = { AffineMap, SpatialAnglesMap, VirtualTurnMap };
-export const axisMap = (data) => new classes[data.class](data);
-"""
 
 SCRIPT = """
 async ({ maps, drives }) => {
@@ -120,7 +86,7 @@ class LoopCase:
 
     def data(self) -> dict[str, Any]:
         return {
-            "data": encoded(self.axis_map),
+            "data": as_json(self.axis_map),
             "rows": self.rows.tolist(),
             "beside": self.beside.tolist(),
             "between": self.between,
@@ -220,9 +186,9 @@ def compared(browser: Browser) -> Compared:
     loops, drives = loop_cases(), drive_cases()
     data = {
         "maps": {name: case.data() for name, case in loops.items()},
-        "drives": {name: {"data": encoded(one), "rows": rows.tolist()} for name, (one, rows) in drives.items()},
+        "drives": {name: {"data": as_json(one), "rows": rows.tolist()} for name, (one, rows) in drives.items()},
     }
-    page = module_page(browser, {"cb/maps": MAPS, **page_modules()})
+    page = module_page(browser, page_modules())
     return Compared(loops, drives, computed(page, SCRIPT, data))
 
 

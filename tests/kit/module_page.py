@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import base64
-import dataclasses
 import json
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 from playwright.sync_api import Browser, Page
 
 from tests.kit.paths import PACKAGE
@@ -50,15 +48,3 @@ def computed(page: Page, script: str, data: Any) -> Any:
     return json.loads(
         page.evaluate(f"async (text) => JSON.stringify(await ({script})(JSON.parse(text)))", json.dumps(data))
     )
-
-
-def encoded(value: Any) -> Any:
-    """Return a dataclass and what it holds as the page reads it."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        fields = {field.name: encoded(getattr(value, field.name)) for field in dataclasses.fields(value)}
-        return {"class": type(value).__name__, **fields}
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, complex):
-        return [value.real, value.imag]
-    return [encoded(one) for one in value] if isinstance(value, tuple) else value

@@ -10,7 +10,7 @@ const MET = 1e-8; // m and rad
 export function closedBranches(solver, T, start) {
   const { chain } = solver;
   const { map, data } = chain;
-  if (!map.closing) return null;
+  if (!map.closing || data.axes.some((axis) => axis.held)) return null;
   const found = [];
   jointValues(solver, T, start).forEach((q) => {
     product(map.closing(q)).forEach((axes) => {
