@@ -76,7 +76,7 @@ def playback_notes(
         progress: As for `path_report`.
     """
     notes = [*_failures(reasons), *_runs(without, "no_pose", lambda _: "the axis values have no pose")]
-    notes += _jumps(robot, rows, without)
+    notes += _jumps(robot, rows)
     if isinstance(robot.chain.axis_map, AffineMap) and not robot.limits.curved:
         report = path_report(robot, rows, between=between, progress=progress)
         notes += _of_path(report)
@@ -103,17 +103,16 @@ def _runs(where: NDArray[np.bool_], kind: PlaybackNoteKind, words: Callable[[sli
         yield PlaybackNote(begin + 1, end, kind, words(slice(begin, end)))
 
 
-def _jumps(robot: Mechanism, rows: Matrix, without: NDArray[np.bool_]) -> Iterator[PlaybackNote]:
+def _jumps(robot: Mechanism, rows: Matrix) -> Iterator[PlaybackNote]:
     """Yield the rows to which axes move far while the tool hardly moves: another branch, or a whole turn."""
     length = characteristic_length(robot.chain)
     linear = np.array([axis.kind == "linear" for axis in robot.axes])
     moves = np.diff(rows, axis=0) * robot.kinematics.si_factors / np.where(linear, length, 1.0)
-    moves[without[:-1] | without[1:]] = np.nan
     most = np.abs(moves).max(axis=1, initial=0.0)
     for n in np.flatnonzero(most > _JUMP).tolist():
         before, behind = forward_poses(robot, rows[[n, n + 1]])
         shift, turn = (float(one[0]) for one in pose_errors(before[None], behind[None], "pose"))
-        if most[n] > _MORE * max(shift / length, turn):
+        if most[n] > _MORE * max(shift / length, turn):  # not where one of the rows has no pose
             far = int(np.abs(moves[n]).argmax())
             axis, way = robot.axes[far], float(rows[n + 1, far] - rows[n, far])
             tool = f"the tool moves {number(mm_from_m(shift))} mm and turns {number(deg_from_rad(turn))} deg"
@@ -153,13 +152,14 @@ def _of_path(report: PathReport) -> Iterator[PlaybackNote]:
 
 
 def _of_stretch(stretch: PathStretch) -> PlaybackNote:
-    least = min(stretch.minima, key=lambda one: (not one.singular, one.value))
+    least, *more = stretch.minima  # the closest place, or all that are singular
     rows, where = _rows_of(stretch.begin, stretch.end), _span(stretch.begin.label, stretch.end.label)
     if stretch.of_vector:
         text = f"{least.sentence}, {where}; rotary axes as programmed lose nothing there"
         return PlaybackNote(*rows, "vector", text)
     how = "singular" if least.singular else "close to singular"
-    at = f" at {least.place.label}, close" if stretch.begin.label != stretch.end.label else ""
+    places = f"{least.place.label} and {len(more)} more" if more else least.place.label
+    at = f" at {places}, close" if stretch.begin.label != stretch.end.label else ""
     text = f"{how} ({stretch.kind}){at} {where}: {least.sentence}{_sampled(stretch.proven)}"
     return PlaybackNote(*rows, "singular" if least.singular else "close", text)
 

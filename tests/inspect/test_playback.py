@@ -88,6 +88,13 @@ def test_what_happens_between_two_rows_is_told(robot: Robot, tmp_path: Path) -> 
     (note,) = chainbuild.axes_playback(robot, table(tmp_path, rows)).notes
     assert (note.row, note.last, note.kind) == (2, 2, "singular")
     assert "singular (wrist) at 2 + 0.5, close from 2 + 0.1" in note.text
+    swinging_wrist = [[0, -90, 90, 0, angle, 0] for angle in (20, 3, 5, 1, 4, 20)]
+    (note,) = chainbuild.axes_playback(robot, table(tmp_path, swinging_wrist)).notes
+    assert (note.row, note.last, note.kind) == (2, 5, "close")
+    assert note.text.startswith("close to singular (wrist) at 4, close from 1 + ")
+    swinging_wrist = [[0, -90, 90, 0, angle, 0] for angle in (20, 3, -1, 1, -20)]
+    (note,) = chainbuild.axes_playback(robot, table(tmp_path, swinging_wrist)).notes
+    assert note.text.startswith("singular (wrist) at 2 + 0.75 and 2 more, close from 1 + ")
     notes = chainbuild.axes_playback(robot, table(tmp_path, [rows[0], [0, -90, 90, 0, 3, 0]])).notes
     assert [(one.row, one.last, one.kind) for one in notes] == [(2, 2, "close")]
 
@@ -127,6 +134,21 @@ def test_poses_are_solved_from_the_solution_before(robot: Robot, run: Run) -> No
     assert data["kind"] == "poses"
 
 
+def test_what_a_line_between_poses_meets_is_told(robot: Robot) -> None:
+    bent = [[47, -127, -109, -179, 75, 289], [36, -19, 30, -179, 75, 289]]  # up, then down: no line leads there
+    found = chainbuild.pose_playback(robot, "p.csv", [robot.ik(robot.fk(row), row) for row in bent])
+    (reach,) = (one for one in found.notes if one.kind == "reach")
+    assert (reach.row, reach.last) == (1, 1)
+    assert reach.text.startswith("the line leaves the reach of the arm at 1 + 0.98")
+    mill = Robot.load("ac_table_kin58")
+    rows = [[100, 20, -300, tilt, 40] for tilt in (-12, -3, 5, 12)]
+    found = chainbuild.pose_playback(mill, "folder/p.csv", [mill.from_display(mill.display(row)) for row in rows])
+    assert (found.source, found.kind) == ("p.csv", "poses")
+    (note,) = found.notes
+    assert (note.row, note.last, note.kind) == (2, 3, "vector")
+    assert note.text.endswith("from 1 + 0.695648 to 3 + 0.105596; rotary axes as programmed lose nothing there")
+
+
 def test_a_recording_is_compared_with_forward_kinematics(tmp_path: Path) -> None:
     robot = Robot.load("comau_calibrated")
     recording = chainbuild.read_recording(COMAU, robot.chain)
@@ -158,6 +180,7 @@ def test_rows_without_pose_and_maps_that_are_not_affine(tmp_path: Path) -> None:
     assert "between rows nothing was looked at" in found.remarks[0]
     assert sorted(covered(found.notes, "no_pose")) == without == [4, 5]
     assert [value is None for value in found.data()["singular"]] == [False, False, False, True, True]
+    assert {note.kind for note in found.notes} == {"limit", "no_pose"}
     first = next(note for note in found.notes if note.kind == "limit")
     assert (first.row, first.last) == (2, 3)
     assert first.text.startswith(f"{robot.axes[0].name} is {rows[2, 0]:g}, outside ")
