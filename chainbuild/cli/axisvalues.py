@@ -1,4 +1,4 @@
-"""Axis values on the command line: `--at 0,-90,90,0,0,0`, or a CSV table."""
+"""Axis values on the command line: `--at 0,-90,90,0,0,0`, `--at park`, or a CSV table."""
 
 from __future__ import annotations
 
@@ -23,16 +23,24 @@ At = Annotated[tuple[str, ...], Parameter(negative="", show_default=False, allow
 
 
 def values_of(robot: Robot, text: str) -> NDArray[np.float64]:
-    """Return axis values (n_axes,) given as numbers separated by commas.
+    """Return axis values (n_axes,) given as numbers separated by commas, or as the name of a pose of the overlay.
 
     Raises:
-        UsageError: the text is not a list of numbers.
+        UsageError: the text is neither.
         AxisValueError: wrong number of values, or a value that is not finite.
     """
+    from chainbuild.chain.names import pose_named
+
+    named = pose_named(robot.chain, text)
+    if named is not None:
+        return named
     try:
         numbers = [float(word) for word in text.split(",")]
     except ValueError:
-        raise UsageError(f"--at {text}: expected numbers separated by commas, such as 0,-90,90") from None
+        known = ", ".join(pose.name for pose in robot.chain.named_poses)
+        or_named = f", or a named pose: {known}" if known else ""
+        expected = f"expected numbers separated by commas, such as 0,-90,90{or_named}"
+        raise UsageError(f"--at {text}: {expected}") from None
     return robot.axis_values(numbers)
 
 

@@ -110,8 +110,8 @@ def inspect(
     Args:
         file: A machine file, or the name of a shipped machine.
         export: HTML file to write.
-        at: Axis values that the page opens at, in channel order, mm and degrees, separated by commas. Default: a
-            pose in which the machine is seen well.
+        at: Axis values that the page opens at, in channel order, mm and degrees, separated by commas, or a pose that
+            the overlay names. Default: a pose in which the machine is seen well.
         playback: A table to play back.
         options: Which kinematic.
     """
