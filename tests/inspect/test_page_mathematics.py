@@ -58,6 +58,23 @@ async ({ chain: data, asked }) => {
   return asked.map(({ pose, shown, start }) => [solver.solve(pose, start), solveDisplayed(solver, shown, start)]);
 }
 """
+_DRAGS = """
+async ({ chain: data, drags }) => {
+  const { Chain } = await import("cb/chain");
+  const { Limits } = await import("cb/limits");
+  const { Solver } = await import("cb/ik");
+  const chain = new Chain(data);
+  const solver = new Solver(chain, new Limits(chain));
+  return drags.map(({ start, poses }) => {
+    let axes = start;
+    return poses.map((T) => {
+      const reached = solver.approach(T, axes);
+      axes = reached.axes;
+      return reached;
+    });
+  });
+}
+"""
 
 
 @cache
@@ -213,6 +230,39 @@ def test_solutions_are_those_of_python(name: str, modules: Page) -> None:
 def test_solutions_are_those_of_python_on_every_machine(name: str, modules: Page) -> None:
     alike, compared = solved(modules, name, 100)
     assert alike >= 0.99 * compared
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_dragged_machine_follows_within_its_limits(name: str, modules: Page) -> None:
+    one, rng = robot(name), np.random.default_rng(21)
+    starts = closing_axes(one, rng, 8)
+    lower, upper = (np.array([axis.range[k] for axis in one.axes]) for k in (0, 1))
+    held = np.array([axis.held for axis in one.axes])
+    # Small steps somewhere, ten of them, held axes at rest; of some drags the last is beyond every reach.
+    ways = rng.normal(size=starts.shape) * np.where(held, 0.0, 0.003 * np.minimum(upper - lower, 400.0))
+    drags = []
+    for start, way in zip(starts, ways, strict=True):
+        rows = [np.clip(start + share * way, lower, upper) for share in np.linspace(0.1, 1.0, 10)]
+        if not all(np.isfinite(one.chain.axis_map.q(row)).all() for row in rows):
+            continue
+        far = one.fk(start).homogeneous
+        far[:3, 3] += 1000.0
+        poses = [one.fk(row).homogeneous for row in rows] + [far]
+        drags.append({"start": start.tolist(), "poses": [T.ravel().tolist() for T in poses]})
+    assert len(drags) > 3
+    found = computed(modules, _DRAGS, {"chain": chain_data(one.chain, one.task), "drags": drags})
+    met = 0
+    for drag, states_ in zip(drags, found, strict=True):
+        for T, state in zip(drag["poses"], states_, strict=True):
+            assert one.violated_limits(state["axes"]) == ()
+            np.testing.assert_array_equal(np.array(state["axes"])[held], np.array(drag["start"])[held])
+            if state["met"]:
+                met += 1
+                wanted = _pose(np.array(T).reshape(4, 4))
+                errors = one.kinematics.errors(np.array(state["axes"]) * one.kinematics.si_factors, wanted, one.task)
+                assert max(errors[: 1 if one.task == "position" else 2]) < 1e-9
+        assert not states_[-1]["met"]
+    assert met > 0.9 * 10 * len(drags)
 
 
 def test_a_pose_out_of_reach_has_no_solution(modules: Page) -> None:
