@@ -106,7 +106,8 @@ def opened(
     tab = browser.new_page(viewport={"width": width, "height": height}, color_scheme=scheme)  # type: ignore[arg-type]
     try:
         live = LivePage(tab)
-        tab.goto(page.as_uri() + fragment)
+        tab.set_default_timeout(1000 * _PATIENCE)
+        tab.goto(page.as_uri() + fragment, wait_until="commit")
         live.until("!!window.chainbuild")
         yield live
         assert live.told == []

@@ -12,7 +12,7 @@ export class Machine {
     // Without antialiasing twice as many frames a second; the background is the page's own.
     const renderer = new three.WebGLRenderer({ antialias: false, alpha: true });
     pane.appendChild(renderer.domElement);
-    this.viewer = new MeshCat.Viewer(pane, true, renderer);
+    this.viewer = new MeshCat.Viewer(pane, false, renderer);
     // The viewer takes the window's height for its own; the pane may be lower.
     const resize = this.viewer.set_3d_pane_size.bind(this.viewer);
     this.viewer.set_3d_pane_size = () => resize(pane.offsetWidth, pane.offsetHeight);
@@ -20,11 +20,7 @@ export class Machine {
       this.viewer.handle_command_bytearray(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)));
     });
     this.viewer.scene.background = null;
-    const render = this.viewer.render.bind(this.viewer);
-    this.viewer.render = () => {
-      render();
-      this.watchers.forEach((watch) => watch());
-    };
+    this.drawOnDemand();
     this.root = this.node("robot");
     this.links = chain.data.links.map((name) => this.node(data.paths[name]));
     this.viewer.controls.addEventListener("start", () => { this.moved = true; });
@@ -34,6 +30,22 @@ export class Machine {
   /** Return the three.js object at a path of the scene. */
   node(path) {
     return this.viewer.scene_tree.find(["meshcat", ...path.split("/")]).object;
+  }
+
+  /** Draw when something changed, and only then: a page that rests leaves the computer alone. */
+  drawOnDemand() {
+    const { viewer } = this;
+    let asked = false;
+    viewer.set_dirty = () => {
+      if (asked) return;
+      asked = true;
+      window.requestAnimationFrame(() => {
+        asked = false;
+        viewer.render();
+        this.watchers.forEach((watch) => watch());
+      });
+    };
+    viewer.set_dirty();
   }
 
   /** Call a function after every frame that is drawn. */
