@@ -37,6 +37,11 @@ def asset(name: str) -> str:
     return _text(_static().joinpath(*name.split("/")))
 
 
+def viewer_file(name: str) -> str:
+    """Return the text of a file of the viewer that meshcat ships."""
+    return resources.files("meshcat").joinpath("viewer", "dist", name).read_text("utf-8")
+
+
 def _static() -> Traversable:
     return resources.files("chainbuild.inspect").joinpath("static")
 

@@ -6,14 +6,13 @@ import base64
 import json
 import os
 import string
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from chainbuild.files import write_text
-from chainbuild.inspect.bundle import asset, import_map
+from chainbuild.inspect.bundle import asset, import_map, viewer_file
 from chainbuild.inspect.chain_data import chain_data
 from chainbuild.inspect.panel import html_escaped, panel_html
 from chainbuild.inspect.presets import presets_of
@@ -80,9 +79,9 @@ def page_html(robot: Mechanism, *, playback: Playback | None = None, at: ArrayLi
         title=html_escaped(robot.chain.title),
         css=asset("page.css"),
         panel=panel_html(robot.chain, scene.grid_cell),
-        licences=_viewer_file("main.min.js.LICENSE.txt").replace("--", "- -"),
+        licences=viewer_file("main.min.js.LICENSE.txt").replace("--", "- -"),
         modules=import_map(),
-        viewer=_viewer_file("main.min.js"),
+        viewer=viewer_file("main.min.js"),
         data=_data(robot, scene, rest, recorder, {"playback": playback and playback.data(), "given": at is not None}),
     )
 
@@ -126,7 +125,3 @@ class _Recorder:
                 self._count += 1
                 part.uuid = f"{self._count:08x}-0000-4000-8000-000000000000"
         self.commands.append(umsgpack.packb(command.lower()))
-
-
-def _viewer_file(name: str) -> str:
-    return resources.files("meshcat").joinpath("viewer", "dist", name).read_text("utf-8")

@@ -225,14 +225,14 @@ def test_the_command_shows_a_table_and_opens_at_axis_values(run: Run) -> None:
     outcome = run(*words, "--axes", "secret/a<b>.csv", "--at", "-1,-90,90,0,30,0.25")
     assert (outcome.code, outcome.out) == (0, "page.html\n")
     data = page_data("page.html")
-    assert data["at"] == [-1, -90, 90, 0, 30, 0.25]
+    assert (data["rest"], data["given"]) == ([-1, -90, 90, 0, 30, 0.25], True)
     assert (data["playback"]["source"], data["playback"]["notes"]) == ("a<b>.csv", [])
     text = Path("page.html").read_text("utf-8")
     assert "secret" not in text
     assert "a<b>.csv" not in text  # no text of a file is markup
     assert run(*words).code == 0
     data = page_data("page.html")
-    assert data["at"] is data["playback"] is None
+    assert (data["playback"], data["given"]) == (None, False)
 
 
 @pytest.mark.parametrize(
