@@ -1,4 +1,4 @@
-"""Run the mutants: `python -m tests.mutants [--minutes N] [--state FILE] [part of a path …]`.
+"""Run the mutants: `python -m tests.mutants [--each N] [--minutes N] [--state FILE] [part of a path …]`.
 
 Each mutant lives in a forked process: first put into functions that are loaded already, where the tests that call them
 run first (`tests.mutants.held`); what no test fails there is judged anew in a process that loads the mutated module
@@ -100,15 +100,20 @@ def fingerprint(jobs: Sequence[Job]) -> str:
     return digest.hexdigest()
 
 
-def jobs_of(only: list[str]) -> list[Job]:
-    """Return the mutants of all files, or of those whose path holds one of these words, taking turns."""
+def jobs_of(only: list[str], each: int | None = None) -> list[Job]:
+    """Return the mutants of all files, or of those whose path holds one of these words, taking turns.
+
+    Args:
+        only: Parts of paths; none: all.
+        each: Mutants of a file at most, drawn at random and always the same; None: all.
+    """
     files = []
     for path, tests in targets().items():
         if only and not any(part in str(path) for part in only):
             continue
         jobs = [Job(path, mutant, tests_for(path, mutant, tests)) for mutant in mutants_of(path.read_text("utf-8"))]
         random.Random(0).shuffle(jobs)
-        files.append(jobs)
+        files.append(jobs[:each])
     return [job for turn in zip_longest(*files) for job in turn if job is not None]
 
 
@@ -133,6 +138,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--minutes", type=float, default=60.0)
     parser.add_argument("--state", type=Path, help="file that keeps the outcomes for a later run")
+    parser.add_argument("--each", type=int, help="mutants of a file at most, drawn at random; all take many hours")
     parser.add_argument("only", nargs="*", help="parts of paths")
     options = parser.parse_args()
     os.chdir(ROOT)
@@ -140,7 +146,7 @@ def main() -> int:
     import pinocchio  # noqa: F401 - shared by all forks
     import pytest  # noqa: F401 - the same
 
-    run = Run(jobs_of(options.only), options.state and options.state.resolve())
+    run = Run(jobs_of(options.only, options.each), options.state and options.state.resolve())
     run.go_on()
     run.set_aside()
     start = time.monotonic()
