@@ -13,6 +13,7 @@ from playwright.sync_api import Browser
 
 from chainbuild.ik.branches.status_turn import status_turn
 from chainbuild.inspect.export import export_page
+from chainbuild.inspect.scene import labelled_frames
 from chainbuild.inspect.sweep import rest_pose
 from chainbuild.robot import Robot
 from tests.kit.drawn_robots import arm
@@ -231,9 +232,17 @@ def test_arrow_keys_choose_and_step_an_axis(kuka: LivePage) -> None:
     press("ArrowDown")
     press("ArrowRight")
     assert kuka.axes[4] == 120.0  # no farther than the limit
-    kuka.one('[data-pose="x_mm"]').focus()
     at = kuka.axes
+    kuka.one('[data-pose="x_mm"]').focus()
     press("ArrowLeft")
+    # A slider of another section keeps its keys.
+    kuka.tab.evaluate(
+        "const other = document.createElement('input'); other.type = 'range'; other.id = 'other';"
+        " document.querySelector('#panel').append(other); other.focus();"
+    )
+    press("ArrowRight")
+    assert kuka.one("#other").input_value() == "51"
+    kuka.tab.evaluate("document.querySelector('#other').remove()")
     np.testing.assert_array_equal(kuka.axes, at)
 
 
@@ -316,14 +325,70 @@ def test_every_field_has_a_name_and_a_unit(kuka: LivePage) -> None:
     assert all("degrees" in name or "millimetres" in name for name in fields)
 
 
-def test_labels_stand_beside_what_they_name(kuka: LivePage) -> None:
-    kuka.call("set", [0.0, -90.0, 90.0, 0.0, 90.0, 0.0])
-    texts = kuka.one("#labels span").all_inner_texts()
-    assert texts == ["base = workpiece", "flange = tool"]
-    kuka.one("[data-show=frames]").uncheck()
-    kuka.until("document.querySelector('#labels').hidden")
-    kuka.one("[data-show=frames]").check()
-    kuka.until("!document.querySelector('#labels').hidden")
+@pytest.mark.parametrize("name", ["kr6r900", "ac_table_kin58"])
+def test_labels_stand_beside_what_they_name(name: str, lives: _Lives) -> None:
+    robot, live = Robot.load(name), lives[name]
+    texts = live.one("#labels span").all_inner_texts()
+    assert texts == [text for text, _ in labelled_frames(robot.chain)]
+    for change in (0.0, 12.0, -25.0):
+        frames = live.tab.evaluate("window.chainbuild.frames")
+        live.call("set", rest_pose(robot) + change)
+        live.until(f"window.chainbuild.frames > {frames}")
+        boxes = np.array(live.tab.evaluate(BOXES))
+        origins = np.array(live.tab.evaluate(ORIGINS))
+        for x, y, width, height in boxes:
+            inside = (
+                (origins[:, 0] > x) & (origins[:, 0] < x + width) & (origins[:, 1] > y) & (origins[:, 1] < y + height)
+            )
+            assert not inside.any()
+        low, high = boxes[:, None, :2], (boxes[:, :2] + boxes[:, 2:])[:, None]
+        apart = ((high <= low.swapaxes(0, 1)) | (low >= high.swapaxes(0, 1))).any(axis=2)
+        assert apart[~np.eye(len(boxes), dtype=bool)].all()
+    live.one("[data-show=frames]").uncheck()
+    live.until("document.querySelector('#labels').hidden")
+    live.one("[data-show=frames]").check()
+    live.until("!document.querySelector('#labels').hidden")
+
+
+BOXES = (
+    "[...document.querySelectorAll('#labels span')].map((e) => { const b = e.getBoundingClientRect(); return"
+    " [b.x, b.y, b.width, b.height]; })"
+)
+# Where the lines begin that lead from a frame to its name.
+ORIGINS = (
+    "[...document.querySelectorAll('#labels i')].map((e) => { const m = new DOMMatrix(getComputedStyle(e).transform);"
+    " const b = document.querySelector('#labels').getBoundingClientRect(); return [m.e + b.x, m.f + b.y]; })"
+)
+
+
+def test_a_page_at_rest_draws_nothing(kuka: LivePage) -> None:
+    kuka.call("set", [0.0, -90.0, 90.0, 0.0, 45.0, 0.0])
+    kuka.until("document.querySelectorAll('[data-branch]').length > 0")
+    kuka.tab.wait_for_timeout(150)
+    frames = kuka.tab.evaluate("window.chainbuild.frames")
+    kuka.tab.wait_for_timeout(250)
+    assert kuka.tab.evaluate("window.chainbuild.frames") == frames
+    kuka.call("set", [0.0, -90.0, 90.0, 0.0, 46.0, 0.0])
+    kuka.until(f"window.chainbuild.frames > {frames}")
+
+
+def test_loops_say_where_they_do_not_close(lives: _Lives) -> None:
+    robot, live = Robot.load("delta_kin37"), lives["delta_kin37"]
+    links = [link.name for link in robot.chain.links]
+    assert live.one("[data-gizmo=rotate]").is_hidden()  # the tool keeps its direction
+    live.set_input('input[type=range][data-axis="J1"]', 20.0)
+    expected = robot.frame_placements(live.axes)
+    drawn = live.drawn(links)
+    for k, link in enumerate(links):
+        np.testing.assert_allclose(drawn[k], expected[link].homogeneous, atol=1e-6)
+    live.call("set", [180.0, 0.0, 0.0])
+    assert live.status() == "unreachable"
+    np.testing.assert_allclose(live.drawn(links), drawn, atol=1e-9)
+    # There is no tool to move.
+    live.set_input('[data-pose="x_mm"]', 10.0)
+    dragged(live, (0.0, -30.0))
+    live.tab.mouse.up()
+    np.testing.assert_array_equal(live.axes, [180.0, 0.0, 0.0])
 
 
 def test_bodies_and_frames_are_hidden_on_request(kuka: LivePage) -> None:

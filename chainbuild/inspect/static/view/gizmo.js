@@ -47,7 +47,9 @@ function align({ page, handle, inTool }) {
 /** Keep where the drag begins: a table that moves under the tool must not carry the handle with it. */
 function grip(state) {
   const { chain, axes } = state.page;
-  const placed = chain.placements(axes);
+  const q = chain.q(axes);
+  if (!q.every(Number.isFinite)) return; // there is no tool to move
+  const placed = chain.placementsOf(q);
   const workpiece = inverse(chain.frame("workpiece", placed));
   const tool = chain.frame("tool", placed);
   state.grip = { workpiece, back: inverse(movedTo(placeOf(state.handle), originOf(tool))), tool };

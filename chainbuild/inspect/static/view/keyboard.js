@@ -1,7 +1,8 @@
 // Jogging by keys: up and down choose an axis, left and right step it.
 
 const SHIFTED = 10; // steps at once while shift is held
-const OWN = "input[type=number], input[type=text], select, textarea, [contenteditable]"; // where arrows have a use
+// Where arrows have a use of their own: fields, and sliders that are not those of axes.
+const OWN = "input[type=number], input[type=range]:not([data-axis]), select, textarea";
 
 /** Let the arrow keys choose and step the axes. */
 export function startKeyboard(page, root) {

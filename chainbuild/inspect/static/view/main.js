@@ -16,7 +16,7 @@ const page = new Page(data, document.getElementById("pane"));
 const ghosts = startGhosts(page);
 startTheme(page, document.getElementById("theme"));
 startPanel(page, ghosts);
-startTools(page, document.getElementById("tools"));
+startTools(page, document.getElementById("tools"), ghosts);
 startGizmo(page, document.getElementById("tools"));
 startLabels(page, document.getElementById("labels"));
 startKeyboard(page, document.getElementById("axes"));

@@ -2,11 +2,16 @@
 import { linkBodies, linkFrames } from "cb/machine";
 
 /** Let the buttons over the picture work. */
-export function startTools(page, root) {
+export function startTools(page, root, ghosts) {
   const { machine } = page;
   root.querySelector("#fit").addEventListener("click", () => {
     machine.moved = false;
     machine.fit();
+  });
+  const shown = root.querySelector("[data-show=ghosts]");
+  shown.addEventListener("input", () => {
+    ghosts.group.visible = shown.checked;
+    machine.viewer.set_dirty();
   });
   const parts = { bodies: linkBodies, frames: linkFrames };
   Object.entries(parts).forEach(([name, of]) => {
