@@ -1,6 +1,8 @@
 // The machine in the viewer: commands of the scene, joints that move, placements read back, camera.
 
 const FIELD_OF_VIEW = 40; // degrees
+const REST = 300; // milliseconds without a change after which the picture is drawn once more, finely
+const FINE = 2; // times as many pixels either way: edges are smooth although nothing antialiases
 
 export class Machine {
   /** @param page data of the page; @param pane element that holds the picture */
@@ -32,17 +34,26 @@ export class Machine {
     return this.viewer.scene_tree.find(["meshcat", ...path.split("/")]).object;
   }
 
-  /** Draw when something changed, and only then: a page that rests leaves the computer alone. */
+  /** Draw when something changed, and once more at rest: a page that rests leaves the computer alone. */
   drawOnDemand() {
     const { viewer } = this;
     let asked = false;
+    let resting = null;
+    const draw = (times) => {
+      const ratio = times * window.devicePixelRatio;
+      if (viewer.renderer.getPixelRatio() !== ratio) viewer.renderer.setPixelRatio(ratio);
+      viewer.render();
+      this.watchers.forEach((watch) => watch());
+    };
     viewer.set_dirty = () => {
       if (asked) return;
       asked = true;
+      window.clearTimeout(resting);
       window.requestAnimationFrame(() => {
         asked = false;
-        viewer.render();
-        this.watchers.forEach((watch) => watch());
+        draw(1);
+        window.clearTimeout(resting);
+        resting = window.setTimeout(() => { if (!asked) draw(FINE); }, REST);
       });
     };
     viewer.set_dirty();
