@@ -183,7 +183,7 @@ def test_solutions_are_offered_and_chosen(kuka: LivePage) -> None:
     kuka.one('[data-branch="1"]').click()
     np.testing.assert_allclose(robot.fk(kuka.axes).homogeneous, T.homogeneous, atol=1e-8)
     assert kuka.axes[3] != pytest.approx(15.0, abs=1.0)
-    assert f"A4 {kuka.axes[3]:.1f}".replace("-", "\u2212") in names[1]
+    assert f"A4\u00a0{kuka.axes[3]:.1f}".replace("-", "\u2212") in names[1]
     assert kuka.one("[data-branch]").count() == count
     assert kuka.one('[data-branch="1"]').get_attribute("aria-pressed") == "true"
     kuka.one('[data-branch="0"]').click()
@@ -289,6 +289,7 @@ def test_sums_of_axes_have_bars(lives: _Lives) -> None:
 @pytest.mark.parametrize("name", ["kr6r900", "parallelogram_nr"])
 def test_nothing_is_wider_than_the_window(name: str, lives: _Lives) -> None:
     live = lives[name]
+    live.call("set", rest_pose(Robot.load(name)))
     cut = (
         "[...document.querySelectorAll('input, button, select')].filter((e) => e.offsetWidth).filter((e) => {"
         " const b = e.getBoundingClientRect(); return b.left < 0 || b.right > window.innerWidth; }).length"
@@ -298,6 +299,8 @@ def test_nothing_is_wider_than_the_window(name: str, lives: _Lives) -> None:
         live.tab.wait_for_timeout(150)
         assert live.overflow() <= 0
         assert live.tab.evaluate(cut) == 0
+        under = live.tab.evaluate("const t = document.querySelector('#tools'); t.offsetTop + t.offsetHeight")
+        assert all(box[1] >= under for box in live.tab.evaluate(BOXES))
         if width == 390:
             seen = live.picture()[:380].astype(int)
             assert ((seen[..., 0] > 130) & (seen[..., 0] - seen[..., 2] > 80)).sum() > 500
@@ -351,12 +354,14 @@ def test_labels_stand_beside_what_they_name(name: str, lives: _Lives) -> None:
 
 
 BOXES = (
-    "[...document.querySelectorAll('#labels span')].map((e) => { const b = e.getBoundingClientRect(); return"
+    "[...document.querySelectorAll('#labels span')].filter((e) => !e.hidden)"
+    ".map((e) => { const b = e.getBoundingClientRect(); return"
     " [b.x, b.y, b.width, b.height]; })"
 )
 # Where the lines begin that lead from a frame to its name.
 ORIGINS = (
-    "[...document.querySelectorAll('#labels i')].map((e) => { const m = new DOMMatrix(getComputedStyle(e).transform);"
+    "[...document.querySelectorAll('#labels i')].filter((e) => !e.hidden)"
+    ".map((e) => { const m = new DOMMatrix(getComputedStyle(e).transform);"
     " const b = document.querySelector('#labels').getBoundingClientRect(); return [m.e + b.x, m.f + b.y]; })"
 )
 
@@ -364,7 +369,7 @@ ORIGINS = (
 def test_a_page_at_rest_draws_nothing(kuka: LivePage) -> None:
     kuka.call("set", [0.0, -90.0, 90.0, 0.0, 45.0, 0.0])
     kuka.until("document.querySelectorAll('[data-branch]').length > 0")
-    kuka.tab.wait_for_timeout(150)
+    kuka.tab.wait_for_timeout(800)  # longer than until the fine picture
     frames = kuka.tab.evaluate("window.chainbuild.frames")
     kuka.tab.wait_for_timeout(250)
     assert kuka.tab.evaluate("window.chainbuild.frames") == frames
@@ -427,4 +432,4 @@ def test_status_and_turn_are_those_of_the_package(lives: _Lives) -> None:
         live.call("set", lower + (upper - lower) * rng.random(6))
         live.until("document.querySelectorAll('[data-branch]').length > 0")
         status, turn = status_turn(robot, live.axes)
-        assert f"IS {status} IT {turn}" in live.one('[data-branch][aria-pressed="true"]').first.inner_text()
+        assert f"IS\u00a0{status} IT\u00a0{turn}" in live.one('[data-branch][aria-pressed="true"]').first.inner_text()

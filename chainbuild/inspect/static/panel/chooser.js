@@ -36,10 +36,10 @@ function wordsOf(page, count, family) {
 
 function describe(page, button, axes, k) {
   const different = page.axes.map((_, n) => n).filter((n) => !(Math.abs(axes[n] - page.axes[n]) < DIFFERS));
-  const parts = different.map((n) => `${page.chain.names[n]} ${written(axes[n], 1)}${unitText(page.chain.axes[n].unit)}`);
+  const parts = different.map((n) => `${page.chain.names[n]}\u00a0${written(axes[n], 1)}${unitText(page.chain.axes[n].unit)}`);
   const here = different.length === 0;
   const bits = statusTurn(page.chain, axes);
-  const status = bits ? ` · IS ${bits[0]} IT ${bits[1]}` : "";
+  const status = bits ? ` · IS\u00a0${bits[0]} IT\u00a0${bits[1]}` : "";
   button.setAttribute("aria-pressed", String(here));
   const text = `${k + 1}  ${here ? "shown" : parts.join("  ")}${status}`;
   if (button.textContent !== text) button.textContent = text;

@@ -1,6 +1,8 @@
 // The state of the pose: its status, and how close to a singular position it is.
 import { traceColour, traceShare } from "cb/colours";
 
+const ROUNDING = 1e-12; // a smaller value says nothing but zero
+
 /** Keep the status and the singular value in the panel up to date. */
 export function startState(page, root) {
   const status = root.querySelector("[data-status]");
@@ -16,7 +18,7 @@ export function startState(page, root) {
     singular.dataset.singular = found ? String(value) : "";
     singular.style.setProperty("--colour", traceColour(value));
     part(".level").style.width = `${100 * (found ? traceShare(value) : 0)}%`;
-    part(".number").textContent = found ? Number(value.toPrecision(2)).toString() : "–";
+    part(".number").textContent = found ? `${value < ROUNDING ? 0 : Number(value.toPrecision(2))}` : "–";
     part(".sentence").textContent = found ? found.sentence : "No pose, no measure.";
   });
 }

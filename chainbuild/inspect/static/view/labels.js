@@ -5,7 +5,7 @@ const SIDES = [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, 1], [1, -1], [-1, 
 const OUT = 400; // what a name outside the picture counts, in square pixels covered
 
 /** Write the names of the frames over the picture, in the elements of `root`. */
-export function startLabels(page, root) {
+export function startLabels(page, root, tools) {
   const { machine } = page;
   const labels = page.data.labels.map(({ text, frame }) => {
     const tag = document.createElement("span");
@@ -16,6 +16,12 @@ export function startLabels(page, root) {
     return { tag, line, frame };
   });
   let sizes = null;
+  // The buttons over the picture take more lines where it is narrow.
+  let [width, height] = [0, 0];
+  const covered = (now) => {
+    if (now !== width) [width, height] = [now, tools.offsetTop + tools.offsetHeight];
+    return height;
+  };
   const draw = () => {
     root.hidden = !machine.shows.frames;
     if (root.hidden) return;
@@ -25,7 +31,7 @@ export function startLabels(page, root) {
     sizes = sizes || labels.map(({ tag }) => ({ width: tag.offsetWidth, height: tag.offsetHeight }));
     const seen = labels.map(({ tag, line, frame }) => ({ tag, line, arms: armsOf(page, frame, pane) }));
     const all = seen.flatMap((one) => one.arms || []);
-    const taken = [];
+    const taken = [{ x: 0, y: 0, width: pane.width, height: covered(pane.width) }];
     seen.forEach(({ tag, line, arms }, n) => {
       tag.hidden = line.hidden = arms === null;
       if (arms === null) return;
@@ -46,7 +52,7 @@ function lead(line, from, box) {
   line.style.transform = `translate(${from.x.toFixed(1)}px, ${from.y.toFixed(1)}px) rotate(${Math.atan2(y, x)}rad)`;
 }
 
-/** Return points along the arms of a frame in pixels, its origin first; null behind the camera. */
+/** Return points along the arms of a frame in pixels, its origin first; null outside the picture. */
 function armsOf(page, name, pane) {
   const { machine } = page;
   const { link, T } = page.chain.data.frames[name];
@@ -60,7 +66,8 @@ function armsOf(page, name, pane) {
     const seen = new machine.three.Vector3(...end).applyMatrix4(place).project(machine.viewer.camera);
     return { x: ((seen.x + 1) / 2) * pane.width, y: ((1 - seen.y) / 2) * pane.height, z: seen.z };
   });
-  return points[0].z < 1 ? points : null;
+  const [{ x, y, z }] = points;
+  return z < 1 && x >= 0 && y >= 0 && x <= pane.width && y <= pane.height ? points : null;
 }
 
 /** Return the box beside a point that covers least of the frames, the other names and the picture's edge. */

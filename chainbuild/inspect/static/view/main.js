@@ -18,7 +18,7 @@ startTheme(page, document.getElementById("theme"));
 startPanel(page, ghosts);
 startTools(page, document.getElementById("tools"), ghosts);
 startGizmo(page, document.getElementById("tools"));
-startLabels(page, document.getElementById("labels"));
+startLabels(page, document.getElementById("labels"), document.getElementById("tools"));
 startKeyboard(page, document.getElementById("axes"));
 page.setAxes(axesOfHash(page.axes.length) || page.axes, "start");
 page.machine.fit();
