@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import ExitStack
 
 import pytest
 from playwright.sync_api import Browser, sync_playwright
 
 from tests.kit.browser import chromium
-from tests.kit.live_page import FLAGS
+from tests.kit.live_page import FLAGS, LivePage, Lives
 
 
 @pytest.fixture(scope="package")
@@ -21,3 +22,16 @@ def browser() -> Iterator[Browser]:
         started = driver.chromium.launch(executable_path=chromium(), args=FLAGS)
         yield started
         started.close()
+
+
+@pytest.fixture(scope="module")
+def lives(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lives]:
+    """Return open pages by machine; each is opened once for a file of tests."""
+    with ExitStack() as stack:
+        yield Lives(browser, tmp_path_factory.mktemp("pages"), stack)
+
+
+@pytest.fixture
+def kuka(lives: Lives) -> LivePage:
+    """Return the open page of an arm."""
+    return lives["kr6r900"]

@@ -6,7 +6,7 @@ import io
 import json
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import Browser, Locator, Page
+
+from chainbuild.inspect.export import export_page
+from chainbuild.robot import Robot
 
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]  # no GPU here
 _PATIENCE = 60.0  # seconds until a page that does nothing fails its test
@@ -113,3 +116,19 @@ def opened(
         assert live.told == []
     finally:
         tab.close()
+
+
+class Lives(dict[str, LivePage]):
+    """Open pages by machine; each is written and opened once."""
+
+    def __init__(self, browser: Browser, folder: Path, stack: ExitStack) -> None:
+        super().__init__()
+        self.browser, self.folder, self.stack = browser, folder, stack
+
+    def page(self, name: str) -> Path:
+        """Return the page file of a shipped machine, written anew."""
+        return export_page(Robot.load(name), self.folder / f"{name}.html")
+
+    def __missing__(self, name: str) -> LivePage:
+        self[name] = self.stack.enter_context(opened(self.browser, self.page(name)))
+        return self[name]
