@@ -148,9 +148,13 @@ def test_the_singular_value_has_a_bar_and_a_sentence(kuka: LivePage) -> None:
     kuka.call("set", [0.0, -90.0, 90.0, 0.0, 45.0, 0.0])
     free = kuka.one("[data-singular]")
     assert float(free.get_attribute("data-singular") or "nan") > 0.05
+    width = "parseFloat(document.querySelector('.level').style.width)"
+    share = 1.0 + np.log10(float(free.get_attribute("data-singular") or "nan")) / 3.0  # of three decades
+    assert kuka.tab.evaluate(width) == pytest.approx(100.0 * share, abs=0.01)
     green = kuka.tab.evaluate("getComputedStyle(document.querySelector('.level')).backgroundColor")
     kuka.call("set", [0.0, -90.0, 90.0, 0.0, 0.0, 0.0])
     assert float(free.get_attribute("data-singular") or "nan") < 1e-9
+    assert kuka.tab.evaluate(width) == 0.0
     assert "A4 and A6 run away" in free.inner_text()
     red = kuka.tab.evaluate("getComputedStyle(document.querySelector('.level')).backgroundColor")
     assert red == "rgb(208, 52, 44)"
