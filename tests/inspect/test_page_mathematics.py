@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 from collections.abc import Iterator
 from functools import cache
 from typing import Any
@@ -15,14 +16,15 @@ from playwright.sync_api import Browser, Page
 
 from chainbuild.analysis.singularity.measures import measure_batch
 from chainbuild.errors import ChainbuildError
+from chainbuild.formats.overlay import Overlay
 from chainbuild.inspect.chain_data import chain_data
 from chainbuild.kinematics.closure import closing_axes
 from chainbuild.machines import shipped
 from chainbuild.robot import Robot
-from tests.formats.twincat.test_axis_offsets import CARDAN, OFFSETS, chain_of
 from tests.kit.before_fold import cases, two_steps, type_chain
 from tests.kit.module_page import computed, module_page, page_modules
 from tests.kit.paths import PACKAGE
+from tests.kit.twincat_files import machine
 
 # One of each kind: arms of both controls, a parallelogram, held axes, heads, tables, gears, nonlinear maps, composed
 # chains, SCARAs whose C turns on, closed loops by closed form and by continuation.
@@ -106,7 +108,11 @@ def off(a: float, b: float, column: str) -> float:
 def agrees(modules: Page, one: Robot, count: int) -> None:
     """Compare what the page computes at random axis values with what Python does."""
     rows = closing_axes(one, np.random.default_rng(18), count)
-    assert len(rows) == count
+    if not len(rows):  # data with which the loops close nowhere
+        rows = np.array([[0.37 * axis.lower + 0.63 * axis.upper for axis in one.axes]])
+        assert states(modules, one, rows)[0]["pose"] is None
+        assert not np.isfinite(one.chain.axis_map.q(rows[0])).any()
+        return
     found = states(modules, one, rows)
     poses = np.array([state["pose"] for state in found]).reshape(-1, 4, 4)
     np.testing.assert_allclose(poses, one.fk_batch(rows), rtol=0, atol=1e-12)
@@ -128,7 +134,7 @@ def agrees(modules: Page, one: Robot, count: int) -> None:
 
 @pytest.mark.parametrize("name", KINDS)
 def test_the_page_computes_what_python_computes(name: str, modules: Page) -> None:
-    agrees(modules, robot(name), 1000 if name in {"kr6r900", "tripod_kin12", "cardan_head_kin59"} else 200)
+    agrees(modules, robot(name), 1000 if name in {"kr6r900", "tripod_kin12"} else 150)
 
 
 @pytest.mark.slow
@@ -146,7 +152,11 @@ def test_two_steps_and_shifted_axes_are_computed_alike(modules: Page) -> None:
     agrees(modules, Robot(two_steps(206, 9)), 50)
     agrees(modules, Robot(two_steps(9, 58)), 50)
     agrees(modules, Robot(type_chain(98, True)), 50)
-    agrees(modules, Robot(chain_of(CARDAN, OFFSETS)), 50)
+    cardan = ("trafo[0].id 59", "trafo[0].param[0] 1000000", "trafo[0].param[6] 450000")
+    offsets = ("wz[2].ax_versatz[3] 100000", "wz[2].ax_versatz[4] -75000")
+    shifted = machine("\n".join((*cardan, *offsets)), overlay=Overlay(tool={"number": 2})).chain()
+    assert "Shifted" in type(shifted.axis_map).__name__
+    agrees(modules, Robot(shifted), 50)
 
 
 def test_every_axis_map_and_drive_map_has_a_twin(modules: Page) -> None:
@@ -156,7 +166,8 @@ def test_every_axis_map_and_drive_map_has_a_twin(modules: Page) -> None:
     written = {
         node.name
         for path in PACKAGE.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if {"dq_daxes", "differing"} & set(re.findall(r"def (\w+)", text := path.read_text("utf-8")))
+        for node in ast.parse(text).body
         if isinstance(node, ast.ClassDef)
         and not any(isinstance(base, ast.Name) and base.id == "Protocol" for base in node.bases)
         and {"dq_daxes", "differing"} & {one.name for one in node.body if isinstance(one, ast.FunctionDef)}
@@ -221,7 +232,7 @@ def _held(one: Robot, axes: NDArray[np.float64]) -> Iterator[tuple[str, float]]:
 
 @pytest.mark.parametrize("name", KINDS)
 def test_solutions_are_those_of_python(name: str, modules: Page) -> None:
-    alike, compared = solved(modules, name, 12)
+    alike, compared = solved(modules, name, 5)
     assert alike == compared
 
 

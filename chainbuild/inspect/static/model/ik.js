@@ -98,7 +98,7 @@ export class Solver {
   nearest(error, start, free) {
     const next = this.starts(start, free);
     let best = null;
-    for (let n = 0; n < 12; n += 1) {
+    for (let n = 0; n < STARTS; n += 1) {
       const end = descend(error, next(n), free, this.box);
       if (end.met) return { status: "ok", axes: this.beside(end.x, start), branches: [this.beside(end.x, start)], family: true };
       if (best === null || end.size < best.size) best = end;
