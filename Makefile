@@ -12,7 +12,7 @@ demo: $(INSTALLED)
 	$(BIN)/chainbuild demo
 
 test: $(INSTALLED_TEST) chromium lint types
-	$(BIN)/python -m pytest chainbuild tests
+	$(BIN)/python -m pytest chainbuild tests -n 2 --dist loadfile
 
 lint: $(INSTALLED_TEST)
 	$(BIN)/ruff check .

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,6 +13,9 @@ import chainbuild
 from chainbuild.chain.elements import Chain
 from chainbuild.cli import main
 from tests.kit.command_line import Outcome, Run
+
+# Tests that run side by side are told the width of a terminal; the output of a command is as wide as without one.
+os.environ.pop("COLUMNS", None)
 
 
 @pytest.fixture(scope="session")

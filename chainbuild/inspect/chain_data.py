@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.analysis.singularity.measures import characteristic_length
-from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.elements import Axis, Chain, Task
 from chainbuild.frames import ANGLE_MODES
 from chainbuild.ik.region import periodic_axes
@@ -80,15 +79,10 @@ def chain_data(chain: Chain, task: Task | None = None) -> dict[str, Any]:
     """
     link_index = {link.name: n for n, link in enumerate(chain.links)}
     limits = Limits.of(chain)
-    low, high = shown_limits(chain)
-    shown = zip(low.tolist(), high.tolist(), strict=True)
     return {
         "title": chain.title,
         "kinematic": chain.kinematic,
-        "axes": [
-            {**_axis(axis), "shown": [float(f"{end:.12g}") for end in ends]}
-            for axis, ends in zip(chain.axes, shown, strict=True)
-        ],
+        "axes": [_axis(axis) for axis in chain.axes],
         "links": [link.name for link in chain.links],
         "joints": [
             {
@@ -111,6 +105,7 @@ def chain_data(chain: Chain, task: Task | None = None) -> dict[str, Any]:
             {"axis": one.axis, "name": limits.drive_name(one), "lower": as_json(one.lower), "upper": as_json(one.upper)}
             for one in limits.drives
         ],
+        "differing": [] if chain.drives is None else list(chain.drives.differing),
         "sums": [
             {
                 "name": one.name,

@@ -35,6 +35,7 @@ def panel_html(chain: Chain, grid_cell: float) -> str:
     parts = [
         f'<p class="soft">{html_escaped(chain.dialect)} · {html_escaped(chain.kinematic)}</p>',
         _state(),
+        '<section id="playback" hidden></section>',
         _pose(chain),
         _axes(chain),
         '<section id="bars" hidden><h2>Further limits</h2><div class="rows"></div></section>',
@@ -42,7 +43,6 @@ def panel_html(chain: Chain, grid_cell: float) -> str:
         "</section>",
         '<section id="presets"><h2>Poses</h2><div class="rows"></div><p class="note soft" aria-live="polite"></p>'
         "</section>",
-        '<section id="playback" hidden></section>',
         '<section id="dimensions" hidden></section>',
         _keys(),
         _legend(chain, grid_cell),
@@ -110,14 +110,21 @@ def _displayed_meaning(chain: Chain) -> str:
 
 
 def _axes(chain: Chain) -> str:
-    shown = zip(chain.axes, *shown_limits(chain), strict=True)
-    rows = "".join(_axis_row(axis, float(low), float(high)) for axis, low, high in shown)
+    rows = "".join(
+        _axis_row(axis, low, high) for axis, (low, high) in zip(chain.axes, _slider_ends(chain), strict=True)
+    )
     notes = "".join(f'<p class="soft">{html_escaped(note)}</p>' for note in _axis_notes(chain))
     return (
         '<section id="axes"><h2>Axes <label class="step">step <select aria-label="Step of the arrow keys, mm or '
         'degrees"><option>0.1</option><option selected>1</option></select></label></h2>'
         f'<div class="rows">{rows}</div>{notes}</section>'
     )
+
+
+def _slider_ends(chain: Chain) -> list[tuple[float, float]]:
+    """Return the ends of every slider: the limits; where there are none, what is drawn."""
+    drawn = zip(*(ends.tolist() for ends in shown_limits(chain)), strict=True)
+    return [ends if axis.assumed or axis.endless else axis.range for axis, ends in zip(chain.axes, drawn, strict=True)]
 
 
 def _axis_row(axis: Axis, low: float, high: float) -> str:
@@ -147,8 +154,8 @@ def _axis_notes(chain: Chain) -> Iterable[str]:
         yield "* Assumed limits: the machine data contain none."
     shortened = [
         f"{axis.name} {_number(low)} … {_number(high)}{'°' if axis.unit == 'deg' else ' mm'}"
-        for axis, low, high in zip(chain.axes, *shown_limits(chain), strict=True)
-        if not _whole(axis, float(low), float(high))
+        for axis, (low, high) in zip(chain.axes, _slider_ends(chain), strict=True)
+        if not _whole(axis, low, high)
     ]
     if shortened:
         yield f"Shown over part of the range only: {', '.join(shortened)}."

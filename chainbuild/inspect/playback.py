@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -14,15 +14,17 @@ import numpy as np
 from chainbuild.analysis.path.motion import Between
 from chainbuild.analysis.singularity.measures import measure_batch
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.comparison.comparison import forward_poses, pose_errors
 from chainbuild.errors import Span, TableError
 from chainbuild.ik.result import IkResult
+from chainbuild.inspect.chain_data import as_json
 from chainbuild.inspect.playnotes import PlaybackNote, playback_notes
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.progress import Progress
 from chainbuild.shown import two_lines
 from chainbuild.tables import AxisTable
 from chainbuild.tables.recording import read_recording
-from chainbuild.units import mm_from_m
+from chainbuild.units import deg_from_rad, mm_from_m
 
 _DECIMALS: Final = 6  # of mm and degrees: finer than controls count, and a page of 50,000 rows stays near 3 MB
 _METRE_DECIMALS: Final = 9  # the same in metres
@@ -46,6 +48,8 @@ class Playback:
         measured: (n, 3) position of the tool that the controller showed, in the workpiece frame [m]; None: no
             recording.
         errors: (n, 3) measured minus computed position [m]; not a number where there is no pose; None: no recording.
+        turns: (n,) angle between the orientations [rad], of the tool vector where that alone was recorded; not a number
+            where there is no pose or no orientation was recorded; None: no recording.
     """
 
     kind: PlaybackKind
@@ -56,6 +60,7 @@ class Playback:
     remarks: tuple[str, ...] = ()
     measured: Matrix | None = None
     errors: Matrix | None = None
+    turns: Vector | None = None
 
     def __repr__(self) -> str:
         return two_lines(f"<Playback of {self.source}: {len(self.axes)} rows ({self.kind}), {len(self.notes)} notes>")
@@ -75,6 +80,7 @@ class Playback:
             "notes": [{"row": one.row, "last": one.last, "kind": one.kind, "text": one.text} for one in self.notes],
             "remarks": list(self.remarks),
             "measured": None if self.measured is None else _rounded(self.measured, _METRE_DECIMALS),
+            "turns": None if self.turns is None else as_json(np.round(deg_from_rad(1.0) * self.turns, _DECIMALS)),
             "errors": None if self.errors is None else _rounded(self.errors * mm_from_m(1.0), _DECIMALS),
         }
 
@@ -114,7 +120,23 @@ def recording_playback(robot: Mechanism, path: str | os.PathLike[str], *, progre
         ChainbuildError: the table cannot be read, holds no rows, or a row holds no axis values or pose.
     """
     recording = read_recording(Path(path), robot.chain)
-    return _playback(robot, "recording", path, recording.axes, {}, recording.poses[:, :3, 3].copy(), progress)
+    played = _playback(robot, "recording", path, recording.axes, {}, recording.poses[:, :3, 3].copy(), progress)
+    poses = forward_poses(robot, recording.axes)
+    turns = pose_errors(poses, recording.poses, recording.compared, robot.chain.tool_column)[1]
+    if recording.compared == "position":
+        turns = np.full(len(turns), np.nan)
+    return replace(played, turns=turns, remarks=(*played.remarks, *_largest(played.errors, turns)))
+
+
+def _largest(errors: Matrix | None, turns: Vector) -> Iterator[str]:
+    """Yield in which rows of a recording the model is farthest off."""
+    distances = np.zeros(0) if errors is None else np.linalg.norm(errors, axis=1)
+    if np.isfinite(distances).any():
+        row = int(np.nanargmax(distances))
+        yield f"farthest from the model: row {row + 1}, {mm_from_m(float(distances[row])):.3f} mm"
+    if np.isfinite(turns).any():
+        row = int(np.nanargmax(turns))
+        yield f"turned most against the model: row {row + 1}, {deg_from_rad(float(turns[row])):.3f} deg"
 
 
 def pose_playback(

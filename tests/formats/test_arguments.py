@@ -87,7 +87,10 @@ def test_what_is_no_tool_length(machine: chainbuild.Machine, length: object, say
     assert caught.value.parameter == "tool_length_mm"
 
 
-@pytest.mark.parametrize("path", [5, [], b"x", True, 1.5, object(), "", "\0", "no\0where.lis"], ids=lambda path: repr(path)[:12])
+NO_PATHS = (5, [], b"x", True, 1.5, object(), "", "\0", "no\0where.lis")
+
+
+@pytest.mark.parametrize("path", NO_PATHS, ids=lambda path: repr(path)[:12])
 def test_what_is_no_path(path: object) -> None:
     with pytest.raises(FileAccessError):
         chainbuild.load(path)  # type: ignore[arg-type]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser
 
+from chainbuild.frames import matrix_from_angles
 from chainbuild.inspect.export import export_page
 from chainbuild.inspect.scene import labelled_frames
 from chainbuild.inspect.sweep import rest_pose
@@ -84,6 +85,68 @@ def test_a_pose_is_typed_column_by_column(kuka: LivePage) -> None:
     kuka.one('[data-pose="x_mm"]').fill(repr(float(robot.display(goal)["x_mm"])))
     assert kuka.status() == "ok"
     np.testing.assert_allclose(robot.fk(kuka.axes).homogeneous, robot.fk(goal).homogeneous, atol=1e-8)
+
+
+def test_what_is_asked_stays_while_it_is_out_of_reach(kuka: LivePage) -> None:
+    robot, begin = Robot.load("kr6r900"), [0.0, -90.0, 90.0, 0.0, 30.0, 0.0]
+    kuka.call("set", begin)
+    before = kuka.shown()
+    kuka.one('[data-pose="x_mm"]').fill("2000")
+    kuka.tab.keyboard.press("Tab")
+    assert kuka.status() == "unreachable"
+    asked = {**before, "x_mm": 2000.0}
+    assert kuka.shown() == pytest.approx(asked, abs=1e-9)
+    stands = robot.display(kuka.axes)
+    assert kuka.one("#pose .stands").inner_text().startswith(f"The tool stands at X\u00a0{stands['x_mm']:.3f} ")
+    kuka.one('[data-pose="y_mm"]').fill("100")
+    assert kuka.shown() == pytest.approx({**asked, "y_mm": 100.0}, abs=1e-9)
+    kuka.tab.keyboard.press("Escape")
+    np.testing.assert_array_equal(kuka.axes, begin)
+    assert kuka.shown() == pytest.approx(before, abs=1e-9)
+    assert kuka.one("#pose .stands").inner_text() == ""
+
+
+def test_a_turn_at_gimbal_lock_is_the_turn_that_is_typed(kuka: LivePage) -> None:
+    begin = [0.0, -90.0, 90.0, 0.0, 0.0, 0.0]
+    kuka.call("set", begin)
+    assert kuka.shown()["b_deg"] == pytest.approx(90.0)
+    turned = {**kuka.shown(), "a_deg": 20.0}
+    kuka.one('[data-pose="a_deg"]').fill("20")
+    assert kuka.shown() == pytest.approx(turned, abs=1e-9)
+    R = Robot.load("kr6r900").fk(kuka.axes).rotation
+    angles = [turned[f"{letter}_deg"] for letter in "abc"]
+    np.testing.assert_allclose(R, matrix_from_angles("orirpy", angles), atol=1e-8)
+
+
+def test_a_decimal_comma_is_a_point(kuka: LivePage) -> None:
+    kuka.call("set", [0.0, -90.0, 90.0, 0.0, 45.0, 0.0])
+    field = kuka.one('input[type=number][data-axis="A1"]')
+    field.focus()
+    kuka.tab.keyboard.press("Control+A")
+    kuka.tab.keyboard.type("12,5")
+    assert kuka.axes[0] == 12.5
+    kuka.one("#axes select").select_option("0.1")
+    field.focus()
+    kuka.tab.keyboard.press("ArrowUp")
+    assert kuka.axes[0] == pytest.approx(12.6)
+    kuka.tab.keyboard.press("Shift+ArrowDown")
+    assert kuka.axes[0] == pytest.approx(11.6)
+    assert "chosen" in (kuka.one('.axis:has([data-axis="A1"])').get_attribute("class") or "")
+    kuka.one("#axes select").select_option("1")
+
+
+def test_an_address_of_another_machine_is_told(browser: Browser, lives: Lives) -> None:
+    with opened(browser, lives.page("kr6r900"), "#axes=1,2,3") as live:
+        assert "does not hold 6 axis values" in live.one("[data-status]").inner_text()
+
+
+def test_drives_that_stand_elsewhere_are_shown(browser: Browser, lives: Lives) -> None:
+    robot, axes = Robot.load("rotated_head_kin70"), [100.0, 50.0, -100.0, 58.0, 58.0, 170.0]
+    with opened(browser, lives.page("rotated_head_kin70")) as live:
+        live.call("set", axes)
+        told = [live.one(f'[data-bar="{name}_drive"] output').inner_text() for name in ("B", "A")]
+        drives = robot.drives(axes)
+        assert told == [f"{drives[n]:.3f}°".replace("-", "\u2212") for n in (3, 4)]
 
 
 def test_named_poses_are_buttons(kuka: LivePage) -> None:

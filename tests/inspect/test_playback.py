@@ -167,6 +167,24 @@ def test_a_recording_is_compared_with_forward_kinematics(tmp_path: Path) -> None
     assert np.abs(np.array(data["errors"]) - 1000.0 * (measured - computed)).max() < 1e-6
     assert np.abs(np.array(data["errors"][1]) - [1.0, -2.0, 3.0]).max() < 0.01
     assert (data["kind"], data["source"], data["rows"]) == ("recording", "moved.csv", recording.axes.tolist())
+    assert data["remarks"][-1].startswith("farthest from the model: row 2, 3.7")
+    assert set(data["turns"]) == {None}  # positions alone were recorded
+
+
+def test_what_is_turned_in_a_recording_is_told(robot: Robot, tmp_path: Path) -> None:
+    rows = [[0, -90, 90, 0, 30, 0], [10, -80, 90, 20, 30, 40], [20, -80, 70, 20, 30, -40]]
+    shown = [robot.display(row) for row in rows]
+    shown[1]["x_mm"] += 0.5
+    shown[2]["c_deg"] += 0.25
+    both = [(*row, *columns.values()) for row, columns in zip(rows, shown, strict=True)]
+    lines = [",".join(f"{value:.12g}" for value in values) for values in both]
+    path = tmp_path / "recording.csv"
+    path.write_text(f"{ARM.strip()},{','.join(shown[0])}\n" + "\n".join(lines), "utf-8")
+    found = chainbuild.recording_playback(robot, path)
+    assert found.remarks[-2:] == (
+        "farthest from the model: row 2, 0.500 mm", "turned most against the model: row 3, 0.250 deg",
+    )  # fmt: skip
+    assert found.data()["turns"] == pytest.approx([0.0, 0.0, 0.25], abs=1e-5)
 
 
 def test_rows_without_pose_and_maps_that_are_not_affine(tmp_path: Path) -> None:

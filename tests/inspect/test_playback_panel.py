@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
+from chainbuild.analysis.singularity.measures import measure
 from chainbuild.inspect.bundle import import_map, viewer_file
+from chainbuild.inspect.export import export_page
+from chainbuild.inspect.playback import axes_playback
+from chainbuild.robot import Robot
+from tests.kit.live_page import opened as page_opened
 
 # A machine whose tool stands at its first three axes, and that has no pose beyond x = 1000.
 STUB = """
@@ -48,7 +55,7 @@ PLAYBACK = {
 MEASURED = {
     "kind": "recording", "rows": [ROWS[0], ROWS[1], ROWS[3]], "numbers": [1, 2, 3], "singular": [1.0, 1.0, 1.0],
     "notes": [], "measured": [[0.001, 0.0, 0.0], [0.1, -0.002, 0.0], [0.2, 0.05, 0.0]],
-    "errors": [[1.0, 0.0, 0.0], [0.0, -2.0, 0.0], None],
+    "errors": [[1.0, 0.0, 0.0], [0.0, -2.0, 0.0], None], "turns": [0.26, None, None],
 }  # fmt: skip
 
 Open = Callable[..., Page]
@@ -216,6 +223,7 @@ def test_errors_of_a_recording_are_drawn_to_a_scale_that_is_said(show: Open) -> 
     assert vectors == pytest.approx([0, 0, 0, 0.01, 0, 0, 0.1, 0, 0, 0.1, -0.02, 0], abs=1e-7)
     assert "drawn 10 times as long" in page.locator("#root").inner_text()
     assert page.evaluate("page.inWorkpiece.children.filter((c) => c.name === 'measured').length") == 1
+    assert "(dx +1.000, dy 0.000, dz 0.000), turned by 0.260°" in page.get_by_role("status").inner_text()
     page.evaluate("player.seek(2)")
     said = page.get_by_role("status").inner_text()
     assert said.endswith("measured 2.000 mm from the model (dx 0.000, dy −2.000, dz 0.000)")
@@ -236,3 +244,31 @@ def test_of_many_notes_the_first_are_listed(show: Open) -> None:
     page = show({**PLAYBACK, "notes": many, "remarks": ["sampled"]})
     assert page.locator("button[data-note]").count() == 500
     assert {"620 notes on rows", "… and 120 more", "sampled"} <= set(page.locator("#root").inner_text().split("\n"))
+
+
+def test_the_whole_page_plays_the_rows_of_a_file(browser: Browser, tmp_path: Path) -> None:
+    robot = Robot.load("kr6r900")
+    rows = np.array(
+        [[0, -90, 90, 0, 30, 0], [20, -80, 90, 0, 12.25, 0], [40, -70, 95, 0, 0, 0], [60, -60, 200, 0, 9, 0]]
+    )
+    path = tmp_path / "rows.csv"
+    path.write_text("A1,A2,A3,A4,A5,A6\n" + "\n".join(",".join(map(str, row)) for row in rows), "utf-8")
+    played = axes_playback(robot, path)
+    smallest = [measure(robot, row).smallest for row in rows]
+    with page_opened(browser, export_page(robot, tmp_path / "page.html", playback=played)) as live:
+        shown = live.one("[data-row]")
+        assert shown.get_attribute("data-row") == "1"
+        np.testing.assert_array_equal(live.axes, rows[0])
+        live.one("#playback input[type=range]").focus()
+        for n in (1, 2, 3):
+            live.tab.keyboard.press("ArrowRight")
+            assert shown.get_attribute("data-row") == str(n + 1)
+            np.testing.assert_array_equal(live.axes, rows[n])
+            told = live.tab.evaluate("(axes) => window.chainbuild.singular(axes).smallest", rows[n].tolist())
+            assert told == pytest.approx(smallest[n], abs=1e-12)
+            assert played.data()["singular"][n] == pytest.approx(smallest[n], rel=1e-6, abs=1e-11)
+        assert live.status() == "limits"
+        live.one('input[type=range][data-axis="A1"]').focus()
+        live.tab.keyboard.press("ArrowRight")
+        assert shown.get_attribute("data-row") == ""  # what is shown is no row of the file any more
+        live.one("#playback").get_by_role("button", name="Previous violation").click()

@@ -9,7 +9,10 @@ const SLACK = 1e-6; // as in the limits
 export function startBars(page, root) {
   const { data } = page.chain;
   const sums = data.sums.map((sum) => ({ ...sum, unit: "deg", title: sum.label, value: (axes) => sumOf(sum, axes) }));
-  const drives = data.driveLimits.map((one) => {
+  const limited = new Set(data.driveLimits.map((one) => one.axis));
+  const others = data.differing.filter((axis) => !limited.has(axis));
+  const unlimited = others.map((axis) => ({ axis, name: `${data.axes[axis].name}_drive`, lower: null, upper: null }));
+  const drives = [...data.driveLimits, ...unlimited].map((one) => {
     const axis = data.axes[one.axis];
     const value = (axes) => page.limits.driveValues(axes)[one.axis];
     return { ...one, unit: axis.unit, title: `drive of ${axis.name}`, value };

@@ -29,9 +29,17 @@ export function startChooser(page, root, ghosts) {
 }
 
 function wordsOf(page, count, family) {
+  const { searched, singular } = page.status;
   if (family) return "One of infinitely many: more axes move than the pose determines.";
-  if (count > 0) return count > 1 ? `${count} within the limits.` : "No other within the limits.";
-  return page.status.status === "ok" ? "Not searched yet." : "None within the limits.";
+  if (page.status.status === "unreachable") return "None: out of reach.";
+  if (!searched) return "Not searched yet.";
+  const parts = [count > 1 ? `${count} within the limits` : count ? "No other within the limits" : "None within the limits"];
+  if (count) parts.push("whole turns of an axis do not count");
+  if (singular) parts.push("the machine is singular here, so that each may be one of infinitely many");
+  const { display, task } = page.chain.data;
+  // The rotary axes are displayed themselves: another solution is another display.
+  if (count > 1 && display.kind === "axes" && task === "direction") parts.push("others turn the displayed axes to the same tool vector");
+  return `${parts.join("; ")}.`;
 }
 
 function describe(page, button, axes, k) {

@@ -1,5 +1,7 @@
 // Elements of the panel. Texts of machine data reach the page as text only, never as markup.
 
+export const SHIFTED = 10; // steps at once while shift is held
+
 /**
  * Return a new element.
  * @param {string} tag its kind
@@ -33,13 +35,32 @@ export function fill(field, value, decimals) {
   if (document.activeElement !== field || field.dataset.typed !== "true") field.value = fixed(value, decimals);
 }
 
-/** Call a function with every finite number typed into a field; the field is written anew when it is left. */
-export function onTyped(field, decimals, act) {
-  field.addEventListener("input", () => {
+/**
+ * Call a function with every finite number typed into a field; the field is written anew when it is left.
+ * @param {function(): number} step what an arrow key adds
+ */
+export function onTyped(field, decimals, act, step) {
+  const take = () => {
     field.dataset.typed = "true";
     const value = field.valueAsNumber;
     field.setAttribute("aria-invalid", String(!Number.isFinite(value)));
     if (Number.isFinite(value)) act(value);
+  };
+  field.addEventListener("input", take);
+  field.addEventListener("beforeinput", (event) => {
+    // A field of numbers drops a comma without a word: 12,5 would become 125.
+    if (event.data !== "," || event.inputType !== "insertText") return;
+    event.preventDefault();
+    document.execCommand("insertText", false, ".");
+  });
+  field.addEventListener("keydown", (event) => {
+    const sign = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+    if (!sign || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
+    const from = field.dataset.typed === "true" ? field.valueAsNumber : Number(field.dataset.value);
+    if (!Number.isFinite(from)) return;
+    field.value = fixed(from + sign * step() * (event.shiftKey ? SHIFTED : 1), decimals);
+    take();
   });
   field.addEventListener("change", () => {
     delete field.dataset.typed;

@@ -5,7 +5,7 @@ import { HIGHEST, LOWEST, traceColour } from "cb/colours";
 import { between, drawErrors, drawTrace, errorScale } from "cb/trace";
 
 const SPEEDS = [0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000];
-const WHOLE = 30; // seconds that all rows take at first, about
+const WHOLE = 10; // seconds that all rows take at first, about
 const LONGEST_STEP = 0.25; // seconds between two frames: a page in the background does not leap
 const NOTES_SHOWN = 500; // more would make the page slow; they are counted
 const VIOLATIONS = new Set(["limit", "reach", "unreachable", "no_pose"]);
@@ -63,6 +63,7 @@ export function startPlayback(page) {
     play: () => player.play(),
     pause: () => player.pause(),
     seek: (number) => player.seek(number),
+    leave: () => player.leave(),
     get row() { return player.number; },
     get playing() { return player.playing; },
     ready,
@@ -149,6 +150,14 @@ class Player {
     this.show();
   }
 
+  /** Stop where something else has moved the machine: no row is shown. */
+  leave() {
+    this.turn(false);
+    this.place = Math.round(this.place);
+    this.label("");
+    this.told.textContent = "";
+  }
+
   step(side) {
     const here = this.number;
     const ahead = this.violations.filter((row) => side * (row - here) > 0);
@@ -180,7 +189,8 @@ class Player {
     const error = errors && errors[n];
     if (error) {
       const parts = error.map((value, k) => `d${"xyz"[k]} ${signed(value)}`).join(", ");
-      said.push(`measured ${Math.hypot(...error).toFixed(3)} mm from the model (${parts})`);
+      const turned = this.data.turns[n] === null ? "" : `, turned by ${this.data.turns[n].toFixed(3)}°`;
+      said.push(`measured ${Math.hypot(...error).toFixed(3)} mm from the model (${parts})${turned}`);
     }
     return [...said, ...notes.filter((note) => note.row <= number && number <= note.last).map((note) => note.text)];
   }

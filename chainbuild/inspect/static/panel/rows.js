@@ -8,6 +8,7 @@ export function startRows(page, root) {
   const rows = [...root.querySelectorAll(".axis")];
   const sliders = rows.map((row) => row.querySelector("input[type=range]"));
   const fields = rows.map((row) => row.querySelector("input[type=number]"));
+  const step = root.querySelector("select");
   const move = (n, value) => {
     page.setAxes(page.axes.map((old, k) => (k === n ? value : old)));
   };
@@ -15,7 +16,7 @@ export function startRows(page, root) {
     sliders[n].addEventListener("input", () => {
       if (Number.isFinite(sliders[n].valueAsNumber)) move(n, sliders[n].valueAsNumber);
     });
-    onTyped(fields[n], DECIMALS, (value) => move(n, value));
+    onTyped(fields[n], DECIMALS, (value) => move(n, value), () => Number(step.value));
   });
   page.onChange(() => {
     const outside = page.limits.outside(page.axes);

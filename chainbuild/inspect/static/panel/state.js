@@ -13,7 +13,7 @@ export function startState(page, root) {
     status.dataset.status = word;
     const text = [word, words].filter(Boolean).join(" · ");
     if (status.textContent !== text) status.textContent = text;
-    const found = page.measure();
+    const found = page.measures;
     const value = found ? found.smallest : NaN;
     singular.dataset.singular = found ? String(value) : "";
     singular.style.setProperty("--colour", traceColour(value));

@@ -1,6 +1,7 @@
 // Jogging by keys: up and down choose an axis, left and right step it.
 
-const SHIFTED = 10; // steps at once while shift is held
+import { SHIFTED } from "cb/elements";
+
 // Where arrows have a use of their own: fields, and sliders that are not those of axes.
 const OWN = "input[type=number], input[type=range]:not([data-axis]), select, textarea";
 
@@ -14,7 +15,7 @@ export function startKeyboard(page, root) {
     chosen = (n + rows.length) % rows.length;
     rows.forEach((row, k) => row.classList.toggle("chosen", k === chosen));
   };
-  sliders.forEach((slider, n) => slider.addEventListener("focus", () => choose(n)));
+  rows.forEach((row, n) => row.addEventListener("focusin", () => choose(n)));
   const keys = {
     ArrowUp: () => choose(chosen - 1),
     ArrowDown: () => choose(chosen + 1),

@@ -7,6 +7,7 @@ import { measure } from "cb/singular";
 import { Solver } from "cb/ik";
 import { solveDisplayed } from "cb/typed";
 
+const EXACT = 1e-6; // smallest singular value below which a position is singular
 const IDLE = 250; // milliseconds at rest before other solutions are looked for
 
 export class Page {
@@ -26,6 +27,13 @@ export class Page {
     this.listeners.push(listener);
   }
 
+  /** Say something beside the status, until the machine moves. */
+  tell(words) {
+    this.status.words = words;
+    this.status.told = true;
+    this.changed("search");
+  }
+
   /** Move the machine; values outside the limits are shown as such. */
   setAxes(axes, cause = "axes") {
     this.axes = axes.slice();
@@ -33,7 +41,7 @@ export class Page {
     const pose = this.chain.fk(axes);
     const status = pose === null ? "unreachable" : violated.length ? "limits" : "ok";
     const words = pose === null ? "The kinematic has no pose here." : outsideWords(violated);
-    this.status = { status, words, violated, branches: [], family: false };
+    this.status = { status, words, violated, branches: [], family: false, searched: false };
     this.changed(cause);
   }
 
@@ -41,7 +49,7 @@ export class Page {
   take(found, cause) {
     this.axes = found.axes.slice();
     const violated = this.limits.violated(this.axes);
-    this.status = { ...found, violated, words: wordsOf(found, violated) };
+    this.status = { ...found, violated, words: wordsOf(found, violated), searched: true };
     this.changed(cause);
   }
 
@@ -63,7 +71,7 @@ export class Page {
     this.axes = axes;
     const status = met ? "ok" : this.solver.reaches(T, axes) ? "limits" : "unreachable";
     const found = { status: met && violated.length ? "limits" : status, branches, family: this.status.family };
-    this.status = { ...found, violated, words: wordsOf(found, violated) };
+    this.status = { ...found, violated, words: wordsOf(found, violated), searched: this.status.searched };
     this.changed("drag");
   }
 
@@ -76,8 +84,8 @@ export class Page {
     const T = this.chain.fk(this.axes);
     if (T === null || this.status.branches.length) return;
     const { branches, family } = this.solver.solve(T, this.axes);
-    this.status = { ...this.status, branches, family };
-    if (this.status.status === "ok") this.status.words = wordsOf(this.status, []);
+    this.status = { ...this.status, branches, family, searched: true };
+    if (this.status.status === "ok" && !this.status.told) this.status.words = wordsOf(this.status, []);
     this.changed("search");
   }
 
@@ -97,7 +105,7 @@ export class Page {
     const { branches, family } = this.status;
     if (!branches[k]) return;
     this.axes = branches[k].slice();
-    this.status = { status: "ok", violated: [], branches, family, words: "" };
+    this.status = { status: "ok", violated: [], branches, family, words: "", searched: true };
     this.status.words = wordsOf(this.status, []);
     this.changed("branch");
   }
@@ -118,15 +126,13 @@ export class Page {
 
   changed(cause) {
     this.machine.move(this.axes);
+    this.measures = measure(this.chain, this.axes);
+    this.status.singular = this.measures !== null && this.measures.smallest < EXACT;
     this.listeners.forEach((listener) => listener(this, cause));
   }
 
   displayed() {
     return displayed(this.chain, this.axes);
-  }
-
-  measure() {
-    return measure(this.chain, this.axes);
   }
 }
 
