@@ -116,9 +116,10 @@ def inspect(
         options: Which kinematic.
     """
     from chainbuild.inspect.export import export_page
+    from chainbuild.painting.overlay.measures import dimensions
 
     playback.check()
-    robot = options.robot(file)
+    machine, robot = options.built(file)
     values = None
     if at is not None:
         from chainbuild.cli.axisvalues import values_of
@@ -126,5 +127,8 @@ def inspect(
         values = values_of(robot, at)
     shown = playback.playback(robot)
     note_undrawn(robot.chain.geometry)
-    say(export_page(robot, export, playback=shown, at=values))
+    lengths = dimensions(
+        machine, options.chosen_kinematic(machine), options.channel, options.tool_length, options.choices()
+    )
+    say(export_page(robot, export, playback=shown, at=values, dimensions=lengths))
     return 0

@@ -20,10 +20,13 @@ from chainbuild.inspect.scene import Scene, as_shown, labelled_frames
 from chainbuild.inspect.sweep import rest_pose, swept_poses
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import ArrayLike
 
     from chainbuild.inspect.playback import Playback
     from chainbuild.kinematics.mechanism import Mechanism
+    from chainbuild.painting.overlay.measures import Dimension
 
 # Direction of view: from in front of the machine's right side, slightly from above (machine coordinates).
 _VIEW: Final = (1.0, -1.35, 0.75)
@@ -37,6 +40,7 @@ def export_page(
     *,
     playback: Playback | None = None,
     at: ArrayLike | None = None,
+    dimensions: Iterable[Dimension] = (),
 ) -> Path:
     """Write one self-contained HTML file in which the robot is moved axis by axis, by its pose or by its gizmo.
 
@@ -47,6 +51,7 @@ def export_page(
         path: The HTML file; an existing one is replaced.
         playback: Rows of a table to play back; see `axes_playback`.
         at: Axis values (n_axes,), mm and degrees, at which the page opens; None: a pose that shows the machine well.
+        dimensions: Lengths of the machine data that the page can show; see `chainbuild.dimensions`.
 
     Returns:
         The path written.
@@ -55,17 +60,24 @@ def export_page(
         ChainbuildError: the kinematic has no pose to show, or the file cannot be written.
     """
     target = Path(path)
-    write_text(target, page_html(robot, playback=playback, at=at))
+    write_text(target, page_html(robot, playback=playback, at=at, dimensions=dimensions))
     return target
 
 
-def page_html(robot: Mechanism, *, playback: Playback | None = None, at: ArrayLike | None = None) -> str:
+def page_html(
+    robot: Mechanism,
+    *,
+    playback: Playback | None = None,
+    at: ArrayLike | None = None,
+    dimensions: Iterable[Dimension] = (),
+) -> str:
     """Return the text of the page; the same robot gives the same text.
 
     Args:
         robot: The robot.
         playback: As for `export_page`.
         at: As for `export_page`.
+        dimensions: As for `export_page`.
     """
     from meshcat import Visualizer
 
@@ -82,7 +94,17 @@ def page_html(robot: Mechanism, *, playback: Playback | None = None, at: ArrayLi
         licences=viewer_file("main.min.js.LICENSE.txt").replace("--", "- -"),
         modules=import_map(),
         viewer=viewer_file("main.min.js"),
-        data=_data(robot, scene, rest, recorder, {"playback": playback and playback.data(), "given": at is not None}),
+        data=_data(
+            robot,
+            scene,
+            rest,
+            recorder,
+            {
+                "playback": playback and playback.data(),
+                "given": at is not None,
+                "dimensions": [_dimension(one, robot) for one in dimensions],
+            },
+        ),
     )
 
 
@@ -104,6 +126,18 @@ def _data(robot: Mechanism, scene: Scene, rest: Any, recorder: _Recorder, more: 
     }
     # No text may end the script element.
     return json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def _dimension(one: Dimension, robot: Mechanism) -> dict[str, Any]:
+    """Return a length of the machine data as a line in a link, with its name in the file."""
+    return {
+        "symbol": one.datum.symbol,
+        "name": one.datum.name,
+        "label": one.label,
+        "link": [link.name for link in robot.chain.links].index(one.link),
+        "start": one.start.tolist(),
+        "end": one.end.tolist(),
+    }
 
 
 class _Recorder:

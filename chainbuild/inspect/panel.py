@@ -43,7 +43,6 @@ def panel_html(chain: Chain, grid_cell: float) -> str:
         "</section>",
         '<section id="presets"><h2>Poses</h2><div class="rows"></div><p class="note soft" aria-live="polite"></p>'
         "</section>",
-        '<section id="dimensions" hidden></section>',
         _keys(),
         _legend(chain, grid_cell),
         _conventions(chain.conventions),

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser
 
+import chainbuild
 from chainbuild.frames import matrix_from_angles
 from chainbuild.inspect.export import export_page
 from chainbuild.inspect.scene import labelled_frames
@@ -298,7 +299,7 @@ def test_labels_stand_beside_what_they_name(name: str, lives: Lives) -> None:
         apart = ((high <= low.swapaxes(0, 1)) | (low >= high.swapaxes(0, 1))).any(axis=2)
         assert apart[~np.eye(len(boxes), dtype=bool)].all()
     live.one("[data-show=frames]").uncheck()
-    live.until("document.querySelector('#labels').hidden")
+    live.until("[...document.querySelectorAll('#labels span')].every((tag) => tag.hidden)")
     live.one("[data-show=frames]").check()
     live.until("!document.querySelector('#labels').hidden")
 
@@ -339,6 +340,28 @@ def test_bodies_and_frames_are_hidden_on_request(kuka: LivePage) -> None:
     kuka.one("[data-show=bodies]").check()
     kuka.tab.wait_for_timeout(200)
     assert warm() == pytest.approx(seen, rel=0.05)
+
+
+def test_lengths_of_the_machine_data_are_shown_on_request(browser: Browser, tmp_path: Path) -> None:
+    machine = chainbuild.load("bed_mill_kin1")
+    found = chainbuild.dimensions(machine)
+    robot = Robot(machine.chain())
+    page = export_page(robot, tmp_path / "page.html", dimensions=found)
+    axes = [100.0, 50.0, -50.0, -30.0, 20.0]
+    with opened(browser, page) as live:
+        live.call("set", axes)
+        labels = live.one("[data-parameter]")
+        assert [labels.nth(n).get_attribute("data-parameter") for n in range(labels.count())] == ["HD1", "HD2", "HD9"]
+        assert labels.first.is_hidden()
+        live.one("[data-show=dimensions]").check()
+        live.until("!document.querySelector('[data-parameter]').hidden")
+        assert labels.all_inner_texts() == [one.label for one in found]
+    placed = robot.frame_placements(axes)
+    for one in found:  # HD1 from the axis of B to the tool, in the head, and so on
+        place = placed[one.link]
+        assert np.linalg.norm(place.act(one.end) - place.act(one.start)) == pytest.approx(abs(one.datum.value) / 1000.0)
+    with opened(browser, export_page(robot, tmp_path / "page.html")) as live:
+        assert live.one("#lengths").is_hidden()
 
 
 def test_hostile_names_stay_text(browser: Browser, tmp_path: Path) -> None:

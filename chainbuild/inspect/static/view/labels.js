@@ -7,15 +7,21 @@ const OUT = 400; // what a name outside the picture counts, in square pixels cov
 /** Write the names of the frames over the picture, in the elements of `root`. */
 export function startLabels(page, root, tools) {
   const { machine } = page;
-  const labels = page.data.labels.map(({ text, frame }) => {
+  const written = (text, shows, pointsIn) => {
     const tag = document.createElement("span");
     tag.textContent = text;
     // A thin line leads from the name to what it names, which a body may hide.
     const line = document.createElement("i");
     root.append(line, tag);
-    return { tag, line, frame };
+    return { tag, line, shows, pointsIn, size: null };
+  };
+  const labels = page.data.labels.map(({ text, frame }) => written(text, "frames", (pane) => armsOf(page, frame, pane)));
+  page.data.dimensions.forEach((one) => {
+    const label = written(one.label, "dimensions", (pane) => middleOf(page, one, pane));
+    label.tag.dataset.parameter = one.symbol;
+    label.tag.title = one.name;
+    labels.push(label);
   });
-  let sizes = null;
   // The buttons over the picture take more lines where it is narrow.
   let [width, height] = [0, 0];
   const covered = (now) => {
@@ -23,25 +29,30 @@ export function startLabels(page, root, tools) {
     return height;
   };
   const draw = () => {
-    root.hidden = !machine.shows.frames;
-    if (root.hidden) return;
     const size = machine.viewer.renderer.getSize(new machine.three.Vector2());
     const pane = { width: size.x, height: size.y };
-    // Measured once: to ask for sizes at every frame would lay out the panel anew.
-    sizes = sizes || labels.map(({ tag }) => ({ width: tag.offsetWidth, height: tag.offsetHeight }));
-    const seen = labels.map(({ tag, line, frame }) => ({ tag, line, arms: armsOf(page, frame, pane) }));
-    const all = seen.flatMap((one) => one.arms || []);
+    const seen = labels.map((label) => ({ ...label, label, points: machine.shows[label.shows] ? label.pointsIn(pane) : null }));
+    const all = seen.flatMap((one) => one.points || []);
     const taken = [{ x: 0, y: 0, width: pane.width, height: covered(pane.width) }];
-    seen.forEach(({ tag, line, arms }, n) => {
-      tag.hidden = line.hidden = arms === null;
-      if (arms === null) return;
-      const box = placed(arms[0], sizes[n], all, taken, pane);
+    seen.forEach(({ tag, line, label, points }) => {
+      tag.hidden = line.hidden = points === null;
+      if (points === null) return;
+      // Measured once: to ask for sizes at every frame would lay out the panel anew.
+      label.size = label.size || { width: tag.offsetWidth, height: tag.offsetHeight };
+      const box = placed(points[0], label.size, all, taken, pane);
       taken.push(box);
       tag.style.transform = `translate(${box.x.toFixed(1)}px, ${box.y.toFixed(1)}px)`;
-      lead(line, arms[0], box);
+      lead(line, points[0], box);
     });
   };
   machine.onFrame(draw);
+}
+
+/** Return points along the line of a length in pixels, its middle first; null outside the picture. */
+function middleOf(page, { link, start, end }, pane) {
+  const shares = [0.5, 0, 0.25, 0.75, 1];
+  const ends = shares.map((share) => start.map((v, n) => v + share * (end[n] - v)));
+  return seenIn(page, page.machine.links[link].matrixWorld, ends, pane);
 }
 
 /** Draw a line from a point to the nearest place of a box. */
@@ -62,6 +73,11 @@ function armsOf(page, name, pane) {
     ends.push([0, 1, 2].map((n) => (n === axis ? arm * share : 0)));
   }));
   const place = machine.links[link].matrixWorld.clone().multiply(machine.matrix(T));
+  return seenIn(page, place, ends, pane);
+}
+
+/** Return points of a frame in pixels; null where the first is outside the picture. */
+function seenIn({ machine }, place, ends, pane) {
   const points = ends.map((end) => {
     const seen = new machine.three.Vector3(...end).applyMatrix4(place).project(machine.viewer.camera);
     return { x: ((seen.x + 1) / 2) * pane.width, y: ((1 - seen.y) / 2) * pane.height, z: seen.z };

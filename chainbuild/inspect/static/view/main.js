@@ -1,5 +1,6 @@
 // Starts the page.
 import { contractOf } from "cb/contract";
+import { startDimensions } from "cb/dimensions";
 import { startGhosts } from "cb/ghosts";
 import { startGizmo } from "cb/gizmo";
 import { axesOfHash, hashIsForeign, startHash } from "cb/hash";
@@ -18,6 +19,7 @@ startTheme(page, document.getElementById("theme"));
 startPanel(page, ghosts);
 startTools(page, document.getElementById("tools"), ghosts);
 startGizmo(page, document.getElementById("tools"));
+startDimensions(page, document.getElementById("tools"));
 startLabels(page, document.getElementById("labels"), document.getElementById("tools"));
 startKeyboard(page, document.getElementById("axes"));
 page.setAxes(axesOfHash(page.axes.length) || page.axes, "start");

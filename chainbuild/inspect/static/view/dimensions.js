@@ -1,0 +1,33 @@
+// The lengths of the machine data: lines in the links, from where something would be with the length 0 to where it is.
+
+const COLOUR = 0xc2185b; // as no body, no axis and no colour of a trace
+const THICKNESS = 0.0018; // radius over the machine's size
+
+/** Draw the lengths; the box in the toolbar shows and hides them. */
+export function startDimensions(page, tools) {
+  const { machine } = page;
+  const { three } = machine;
+  machine.shows.dimensions = false;
+  const material = new three.MeshBasicMaterial({ color: COLOUR, depthTest: false, transparent: true });
+  const lines = page.data.dimensions.map(({ link, start, end }) => {
+    const [from, to] = [start, end].map((point) => new three.Vector3(...point));
+    const way = to.clone().sub(from);
+    const line = new three.Mesh(new three.CylinderGeometry(1, 1, 1, 6), material);
+    line.scale.set(THICKNESS * page.data.size, way.length(), THICKNESS * page.data.size);
+    line.position.copy(from).addScaledVector(way, 0.5);
+    line.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), way.normalize());
+    // Lengths lie inside bodies: they are seen through them.
+    line.renderOrder = 10;
+    line.visible = false;
+    machine.links[link].add(line);
+    return line;
+  });
+  const label = tools.querySelector("#lengths");
+  label.hidden = lines.length === 0;
+  const box = label.querySelector("input");
+  box.addEventListener("input", () => {
+    machine.shows.dimensions = box.checked;
+    lines.forEach((line) => { line.visible = box.checked; });
+    machine.viewer.set_dirty();
+  });
+}
