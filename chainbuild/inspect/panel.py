@@ -38,7 +38,7 @@ def panel_html(chain: Chain, grid_cell: float) -> str:
         '<section id="playback" hidden></section>',
         _pose(chain),
         _axes(chain),
-        '<section id="bars" hidden><h2>Further limits</h2><div class="rows"></div></section>',
+        '<section id="bars" hidden><h2>Sums of axes, drives</h2><div class="rows"></div></section>',
         '<section id="solutions"><h2>Solutions of this pose</h2><p class="words soft"></p><div class="rows"></div>'
         "</section>",
         '<section id="presets"><h2>Poses</h2><div class="rows"></div><p class="note soft" aria-live="polite"></p>'

@@ -109,7 +109,7 @@ def test_rows_are_reached_by_slider_keyboard_and_notes(show: Open) -> None:
     assert (row(page), last_move(page)) == ("2", ROWS[1])
     assert slider.get_attribute("aria-valuetext") == "row 2"
     status = page.get_by_role("status")
-    assert status.inner_text() == "smallest singular value 0.05; <b>close</b> to singular"
+    assert status.text_content() == "smallest singular value 0.05\n<b>close</b> to singular"
     slider.press("ArrowRight")
     assert (row(page), last_move(page)) == ("3", ROWS[1])
     assert status.inner_text().startswith("no axis values: the machine stays where it was; unreachable: too far")

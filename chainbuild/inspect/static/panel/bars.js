@@ -29,7 +29,9 @@ function added(rows, bar) {
   const number = element("output");
   const row = element("div", { class: "bar", "data-bar": bar.name });
   row.append(element("span", { class: "name" }, bar.title), element("span", { class: "gauge" }, place), number);
-  row.append(element("span", { class: "ends" }, limitText(bar.lower, bar), limitText(bar.upper, bar)));
+  const ends = [bar.lower, bar.upper];
+  const texts = ends.every((end) => end === null) ? [] : ends.map((end) => limitText(end, bar));
+  row.append(element("span", { class: "ends" }, ...texts));
   rows.append(row);
   const closed = bar.lower !== null && bar.upper !== null && bar.upper > bar.lower;
   row.classList.toggle("open", !closed);

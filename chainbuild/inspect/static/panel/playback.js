@@ -104,8 +104,8 @@ class Player {
       made("p", {}, this.button, " ", labelled("Speed", this.speed)),
       this.slider,
       made("p", {}, "Row ", this.row, ` of ${count}`),
-      this.told,
       made("p", {}, before, " ", after),
+      this.told,
     ];
   }
 
@@ -171,7 +171,7 @@ class Player {
     if (axes !== null) this.page.setAxes(axes);
     this.slider.value = String(n);
     this.label(this.number);
-    this.told.textContent = this.words(n).join("; ");
+    this.told.textContent = this.words(n).join("\n");
     this.page.redraw();
   }
 
