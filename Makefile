@@ -22,7 +22,7 @@ types: $(INSTALLED_TEST)
 	$(BIN)/mypy
 
 test-slow: $(INSTALLED_TEST) $(INSTALLED_BENCH) chromium
-	$(BIN)/python -m pytest chainbuild tests -m slow
+	$(BIN)/python -m pytest chainbuild tests -m slow -n 2
 
 bench: $(INSTALLED_BENCH) $(INSTALLED_TEST) chromium
 	$(BIN)/python -m tests.bench

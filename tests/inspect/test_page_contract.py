@@ -23,7 +23,9 @@ def stands_where_pinocchio_says(name: str, browser: Browser, folder: Path) -> No
     robot = Robot.load(name)
     rows = closing_axes(robot, np.random.default_rng(5), 6)
     links = [*(link.name for link in robot.chain.links[1:]), *FRAMES]
-    with opened(browser, export_page(robot, folder / "page.html"), size=(640, 480)) as live:
+    page = export_page(robot, folder / "page.html")
+    assert page.stat().st_size < 2_000_000
+    with opened(browser, page, size=(640, 480)) as live:
         for axes in rows:
             live.call("set", axes)
             np.testing.assert_allclose(live.axes, axes, rtol=0, atol=0)
