@@ -8,7 +8,20 @@ of them use: `usage`, `show`, `axisvalues`, `info_tables`, `open_points`, `progr
 
 from __future__ import annotations
 
-from chainbuild.cli.process import loading
+import signal
+
+# What takes care of interrupts has to be imported first: until then one ends the process without a word.
+_before = signal.getsignal(signal.SIGINT)
+_ours = _before is signal.default_int_handler
+try:
+    if _ours:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+except ValueError:  # a thread may not say what becomes of signals
+    _ours = False
+from chainbuild.cli.process import loading  # noqa: E402
+
+if _ours:
+    signal.signal(signal.SIGINT, _before)
 
 with loading():
     from chainbuild.cli.entry import main
