@@ -112,9 +112,22 @@ def of_machine(name: str) -> LoopCase:
     return LoopCase(robot.chain.axis_map, rows, not_closing(robot.chain.axis_map, *drawn_range(robot.chain)), robot)
 
 
+def far_tables(axis_map: TableMap, rng: np.random.Generator, count: int) -> Rows:
+    """Return axis values of tables with carriages as far apart as they close at all."""
+    reach, found = 1e3 * (axis_map.rods.length + axis_map.rods.table), []
+    while len(found) < count:
+        row = rng.uniform(-reach / 2.0, reach / 2.0, 5)
+        if np.isfinite(axis_map.q(row)).all():
+            found.append(row)
+    return np.array(found)
+
+
 def of_map(axis_map: AxisMap, *box: tuple[float, float]) -> LoopCase:
     lower, upper = np.array(box).T
-    rows = random_axis_values(axis_map, np.random.default_rng(6), lower, upper, OTHERS)
+    rng = np.random.default_rng(6)
+    rows = random_axis_values(axis_map, rng, lower, upper, OTHERS)
+    if isinstance(axis_map, TableMap):  # others by long ways that pass singular positions closely
+        rows[OTHERS // 2 :] = far_tables(axis_map, rng, OTHERS // 2)
     closing = np.array([row for row in rows if np.isfinite(axis_map.q(row)).all()])
     return LoopCase(axis_map, closing, not_closing(axis_map, lower, upper))
 
