@@ -116,7 +116,6 @@ def inspect(
         options: Which kinematic.
     """
     from chainbuild.inspect.export import export_page
-    from chainbuild.painting.overlay.measures import dimensions
 
     playback.check()
     machine, robot = options.built(file)
@@ -127,8 +126,5 @@ def inspect(
         values = values_of(robot, at)
     shown = playback.playback(robot)
     note_undrawn(robot.chain.geometry)
-    lengths = dimensions(
-        machine, options.chosen_kinematic(machine), options.channel, options.tool_length, options.choices()
-    )
-    say(export_page(robot, export, playback=shown, at=values, dimensions=lengths))
+    say(export_page(robot, export, playback=shown, at=values, dimensions=options.dimensions(machine)))
     return 0

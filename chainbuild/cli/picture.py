@@ -61,10 +61,7 @@ def picture(
         rows = given_rows(robot, (), axes)
     lengths: tuple[Dimension, ...] = ()
     if dimensions:
-        from chainbuild.painting.overlay.measures import dimensions as found
-
-        kinematic = options.chosen_kinematic(machine)
-        lengths = found(machine, kinematic, options.channel, options.tool_length, options.choices())
+        lengths = options.dimensions(machine)
         if not lengths:
             note("--dimensions: no length of the machine data that is not 0 places a joint or frame")
     note_undrawn(robot.chain.geometry)

@@ -18,6 +18,7 @@ from chainbuild.findings import Finding
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain
     from chainbuild.formats.machine import Machine
+    from chainbuild.painting.overlay.measures import Dimension
     from chainbuild.robot import Robot
 
 # Exit code of a verdict against the user: rows failed, poses differ or bodies collide.
@@ -89,6 +90,12 @@ class MachineOptions:
         if len(parts) != 2 or not all(parts):
             raise UsageError(f"--kinematic {text}: expected an id, a name, or a pair of them like 9,58")
         return parts[0], parts[1]
+
+    def dimensions(self, machine: Machine) -> tuple[Dimension, ...]:
+        """Return the lengths of the kinematic chosen, as lines in its links."""
+        from chainbuild.painting.overlay.measures import dimensions
+
+        return dimensions(machine, self.chosen_kinematic(machine), self.channel, self.tool_length, self.choices())
 
     def machine(self, file: str) -> Machine:
         """Read a machine file or a shipped machine."""

@@ -356,9 +356,11 @@ def test_lengths_of_the_machine_data_are_shown_on_request(browser: Browser, tmp_
         live.one("[data-show=dimensions]").check()
         live.until("!document.querySelector('[data-parameter]').hidden")
         assert labels.all_inner_texts() == [one.label for one in found]
+        drawn = [np.array(live.call("drawnLength", n)) for n in range(len(found))]
     placed = robot.frame_placements(axes)
-    for one in found:  # HD1 from the axis of B to the tool, in the head, and so on
+    for one, ends in zip(found, drawn, strict=True):  # HD1 from the axis of B to the tool, in the head, and so on
         place = placed[one.link]
+        np.testing.assert_allclose(ends, [place.act(one.start), place.act(one.end)], rtol=0, atol=1e-6)
         assert np.linalg.norm(place.act(one.end) - place.act(one.start)) == pytest.approx(abs(one.datum.value) / 1000.0)
     with opened(browser, export_page(robot, tmp_path / "page.html")) as live:
         assert live.one("#lengths").is_hidden()

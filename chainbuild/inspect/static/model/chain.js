@@ -1,5 +1,5 @@
 // Forward kinematics and Jacobian of the chain in the page's data; see kinematics/mechanism.py.
-import { cross, inverse, multiply, originOf, rotate, rotateBack, shiftBy, turnAbout } from "cb/linear";
+import { cross, identity, inverse, multiply, originOf, rotate, rotateBack, shiftBy, turnAbout } from "cb/linear";
 import { axisMap } from "cb/maps";
 
 const STEP = 1e-6; // m and rad: where differences of a map lose as much by rounding as by its bend
@@ -25,11 +25,15 @@ export class Chain {
   }
 
   placementsOf(q) {
-    const placed = [[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]];
-    this.data.joints.forEach((joint, n) => {
-      placed[joint.child] = multiply(multiply(placed[joint.parent], joint.T), motionOf(joint, q[n]));
-    });
+    const placed = [identity()];
+    const moved = this.moved(q);
+    this.data.joints.forEach((joint, n) => { placed[joint.child] = multiply(placed[joint.parent], moved[n]); });
     return placed;
+  }
+
+  /** Return by joint the placement of the link that it moves in the link that carries it. */
+  moved(q) {
+    return this.data.joints.map((joint, n) => multiply(joint.T, motionOf(joint, q[n])));
   }
 
   /** Return the placement of a named frame in the base. */

@@ -2,8 +2,8 @@
 import { Chain } from "cb/chain";
 import { poseAngles } from "cb/angles";
 import { LambdaMap, ThreeRodsMap, TableMap } from "cb/loops";
+import { degrees, radians, withinOne } from "cb/units";
 
-const HALF = Math.PI / 180;
 const TAU = 2 * Math.PI;
 
 /** Return the angle moved by whole turns as near as possible to another one. */
@@ -60,7 +60,7 @@ class SpatialAnglesMap {
   machineAngle(spatial) {
     if (Math.abs(spatial) > 2 * Math.asin(Math.abs(this.sinTilt)) + 1e-12) return NaN;
     const ratio = Math.sin(spatial / 2) / this.sinTilt;
-    return this.side * 2 * Math.asin(Math.max(-1, Math.min(1, ratio)));
+    return this.side * 2 * Math.asin(withinOne(ratio));
   }
 
   q(axes) {
@@ -87,7 +87,7 @@ class VirtualTurnMap {
     const y = Math.sin(cv) * level[0] + Math.cos(cv) * level[1];
     const z = Math.cos(b) * Math.cos(a);
     const side = Math.cos(a) < 0 ? -1 : 1;
-    const leaned = Math.asin(Math.max(-1, Math.min(1, -y)));
+    const leaned = Math.asin(withinOne(-y));
     const turned = [Math.atan2(side * x, side * z), side < 0 ? Math.PI - leaned : leaned];
     return [...inner.slice(0, 3), nearTurn(turned[0], b), nearTurn(turned[1], a)];
   }
@@ -112,11 +112,11 @@ class DistanceExtension {
   }
 
   extension(angle) {
-    const off = Math.abs(((((angle / HALF) % 360) + 540) % 360) - 180);
+    const off = Math.abs((((degrees(angle) % 360) + 540) % 360) - 180);
     if (off > this.limit_deg + 1e-9) return NaN; // that much is rounding
     const tilt = Math.min(off, this.limit_deg);
     if (tilt <= this.start_deg) return 0;
-    const held = Math.cos(this.start_deg * HALF) / Math.cos(Math.min(tilt, this.end_deg) * HALF);
+    const held = Math.cos(radians(this.start_deg)) / Math.cos(radians(Math.min(tilt, this.end_deg)));
     return (this.length_mm * (held - 1)) / 1000;
   }
 }

@@ -5,12 +5,12 @@ const EXACT = 1e-6; // below this nothing is "nearly"
 const ALONG_AXIS = 0.985; // cosine of 10 degrees: such a direction is called by its axis
 const SHARE = 0.4; // parts of a motion below this share are not mentioned
 const RUNS = 0.2; // axes below this share of the fastest do not run away
-export const NEAR = 0.05; // the sentence is shown below this value
+const NEAR = 0.05; // the sentence is shown below this value
 
 const ROWS = { pose: [0, 1, 2, 3, 4, 5], position: [0, 1, 2] };
 
 /** Return the Jacobian in the controller's task, without units: lengths by the machine's length, held axes left out. */
-export function scaledJacobian(chain, J) {
+function scaledJacobian(chain, J) {
   const { length, task, toolColumn } = chain.data;
   const rows = ROWS[task] || [0, 1, 2, 3, 4, 5].filter((row) => row !== 3 + toolColumn);
   const columns = chain.axes.map((_, n) => n).filter((n) => !chain.axes[n].held);

@@ -28,6 +28,7 @@ export function contractOf(page) {
     },
     drag: (T) => page.drag(T),
     drawn: (name) => page.machine.drawn(name),
+    drawnLength: (n) => page.machine.drawnLength(n),
     get frames() {
       return page.machine.frames;
     },

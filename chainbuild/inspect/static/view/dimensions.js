@@ -22,6 +22,10 @@ export function startDimensions(page, tools) {
     machine.links[link].add(line);
     return line;
   });
+  // Ends of a line in the base, as the scene has it: along y of the shape, whose length is 1.
+  machine.drawnLength = (n) => [-0.5, 0.5].map((y) => {
+    return new three.Vector3(0, y, 0).applyMatrix4(machine.inBase(lines[n])).toArray();
+  });
   const label = tools.querySelector("#lengths");
   label.hidden = lines.length === 0;
   const box = label.querySelector("input");

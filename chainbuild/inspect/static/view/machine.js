@@ -73,12 +73,10 @@ export class Machine {
   move(axes) {
     const q = this.chain.q(axes);
     if (!q.every(Number.isFinite)) return;
-    const placed = this.chain.placementsOf(q);
-    this.chain.data.joints.forEach((joint) => {
-      const parent = this.matrix(placed[joint.parent]).invert();
-      parent.multiply(this.matrix(placed[joint.child]));
-      const node = this.links[joint.child];
-      parent.decompose(node.position, node.quaternion, node.scale);
+    const { joints } = this.chain.data;
+    this.chain.moved(q).forEach((T, n) => {
+      const node = this.links[joints[n].child];
+      this.matrix(T).decompose(node.position, node.quaternion, node.scale);
     });
     this.viewer.set_dirty();
   }
@@ -101,11 +99,16 @@ export class Machine {
     const frame = this.chain.data.frames[name];
     const link = frame ? frame.link : this.chain.data.links.indexOf(name);
     const node = this.links[link];
-    node.updateWorldMatrix(true, false);
-    this.root.updateWorldMatrix(true, false);
-    const T = this.root.matrixWorld.clone().invert().multiply(node.matrixWorld);
+    const T = this.inBase(node);
     if (frame) T.multiply(this.matrix(frame.T));
     return T.transpose().toArray();
+  }
+
+  /** Return the placement of a three.js object in the base, as the scene has it. */
+  inBase(node) {
+    node.updateWorldMatrix(true, false);
+    this.root.updateWorldMatrix(true, false);
+    return this.root.matrixWorld.clone().invert().multiply(node.matrixWorld);
   }
 
   /** Look at the whole machine from the front right, near enough that every corner of its box is inside the picture. */
