@@ -1,7 +1,8 @@
-"""`chainbuild inspect`: an HTML page that shows a robot, and plays back a table."""
+"""`chainbuild inspect`: a page that shows a robot, and plays back a table; live, or as a file."""
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,6 +15,8 @@ from chainbuild.cli.show import note, note_undrawn, say
 from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, UsageError
 
 if TYPE_CHECKING:
+    from chainbuild.arrays import Vector
+    from chainbuild.formats.machine import Machine
     from chainbuild.ik.result import IkResult
     from chainbuild.inspect.playback import Playback
     from chainbuild.robot import Robot
@@ -90,34 +93,71 @@ def _tell_held(robot: Robot, table: PoseTable) -> None:
 NO_PLAYBACK = PlaybackInput()
 
 
+@Parameter(name="*", group="Live page")
+@dataclass(frozen=True, slots=True)
+class LiveOptions:
+    """How the page is served, where it is not exported.
+
+    Attributes:
+        no_open: Do not open the page in a browser.
+        port: Port of the server on this computer. Default: the first free one from 7421.
+        token: Token in the address, 16 to 128 letters, digits, - and _. Default: that of an earlier run on the port,
+            else a new one. Other users of the computer see what is given here in the list of processes.
+        beside: A second machine file, or the name of a shipped machine, shown as a ghost moved by the same axis values.
+    """
+
+    no_open: Annotated[bool, Parameter(negative="")] = False
+    port: int | None = None
+    token: str | None = None
+    beside: str | None = None
+
+    def check(self, export: Path | None) -> None:
+        """Refuse what an exported page cannot have.
+
+        Raises:
+            UsageError: an option of a live page with --export.
+        """
+        given = [name for name in ("port", "token", "beside") if getattr(self, name) is not None]
+        if export is not None and (given or self.no_open):
+            raise UsageError(f"--export excludes --{given[0] if given else 'no-open'}: an exported page has no server")
+
+
+LIVE = LiveOptions()
+
+
 def inspect(
     file: str,
     /,
     *,
-    export: Path,
+    export: Path | None = None,
     at: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     playback: PlaybackInput = NO_PLAYBACK,
+    live: LiveOptions = LIVE,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
-    """Write an HTML page on which the robot is moved by its axes, its pose or the mouse, or plays back a table.
+    """Show a page on which the robot is moved by its axes, its pose or the mouse, or plays back a table.
 
-    The page is a single self-contained HTML file for any browser.
+    With Python behind it the page also changes machine data and conventions and shows collisions. It is served to this
+    computer alone, at an address with a token, which is the only line on stdout; Ctrl-C ends it. An exported page is a
+    single self-contained HTML file for any browser.
 
-    Example: `chainbuild inspect kr6r900 --export page.html`
+    Example: `chainbuild inspect kr6r900`
+
+    Example: `chainbuild inspect kr6r900 --beside irb2600`
 
     Example: `chainbuild inspect kr6r900 --export page.html --axes path.csv --at 0,-90,90,0,30,0`
 
     Args:
         file: A machine file, or the name of a shipped machine.
-        export: HTML file to write.
+        export: HTML file to write, instead of serving the page.
         at: Axis values that the page opens at, in channel order, mm and degrees, separated by commas, or a pose that
             the overlay names. Default: a pose in which the machine is seen well.
         playback: A table to play back.
+        live: How the page is served.
         options: Which kinematic.
     """
-    from chainbuild.inspect.export import export_page
-
     playback.check()
+    live.check(export)
     machine, robot = options.built(file)
     values = None
     if at is not None:
@@ -126,5 +166,45 @@ def inspect(
         values = values_of(robot, at)
     shown = playback.playback(robot)
     note_undrawn(robot.chain.geometry)
+    if export is None:
+        return _serve(machine, options, values, shown, live)
+    from chainbuild.inspect.export import export_page
+
     say(export_page(robot, export, playback=shown, at=values, dimensions=options.dimensions(machine)))
     return 0
+
+
+def _serve(
+    machine: Machine, options: MachineOptions, at: Vector | None, playback: Playback | None, live: LiveOptions
+) -> int:
+    from chainbuild.inspect.live.datalist import Selection
+    from chainbuild.inspect.live.server import serve
+    from chainbuild.inspect.live.session import Session
+    from chainbuild.inspect.live.tokens import checked_token
+
+    token = None if live.token is None else checked_token(live.token)
+    beside = None if live.beside is None else DEFAULT_OPTIONS.robot(live.beside)
+    chosen = options.chosen_kinematic(machine), options.channel, options.tool_length, tuple(options.choices().items())
+    session = Session(machine, Selection(*chosen), at=at, playback=playback, beside=beside)
+
+    def ready(address: str) -> None:
+        say(address)
+        sys.stdout.flush()
+        if not live.no_open:
+            _open(address)
+
+    refused = serve(session, ready, port=live.port, token=token)
+    if refused:
+        note(f"{refused} message{'s were' if refused > 1 else ' was'} refused")
+    return 0
+
+
+def _open(address: str) -> None:
+    """Open the page in a browser that has a window; one of the terminal would take the terminal."""
+    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        note("no display: open the address in a browser on this computer")
+        return
+    import webbrowser
+
+    if not webbrowser.open(address):
+        note("no browser was found: open the address in one on this computer")

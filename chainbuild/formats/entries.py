@@ -85,6 +85,15 @@ class Datum:
     twins: tuple[str, ...] = ()
 
 
+_PREFIX: Final = "$MC_ROBX_"  # of all the data concerned, so that a name can do without
+
+
+def short_name(datum: Datum, data: Sequence[Datum]) -> str:
+    """Return how a datum is called among others: its symbol where it is the only one, else the name in the file."""
+    lone = datum.symbol.startswith("HD") and [one.symbol for one in data].count(datum.symbol) == 1
+    return datum.symbol if lone else datum.name.removeprefix(_PREFIX).removesuffix("_mm")
+
+
 TOOL_LENGTH: Final = "tool_length_mm"  # what the argument and the overlay call it
 TOOL_TABLE: Final = "tool."  # of the overlay: keys of data there begin with it
 

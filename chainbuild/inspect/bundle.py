@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 # A module's name is that of its file; those of others keep the names by which they import one another.
 _OWN: Final = "cb/"
-_FOLDERS: Final = ("model", "view", "panel")
+_FOLDERS: Final = ("model", "view", "panel", "live")
 _READABLE: Final = " !$&'()*+,-./:;=?@[]_~{}|^`"  # what a data: URL in a script element may hold as it is
 # The viewer is a script that leaves three.js in the global MeshCat; what imports it by its name finds it there.
 _THREE: Final = """

@@ -20,10 +20,11 @@ from chainbuild.inspect.scene import Scene, as_shown, labelled_frames
 from chainbuild.inspect.sweep import rest_pose, swept_poses
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from numpy.typing import ArrayLike
 
+    from chainbuild.arrays import Vector
     from chainbuild.inspect.playback import Playback
     from chainbuild.kinematics.mechanism import Mechanism
     from chainbuild.painting.overlay.measures import Dimension
@@ -70,6 +71,8 @@ def page_html(
     playback: Playback | None = None,
     at: ArrayLike | None = None,
     dimensions: Iterable[Dimension] = (),
+    more: Mapping[str, Any] | None = None,
+    connects: str = "",
 ) -> str:
     """Return the text of the page; the same robot gives the same text.
 
@@ -78,54 +81,96 @@ def page_html(
         playback: As for `export_page`.
         at: As for `export_page`.
         dimensions: As for `export_page`.
+        more: Further data of the page, by name.
+        connects: The address that the page may connect to; empty: none.
     """
-    from meshcat import Visualizer
-
     robot = as_shown(robot)
     rest = rest_pose(robot) if at is None else robot.axis_values(at)
-    recorder = _Recorder()
-    scene = Scene(Visualizer(window=recorder), robot)
-    scene.draw(rest, labels=False)
+    shown, scene = _shown(robot, rest, dimensions)
+    data = {
+        **shown,
+        "presets": presets_of(robot, rest),
+        "rest": rest.tolist(),
+        "bounds": _bounds(robot, scene, rest),
+        "view": _VIEW,
+        "playback": playback and playback.data(),
+        "given": at is not None,
+        **(more or {}),
+    }
     template = string.Template(asset("page.html"))
     return template.substitute(
         title=html_escaped(robot.chain.title),
         css=asset("page.css"),
         panel=panel_html(robot.chain, scene.grid_cell),
+        connects=f" connect-src {connects};" if connects else "",
         licences=viewer_file("main.min.js.LICENSE.txt").replace("--", "- -"),
         modules=import_map(),
         viewer=viewer_file("main.min.js"),
-        data=_data(
-            robot,
-            scene,
-            rest,
-            recorder,
-            {
-                "playback": playback and playback.data(),
-                "given": at is not None,
-                "dimensions": [_dimension(one, robot) for one in dimensions],
-            },
-        ),
+        # No text may end the script element.
+        data=json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"),
     )
 
 
-def _data(robot: Mechanism, scene: Scene, rest: Any, recorder: _Recorder, more: dict[str, Any]) -> str:
-    swept = np.array(scene.bounds(robot.q(axes) for axes in swept_poses(robot, rest)))
-    bounds = (1 - _SWEPT_SHARE) * np.array(scene.bounds([robot.q(rest)])) + _SWEPT_SHARE * swept
+def model_data(robot: Mechanism, axes: Vector, dimensions: Iterable[Dimension] = ()) -> dict[str, Any]:
+    """Return what the page knows of a robot, to be shown in place of another: chain, scene, lengths; no named poses.
+
+    Args:
+        robot: The robot, as `as_shown` returns it.
+        axes: (n_axes,) axis values, mm and degrees, with a pose.
+        dimensions: As for `export_page`.
+    """
+    shown, scene = _shown(robot, axes, dimensions)
+    return {**shown, "bounds": _bounds(robot, scene, axes)}
+
+
+def shade_data(robot: Mechanism, axes: Vector, root: str) -> dict[str, Any]:
+    """Return what the page needs to draw a further robot beside its own: chain and bodies, no frames.
+
+    Args:
+        robot: The robot, as `as_shown` returns it.
+        axes: (n_axes,) axis values, mm and degrees, with a pose.
+        root: Name of its place in the scene.
+    """
+    recorder = _Recorder()
+    scene = Scene(_visualizer(recorder), robot, root)
+    scene.draw_robot(axes, frames=False)
+    return {
+        "chain": chain_data(robot.chain, robot.task),
+        "paths": scene.link_paths,
+        "rest": axes.tolist(),
+        "commands": recorder.texts,
+    }
+
+
+def _visualizer(recorder: _Recorder) -> Any:
+    from meshcat import Visualizer
+
+    return Visualizer(window=recorder)
+
+
+def _shown(robot: Mechanism, axes: Vector, dimensions: Iterable[Dimension]) -> tuple[dict[str, Any], Scene]:
+    """Return the data of a robot that do not depend on what else the page shows, and the scene drawn for it."""
+    recorder = _Recorder()
+    scene = Scene(_visualizer(recorder), robot)
+    scene.draw(axes, labels=False)
     data = {
         "chain": chain_data(robot.chain, robot.task),
-        "presets": presets_of(robot, rest),
-        "rest": rest.tolist(),
         "paths": scene.link_paths,
-        "bounds": bounds.round(6).tolist(),
-        "view": _VIEW,
         "labels": [{"text": text, "frame": frame.name} for text, frame in labelled_frames(robot.chain)],
         "arm": round(scene.triad_length, 6),
         "size": round(scene.size, 6),
-        "commands": [base64.b64encode(command).decode("ascii") for command in recorder.commands],
-        **more,
+        "dimensions": [_dimension(one, robot) for one in dimensions],
+        "commands": recorder.texts,
     }
-    # No text may end the script element.
-    return json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
+    return data, scene
+
+
+def _bounds(robot: Mechanism, scene: Scene, rest: Vector) -> list[list[float]]:
+    """Return the lowest and the highest x, y, z [m] of what the picture shows."""
+    swept = np.array(scene.bounds(robot.q(axes) for axes in swept_poses(robot, rest)))
+    bounds = (1 - _SWEPT_SHARE) * np.array(scene.bounds([robot.q(rest)])) + _SWEPT_SHARE * swept
+    found: list[list[float]] = bounds.round(6).tolist()
+    return found
 
 
 def _dimension(one: Dimension, robot: Mechanism) -> dict[str, Any]:
@@ -146,6 +191,11 @@ class _Recorder:
     def __init__(self) -> None:
         self.commands: list[bytes] = []
         self._count = 0
+
+    @property
+    def texts(self) -> list[str]:
+        """The commands as text."""
+        return [base64.b64encode(command).decode("ascii") for command in self.commands]
 
     def send(self, command: Any) -> None:
         import umsgpack

@@ -25,12 +25,13 @@ def html_escaped(text: str) -> str:
     return escape(printable(text))
 
 
-def panel_html(chain: Chain, grid_cell: float) -> str:
+def panel_html(chain: Chain, grid_cell: float, *, varying: bool = True) -> str:
     """Return the panel as HTML: all that does not change; the page's scripts fill in what does.
 
     Args:
         chain: The chain.
         grid_cell: Side of a grid square [m].
+        varying: False: without conventions and findings.
     """
     parts = [
         f'<p class="soft">{html_escaped(chain.dialect)} · {html_escaped(chain.kinematic)}</p>',
@@ -45,9 +46,9 @@ def panel_html(chain: Chain, grid_cell: float) -> str:
         "</section>",
         _keys(),
         _legend(chain, grid_cell),
-        _conventions(chain.conventions),
-        _findings(chain.findings),
     ]
+    if varying:
+        parts += [conventions_html(chain.conventions), findings_html(chain.findings)]
     return "\n".join(parts)
 
 
@@ -185,9 +186,11 @@ def _legend(chain: Chain, grid_cell: float) -> str:
     )
 
 
-def _conventions(used: Sequence[UsedConvention]) -> str:
+def conventions_html(used: Sequence[UsedConvention]) -> str:
+    """Return the conventions of a chain as HTML."""
     if not used:
-        return "<details><summary>Conventions</summary><p>The chain uses no open convention.</p></details>"
+        told = "<summary>Conventions</summary><p>The chain uses no open convention.</p>"
+        return f'<details id="conventions">{told}</details>'
     rows = [
         f'<dt data-convention="{html_escaped(u.convention.name)}">{html_escaped(u.convention.name)} = '
         f"{html_escaped(u.choice)}</dt>"
@@ -196,16 +199,18 @@ def _conventions(used: Sequence[UsedConvention]) -> str:
         for u in used
     ]
     return (
-        f'<details><summary>Conventions used ({len(used)})</summary><p class="soft">The manuals leave these points '
-        f"open; verify them on the controller (chainbuild info shows how).</p><dl>{''.join(rows)}</dl></details>"
+        f'<details id="conventions"><summary>Conventions used ({len(used)})</summary><p class="soft">The manuals leave '
+        f"these points open; verify them on the controller (chainbuild info shows how).</p><dl>{''.join(rows)}</dl>"
+        "</details>"
     )
 
 
-def _findings(findings: Sequence[Finding]) -> str:
+def findings_html(findings: Sequence[Finding]) -> str:
+    """Return the findings on a chain as HTML; hidden where there are none."""
     if not findings:
-        return ""
+        return '<details id="findings" hidden></details>'
     rows = "".join(f"<li>{html_escaped(_finding(finding))}</li>" for finding in findings)
-    return f"<details><summary>Findings ({len(findings)})</summary><ul>{rows}</ul></details>"
+    return f'<details id="findings"><summary>Findings ({len(findings)})</summary><ul>{rows}</ul></details>'
 
 
 def _finding(finding: Finding) -> str:

@@ -42,8 +42,9 @@ class Scene:
     """Draws one robot into a meshcat visualizer and moves it.
 
     Args:
-        viewer: `meshcat.Visualizer`; what it already shows outside `robot` stays.
+        viewer: `meshcat.Visualizer`; what it already shows outside the root stays.
         robot: What to draw.
+        root: Name of its place in the scene.
 
     Attributes:
         size: Of the machine [m].
@@ -51,25 +52,28 @@ class Scene:
         link_paths: Name of a link → its path in the scene.
     """
 
-    def __init__(self, viewer: Any, robot: Mechanism) -> None:
+    def __init__(self, viewer: Any, robot: Mechanism, root: str = "robot") -> None:
         self.viewer = viewer
         self.robot = robot
         chain = robot.chain
         self.size = machine_size(chain)
         self.bodies = drawn_bodies(chain)
-        self.link_paths = _link_paths(chain)
+        self.link_paths = _link_paths(chain, root)
 
     def draw(self, axes: ArrayLike, *, labels: bool = True) -> None:
         """Draw everything, the robot at axis values (n_axes,), mm and degrees; labels: the names of the frames, too."""
-        q = self.robot.q(axes)
-        self._draw_surroundings(self.floor(q))
+        self._draw_surroundings(self.floor(self.robot.q(axes)))
+        self.draw_robot(axes, labels=labels)
+
+    def draw_robot(self, axes: ArrayLike, *, frames: bool = True, labels: bool = True) -> None:
+        """Draw the robot alone, at axis values (n_axes,), mm and degrees; without frames: its bodies only."""
         for n, body in enumerate(self.bodies):
             self._draw_body(self.viewer[f"{self.link_paths[body.link]}/{body.part}{n}"], body)
-        for label, frame in labelled_frames(self.robot.chain):
+        for label, frame in labelled_frames(self.robot.chain) if frames else ():
             self._draw_triad(
                 f"{self.link_paths[frame.link]}/frame {frame.name}", label if labels else None, frame.T_link_frame
             )
-        self._place(q)
+        self._place(self.robot.q(axes))
 
     def update(self, axes: ArrayLike) -> None:
         """Move the robot that was drawn to axis values (n_axes,), mm and degrees."""
@@ -177,9 +181,9 @@ def labelled_frames(chain: Chain) -> list[tuple[str, Frame]]:
     return [(" = ".join(frame.name for frame in group), group[0]) for group in groups]
 
 
-def _link_paths(chain: Chain) -> dict[str, str]:
+def _link_paths(chain: Chain, root: str) -> dict[str, str]:
     """Return the scene path of every link; children are nested in their parents: a joint moves one node only."""
-    paths = {BASE_LINK: "robot"}
+    paths = {BASE_LINK: root}
     for joint in chain.joints:
         paths[joint.child] = f"{paths[joint.parent]}/{joint.child.replace('/', '_')}"
     return paths

@@ -14,13 +14,12 @@ import numpy as np
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Chain
 from chainbuild.errors import ChainbuildError
-from chainbuild.formats.entries import Datum
+from chainbuild.formats.entries import Datum, short_name
 from chainbuild.formats.machine import Machine
 from chainbuild.shown import fields_shown
 
 _STEP_MM: Final = 1.0  # far above rounding, far below any machine
 _MOVED: Final = 1e-9  # m: of a placement; rounding is less
-_PREFIX: Final = "$MC_ROBX_"  # of all the data concerned, so that a label can do without
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,7 +106,5 @@ def _moved(here: Chain, there: Chain) -> Iterator[tuple[str, str, Vector, Vector
 
 
 def _label(datum: Datum, data: Sequence[Datum]) -> str:
-    """Return a text for a drawing: the symbol where it is the only one, else the name in the file, value and unit."""
-    lone = datum.symbol.startswith("HD") and [one.symbol for one in data].count(datum.symbol) == 1
-    name = datum.symbol if lone else datum.name.removeprefix(_PREFIX).removesuffix("_mm")
-    return f"{name} = {datum.value:.10g} {datum.unit}".replace("-", "−")
+    """Return a text for a drawing: short name, value and unit."""
+    return f"{short_name(datum, data)} = {datum.value:.10g} {datum.unit}".replace("-", "−")

@@ -4,7 +4,7 @@ import { element } from "cb/elements";
 /** Offer the named poses of the page. */
 export function startNamed(page, root) {
   const note = root.querySelector(".note");
-  const buttons = page.data.presets.map((preset) => {
+  const made = () => page.data.presets.map((preset) => {
     const button = element("button", { type: "button", "data-preset": preset.name }, preset.title);
     if (preset.note) button.title = preset.note;
     button.addEventListener("click", () => {
@@ -13,7 +13,13 @@ export function startNamed(page, root) {
     });
     return button;
   });
-  root.querySelector(".rows").append(...buttons);
+  let buttons = [];
+  page.offerPoses = (presets) => {
+    page.data.presets = presets;
+    buttons = made();
+    root.querySelector(".rows").replaceChildren(...buttons);
+  };
+  page.offerPoses(page.data.presets);
   page.onChange((_, cause) => {
     if (cause !== "search") note.textContent = "";
     buttons.forEach((button, n) => {

@@ -9,7 +9,10 @@ export function startDimensions(page, tools) {
   const { three } = machine;
   machine.shows.dimensions = false;
   const material = new three.MeshBasicMaterial({ color: COLOUR, depthTest: false, transparent: true });
-  const lines = page.data.dimensions.map(({ link, start, end }) => {
+  let lines = [];
+  const label = tools.querySelector("#lengths");
+  const box = label.querySelector("input");
+  const drawn = () => page.data.dimensions.map(({ link, start, end }) => {
     const [from, to] = [start, end].map((point) => new three.Vector3(...point));
     const way = to.clone().sub(from);
     const line = new three.Mesh(new three.CylinderGeometry(1, 1, 1, 6), material);
@@ -18,7 +21,7 @@ export function startDimensions(page, tools) {
     line.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), way.normalize());
     // Lengths lie inside bodies: they are seen through them.
     line.renderOrder = 10;
-    line.visible = false;
+    line.visible = box.checked;
     machine.links[link].add(line);
     return line;
   });
@@ -26,9 +29,13 @@ export function startDimensions(page, tools) {
   machine.drawnLength = (n) => [-0.5, 0.5].map((y) => {
     return new three.Vector3(0, y, 0).applyMatrix4(machine.inBase(lines[n])).toArray();
   });
-  const label = tools.querySelector("#lengths");
-  label.hidden = lines.length === 0;
-  const box = label.querySelector("input");
+  const draw = () => {
+    lines.forEach((line) => line.removeFromParent());
+    lines = drawn();
+    label.hidden = lines.length === 0;
+  };
+  page.onModel(draw);
+  draw();
   box.addEventListener("input", () => {
     machine.shows.dimensions = box.checked;
     lines.forEach((line) => { line.visible = box.checked; });

@@ -34,6 +34,11 @@ export function startGhosts(page) {
   const dress = () => ghosts.forEach(({ whole }, k) => {
     whole.traverse((part) => { if (part.isMesh) part.material = k === wanted ? strong : faint; });
   });
+  // Their bodies are those of the model that they were copied from.
+  page.onModel(() => {
+    group.clear();
+    ghosts.length = 0;
+  });
   page.onChange(() => {
     const branches = page.status.family ? [] : page.status.branches.slice(0, MOST);
     const here = branches.length ? page.chain.placements(page.axes) : [];

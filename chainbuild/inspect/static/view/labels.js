@@ -15,13 +15,19 @@ export function startLabels(page, root, tools) {
     root.append(line, tag);
     return { tag, line, shows, pointsIn, size: null };
   };
-  const labels = page.data.labels.map(({ text, frame }) => written(text, "frames", (pane) => armsOf(page, frame, pane)));
-  page.data.dimensions.forEach((one) => {
-    const label = written(one.label, "dimensions", (pane) => middleOf(page, one, pane));
-    label.tag.dataset.parameter = one.symbol;
-    label.tag.title = one.name;
-    labels.push(label);
-  });
+  let labels = [];
+  const write = () => {
+    root.replaceChildren();
+    labels = page.data.labels.map(({ text, frame }) => written(text, "frames", (pane) => armsOf(page, frame, pane)));
+    page.data.dimensions.forEach((one) => {
+      const label = written(one.label, "dimensions", (pane) => middleOf(page, one, pane));
+      label.tag.dataset.parameter = one.symbol;
+      label.tag.title = one.name;
+      labels.push(label);
+    });
+  };
+  page.onModel(write);
+  write();
   // The buttons over the picture take more lines where it is narrow.
   let [width, height] = [0, 0];
   const covered = (now) => {

@@ -18,15 +18,31 @@ export class Machine {
     // The viewer takes the window's height for its own; the pane may be lower.
     const resize = this.viewer.set_3d_pane_size.bind(this.viewer);
     this.viewer.set_3d_pane_size = () => resize(pane.offsetWidth, pane.offsetHeight);
-    data.commands.forEach((text) => {
-      this.viewer.handle_command_bytearray(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)));
-    });
+    this.play(data.commands);
     this.viewer.scene.background = null;
     this.drawOnDemand();
     this.root = this.node("robot");
     this.links = chain.data.links.map((name) => this.node(data.paths[name]));
     this.viewer.controls.addEventListener("start", () => { this.moved = true; });
     new ResizeObserver(() => (this.moved ? this.viewer.set_3d_pane_size() : this.fit())).observe(pane);
+  }
+
+  /** Carry out commands of the scene. */
+  play(commands) {
+    commands.forEach((text) => {
+      this.viewer.handle_command_bytearray(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)));
+    });
+  }
+
+  /** Draw the bodies and frames of the page's data in the links; what hangs in them besides stays. */
+  rebuild(chain) {
+    this.chain = chain;
+    this.links.forEach((_, n) => {
+      const path = this.data.paths[chain.data.links[n]].split("/");
+      partNames(this, n).forEach((name) => this.viewer.delete_path(["meshcat", ...path, name]));
+    });
+    this.play(this.data.commands);
+    this.viewer.scene.background = null;
   }
 
   /** Return the three.js object at a path of the scene. */
@@ -57,6 +73,11 @@ export class Machine {
       });
     };
     viewer.set_dirty();
+  }
+
+  /** Return the bodies that are drawn on the n-th link. */
+  bodies(n) {
+    return linkBodies(this, n);
   }
 
   /** Call a function after every frame that is drawn. */
@@ -143,13 +164,21 @@ export class Machine {
   }
 }
 
-const partsOf = (machine, n, frames) => {
-  const { data } = machine;
+const childrenOf = (machine, path) => machine.viewer.scene_tree.find(["meshcat", ...path.split("/")]).children;
+
+/** Return the names of what is drawn on the n-th link. */
+const partNames = ({ data, viewer }, n) => {
   const path = data.paths[data.chain.links[n]];
-  const { children } = machine.viewer.scene_tree.find(["meshcat", ...path.split("/")]);
   const links = new Set(Object.values(data.paths));
-  const names = Object.keys(children).filter((name) => !links.has(`${path}/${name}`));
-  return names.filter((name) => name.startsWith("frame ") === frames).map((name) => children[name].object);
+  // The node's own object counts as a child of that name.
+  const names = Object.keys(childrenOf({ viewer }, path)).filter((name) => name !== "<object>");
+  return names.filter((name) => !links.has(`${path}/${name}`));
+};
+
+const partsOf = (machine, n, frames) => {
+  const children = childrenOf(machine, machine.data.paths[machine.data.chain.links[n]]);
+  const names = partNames(machine, n).filter((name) => name.startsWith("frame ") === frames);
+  return names.map((name) => children[name].object);
 };
 
 /** Return the bodies that are drawn on the n-th link. */

@@ -6,6 +6,7 @@ import { startGizmo } from "cb/gizmo";
 import { axesOfHash, hashIsForeign, startHash } from "cb/hash";
 import { startKeyboard } from "cb/keyboard";
 import { startLabels } from "cb/labels";
+import { startLive } from "cb/live";
 import { Page } from "cb/page";
 import { startPanel } from "cb/panel";
 import { startPlayback } from "cb/playback";
@@ -29,4 +30,5 @@ const player = startPlayback(page.forPlayback(document.getElementById("playback"
 page.onChange((_, cause) => { if (player && cause !== "playback" && cause !== "search") player.leave(); });
 startHash(page);
 page.searchWhenIdle();
+startLive(page, axesOfHash(page.axes.length) !== null);
 window.chainbuild = contractOf(page);

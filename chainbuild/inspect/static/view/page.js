@@ -18,6 +18,7 @@ export class Page {
     this.solver = new Solver(this.chain, this.limits);
     this.machine = new Machine(data, this.chain, pane);
     this.listeners = [];
+    this.modelListeners = [];
     this.axes = data.rest.slice();
     this.status = { status: "ok", words: "", branches: [], family: false };
   }
@@ -25,6 +26,29 @@ export class Page {
   /** Call a function after every change: with the page and what caused it. */
   onChange(listener) {
     this.listeners.push(listener);
+  }
+
+  /** Call a function whenever another model has taken the place of this one. */
+  onModel(listener) {
+    this.modelListeners.push(listener);
+  }
+
+  /** Show a robot of the same structure with other data; the axes stay where they are. */
+  swap(data) {
+    Object.assign(this.data, data);
+    this.chain = new Chain(this.data.chain);
+    this.limits = new Limits(this.chain);
+    this.solver = new Solver(this.chain, this.limits);
+    this.machine.rebuild(this.chain);
+    this.modelListeners.forEach((listener) => listener());
+    this.setAxes(this.axes, "model");
+  }
+
+  /** Show solutions that somebody else has found for the place where the machine stands. */
+  offer(branches) {
+    this.status = { ...this.status, branches, searched: true };
+    if (this.status.status === "ok" && !this.status.told) this.status.words = wordsOf(this.status, []);
+    this.changed("search");
   }
 
   /** Say something beside the status, until the machine moves. */

@@ -7,10 +7,9 @@ export function startTheme(page, button) {
   const system = window.matchMedia("(prefers-color-scheme: dark)");
   const root = document.documentElement;
   const dark = () => (root.dataset.theme ? root.dataset.theme === "dark" : system.matches);
-  const grid = page.machine.node("grid/<object>");
   const show = () => {
     button.textContent = dark() ? "Light" : "Dark";
-    grid.material.color.setHex(dark() ? GRID.dark : GRID.light);
+    page.machine.node("grid/<object>").material.color.setHex(dark() ? GRID.dark : GRID.light);
     page.machine.viewer.set_dirty();
   };
   button.addEventListener("click", () => {
@@ -18,5 +17,6 @@ export function startTheme(page, button) {
     show();
   });
   system.addEventListener("change", show);
+  page.onModel(show);
   show();
 }

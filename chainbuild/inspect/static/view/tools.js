@@ -16,10 +16,12 @@ export function startTools(page, root, ghosts) {
   const parts = { bodies: linkBodies, frames: linkFrames };
   Object.entries(parts).forEach(([name, of]) => {
     const box = root.querySelector(`[data-show=${name}]`);
-    box.addEventListener("input", () => {
+    const show = () => {
       machine.shows[name] = box.checked;
       machine.links.forEach((_, n) => of(machine, n).forEach((part) => { part.visible = box.checked; }));
       machine.viewer.set_dirty();
-    });
+    };
+    box.addEventListener("input", show);
+    page.onModel(show);
   });
 }
