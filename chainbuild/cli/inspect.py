@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -177,17 +177,17 @@ def inspect(
 def _serve(
     machine: Machine, options: MachineOptions, at: Vector | None, playback: Playback | None, live: LiveOptions
 ) -> int:
-    from chainbuild.inspect.live.datalist import Selection
+    from chainbuild.comparison.convention_trials import Selection
     from chainbuild.inspect.live.server import serve
     from chainbuild.inspect.live.session import Session
     from chainbuild.inspect.live.tokens import checked_token
 
     token = None if live.token is None else checked_token(live.token)
     beside = None if live.beside is None else DEFAULT_OPTIONS.robot(live.beside)
-    chosen = options.chosen_kinematic(machine), options.channel, options.tool_length, tuple(options.choices().items())
-    session = Session(machine, Selection(*chosen), at=at, playback=playback, beside=beside)
+    selection = Selection(options.chosen_kinematic(machine), options.channel, options.tool_length)
+    session = Session(machine, selection, conventions=options.choices(), at=at, playback=playback, beside=beside)
 
-    def ready(address: str) -> None:
+    def ready(address: str, _end: Callable[[], None]) -> None:
         say(address)
         sys.stdout.flush()
         if not live.no_open:

@@ -88,7 +88,7 @@ class Datum:
 _PREFIX: Final = "$MC_ROBX_"  # of all the data concerned, so that a name can do without
 
 
-def short_name(datum: Datum, data: Sequence[Datum]) -> str:
+def datum_name(datum: Datum, data: Sequence[Datum]) -> str:
     """Return how a datum is called among others: its symbol where it is the only one, else the name in the file."""
     lone = datum.symbol.startswith("HD") and [one.symbol for one in data].count(datum.symbol) == 1
     return datum.symbol if lone else datum.name.removeprefix(_PREFIX).removesuffix("_mm")

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from playwright.sync_api import Browser, Locator, Page
+from playwright.sync_api import Browser, Error, Locator, Page
 
 from chainbuild.inspect.export import export_page
 from chainbuild.robot import Robot
@@ -30,12 +30,12 @@ class LivePage:
         told: What went wrong in it: errors on the console, exceptions, requests to anywhere.
     """
 
-    def __init__(self, tab: Page) -> None:
+    def __init__(self, tab: Page, own: str = "file:") -> None:
         self.tab = tab
         self.told: list[str] = []
         tab.on("console", lambda m: self.told.append(m.text) if m.type == "error" else None)
         tab.on("pageerror", lambda error: self.told.append(str(error)))
-        tab.on("request", lambda r: None if r.url.startswith(("file:", "data:", "blob:")) else self.told.append(r.url))
+        tab.on("request", lambda r: None if r.url.startswith((own, "data:", "blob:")) else self.told.append(r.url))
 
     def until(self, expression: str) -> Any:
         """Return the value of a JavaScript expression once it is true.
@@ -44,10 +44,15 @@ class LivePage:
             AssertionError: it never was.
         """
         end = time.monotonic() + _PATIENCE
-        while not (value := self.tab.evaluate(expression)):
+        while True:
+            try:
+                if value := self.tab.evaluate(expression):
+                    return value
+            except Error as error:
+                if "context was destroyed" not in str(error):  # by loading the page anew
+                    raise
             assert time.monotonic() < end, f"never: {expression}; {self.told}"
             self.tab.wait_for_timeout(20)
-        return value
 
     def call(self, name: str, *arguments: Any) -> Any:
         """Return what a function of `window.chainbuild` returns."""
@@ -105,12 +110,21 @@ def opened(
     browser: Browser, page: Path, fragment: str = "", size: tuple[int, int] = (1280, 720), scheme: str = "light"
 ) -> Iterator[LivePage]:
     """Give a page in a window of its own; an error on its console or a request to anywhere fails the test."""
+    with opened_at(browser, page.as_uri() + fragment, "file:", size, scheme) as live:
+        yield live
+
+
+@contextmanager
+def opened_at(
+    browser: Browser, address: str, own: str, size: tuple[int, int] = (1280, 720), scheme: str = "light"
+) -> Iterator[LivePage]:
+    """Give the page at an address, as `opened` does; it may ask for what begins with `own`."""
     width, height = size
     tab = browser.new_page(viewport={"width": width, "height": height}, color_scheme=scheme)  # type: ignore[arg-type]
     try:
-        live = LivePage(tab)
+        live = LivePage(tab, own)
         tab.set_default_timeout(1000 * _PATIENCE)
-        tab.goto(page.as_uri() + fragment, wait_until="commit")
+        tab.goto(address, wait_until="commit")
         live.until("!!window.chainbuild")
         yield live
         assert live.told == []

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from chainbuild.robot import Robot
 
 
-def answer(robot: Robot, question: Mapping[str, Any]) -> dict[str, Any]:
+def answered(robot: Robot, question: Mapping[str, Any]) -> dict[str, Any]:
     """Return the answer to a question; what is refused is told in words under "refused".
 
     Args:

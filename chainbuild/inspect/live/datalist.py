@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
 
@@ -14,33 +13,17 @@ from chainbuild import tolerances
 from chainbuild.chain.axismap import joint_values
 from chainbuild.chain.poses import link_placements, pose, rotation_vector
 from chainbuild.errors import ChainbuildError
-from chainbuild.formats.entries import Datum, short_name
+from chainbuild.formats.entries import Datum, datum_name
 from chainbuild.units import deg_from_rad, mm_from_m
 
 if TYPE_CHECKING:
     from chainbuild.arrays import Vector
     from chainbuild.chain.elements import Chain
+    from chainbuild.comparison.convention_trials import Selection
     from chainbuild.formats.machine import Machine
 
 _STEP: Final = 1.0  # mm or degrees: what a change moves is told for one of them
 _MOVED: Final = 1e-9  # m and parts of a direction: rounding is less
-
-
-@dataclass(frozen=True, slots=True)
-class Selection:
-    """Which kinematic of a machine file is built, and how: the arguments of `Machine.chain`.
-
-    Attributes:
-        kinematic: See `Machine.chain`.
-        channel: See `Machine.chain`.
-        tool_length_mm: See `Machine.chain`.
-        conventions: See `Machine.chain`.
-    """
-
-    kinematic: int | str | tuple[int | str, int | str] | None = None
-    channel: int | None = None
-    tool_length_mm: float = 0.0
-    conventions: tuple[tuple[str, str], ...] = ()
 
 
 class DataList:
@@ -60,7 +43,7 @@ class DataList:
         found = (*machine.geometry(*chosen), *machine.tool_data(*chosen, tool_length_mm=selection.tool_length_mm))
         self.data: dict[str, Datum] = {}
         for datum in found:
-            name = short_name(datum, found)
+            name = datum_name(datum, found)
             self.data[name if name not in self.data else f"{name} ({len(self.data)})"] = datum
 
     def rows(self) -> list[dict[str, Any]]:
@@ -84,7 +67,7 @@ class DataList:
             "line": span.text if span else "",
         }
 
-    def checked(self, key: str, value: float) -> float:
+    def permitted(self, key: str, value: float) -> float:
         """Return a value that a datum may be changed to.
 
         Raises:

@@ -77,7 +77,7 @@ class DropHandler(_Guarded):
         try:
             await self.hub.opened(unquote(self.request.headers.get("X-File-Name", "")), self.request.body)
         except ChainbuildError as error:
-            self.set_status(422)
+            # Not an error of HTTP: browsers write those to their console.
             self.finish({"refused": printable(str(error))})
         else:
             self.finish({})

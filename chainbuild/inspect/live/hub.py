@@ -14,7 +14,7 @@ from typing import Any, Protocol, TypeVar
 from chainbuild.errors import ChainbuildError
 from chainbuild.files import printable
 from chainbuild.formats.load import load
-from chainbuild.inspect.live.answers import answer
+from chainbuild.inspect.live.answers import answered
 from chainbuild.inspect.live.messages import Message, parsed
 from chainbuild.inspect.live.sections import section
 from chainbuild.inspect.live.session import Session
@@ -140,6 +140,13 @@ class Hub:
             self._post("axes", {"axes": session.axes.tolist(), "by": 0})
         elif kind == "moves":
             tab.post("moves", await self._computed(lambda: session.moves(content)))
+        elif kind == "kinematic":
+
+            def chosen() -> dict[str, Any]:
+                session.choose_kinematic(content)
+                return session.hello()
+
+            self._post("hello", await self._computed(chosen))
         elif kind == "model":
             tab.post("model", await self._computed(session.model))
         elif kind == "presets":
@@ -147,7 +154,7 @@ class Hub:
         elif kind == "section":
             await self._section(tab, content)
         else:
-            await tab.say("answer", await self._computed(lambda: answer(session.robot, content)))
+            await tab.say("answer", await self._computed(lambda: answered(session.robot, content)))
 
     async def _move(self) -> None:
         while self._asked is not None:

@@ -21,7 +21,8 @@ class Message:
     """A message of a page.
 
     Attributes:
-        kind: "axes", "datum", "reset", "convention", "moves", "section", "restore", "model", "presets", "ask".
+        kind: "axes", "datum", "reset", "convention", "moves", "kinematic", "section", "restore", "model", "presets" or
+            "ask".
         content: What it says; of the form that its kind has.
     """
 
@@ -111,6 +112,7 @@ _FORMS: Final[Mapping[str, Callable[[Any], bool]]] = MappingProxyType(
         "reset": lambda value: value is None or isinstance(value, str),
         "convention": _shape(name=_text, choice=_text),
         "moves": _text,
+        "kinematic": lambda value: isinstance(value, int) and not isinstance(value, bool),
         "section": lambda value: value is None or isinstance(value, str),
         "restore": _shape(values=_table(_number), choices=_table(_text), axes=_numbers),
         "model": _absent,

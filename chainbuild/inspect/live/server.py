@@ -27,12 +27,19 @@ _LARGEST_FILE: Final = 16 * 1024 * 1024  # bytes of a machine file that is dropp
 _PING_S: Final = 20  # seconds between two signs of life of a tab
 
 
-def serve(session: Session, ready: Callable[[str], None], *, port: int | None = None, token: str | None = None) -> int:
-    """Serve a live page until the process is interrupted.
+def serve(
+    session: Session,
+    ready: Callable[[str, Callable[[], None]], None],
+    *,
+    port: int | None = None,
+    token: str | None = None,
+) -> int:
+    """Serve a live page until the process is interrupted, or somebody ends it.
 
     Args:
         session: What it shows.
-        ready: Called with the address of the page when the server listens.
+        ready: Called when the server listens: with the address of the page, and with what ends the server from any
+            thread.
         port: Port; None: the first free one from 7421.
         token: Token; None: that of the port from an earlier run, else a new one.
 
@@ -51,7 +58,9 @@ def serve(session: Session, ready: Callable[[str], None], *, port: int | None = 
     return asyncio.run(_serving(session, sockets, token, ready))
 
 
-async def _serving(session: Session, sockets: list[socket.socket], token: str, ready: Callable[[str], None]) -> int:
+async def _serving(
+    session: Session, sockets: list[socket.socket], token: str, ready: Callable[[str, Callable[[], None]], None]
+) -> int:
     from tornado.httpserver import HTTPServer
     from tornado.web import Application
 
@@ -77,8 +86,12 @@ async def _serving(session: Session, sockets: list[socket.socket], token: str, r
     loop = asyncio.get_running_loop()
     with suppress(NotImplementedError, RuntimeError, ValueError):  # Windows; another thread than the first
         loop.add_signal_handler(signal.SIGINT, over.set)
+
+    def end() -> None:
+        loop.call_soon_threadsafe(over.set)
+
     try:
-        ready(f"http://{_ADDRESS}:{port}/?token={token}")
+        ready(f"http://{_ADDRESS}:{port}/?token={token}", end)
         await over.wait()
     finally:
         server.stop()

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from chainbuild.comparison.convention_trials import Selection
 from chainbuild.convention import check_choice
 from chainbuild.errors import ChainbuildError
+from chainbuild.formats.entries import choose_kinematic
 from chainbuild.inspect.export import model_data, page_html, shade_data
 from chainbuild.inspect.live.contacts import Contacts
-from chainbuild.inspect.live.datalist import DataList, Selection
+from chainbuild.inspect.live.datalist import DataList
 from chainbuild.inspect.panel import conventions_html, findings_html, panel_html
 from chainbuild.inspect.presets import presets_of
 from chainbuild.inspect.scene import as_shown
@@ -40,6 +42,7 @@ class Session:
     Args:
         machine: The machine as its file has it.
         selection: Which kinematic.
+        conventions: Convention name → choice.
         at: Axis values (n_axes,), mm and degrees, at which the page opens; None: a pose that shows the machine well.
         playback: Rows of a table to play back.
         beside: A second machine in the same scene, moved by the axes of the same names.
@@ -61,6 +64,7 @@ class Session:
         machine: Machine,
         selection: Selection | None = None,
         *,
+        conventions: Mapping[str, str] | None = None,
         at: ArrayLike | None = None,
         playback: Playback | None = None,
         beside: Mechanism | None = None,
@@ -70,18 +74,20 @@ class Session:
         self._beside = None if beside is None else as_shown(beside)
         self._given = at is not None
         self._playback = playback
-        self._open(machine, selection or Selection())
+        self._open(machine, selection or Selection(), conventions or {})
         if at is not None:
             self.axes = self.robot.axis_values(at)
 
-    def _open(self, machine: Machine, selection: Selection) -> None:
+    def _open(self, machine: Machine, selection: Selection, conventions: Mapping[str, str]) -> None:
         """Show a machine as its file has it."""
         data = DataList(machine, selection)
-        robot = Robot(data.chain({}, dict(selection.conventions)))
+        robot = Robot(data.chain({}, conventions))
         axes = rest_pose(as_shown(robot))
         self._machine, self._selection, self._list = machine, selection, data
         self.values: dict[str, float] = {}
-        self.choices: dict[str, str] = dict(selection.conventions)
+        self._conventions = self.choices = dict(conventions)
+        # What is chosen as the file has it is no change.
+        self._usual = {one.convention.name: one.choice for one in robot.chain.conventions}
         self.axes = axes
         self._file_shade = shade_data(as_shown(robot), axes, _FILE)
         self._show(robot)
@@ -97,8 +103,22 @@ class Session:
         Raises:
             ChainbuildError: its kinematic cannot be built, or has no pose to show; the session stays as it was.
         """
-        self._open(machine, Selection())
+        self._open(machine, Selection(), {})
         self._playback, self._beside, self._given = None, None, False
+        self.name = secrets.token_hex(8)
+
+    def choose_kinematic(self, n: int) -> None:
+        """Show the n-th kinematic of the file, from 0, in a session of its own.
+
+        Raises:
+            ChainbuildError: there is none, it cannot be built, or has no pose to show; the session stays as it was.
+        """
+        entries = self._machine.kinematics()
+        if not 0 <= n < len(entries):
+            raise ChainbuildError(f"the file has no kinematic number {n}", permitted=f"0 … {len(entries) - 1}")
+        one = entries[n]
+        self._open(self._machine, Selection(one.name or one.id, one.channel, self._selection.tool_length_mm), {})
+        self._playback, self._given = None, False
         self.name = secrets.token_hex(8)
 
     def move(self, axes: ArrayLike) -> None:
@@ -119,7 +139,7 @@ class Session:
         Raises:
             ChainbuildError: there is no such datum or convention, or no such machine; the session stays as it was.
         """
-        data = {**self.values, **{key: self._list.checked(key, value) for key, value in values.items()}}
+        data = {**self.values, **{key: self._list.permitted(key, value) for key, value in values.items()}}
         self._rebuild(data, {**self.choices, **(choices or {})})
 
     def reset(self, key: str | None = None) -> None:
@@ -129,7 +149,7 @@ class Session:
             ChainbuildError: there is no such machine; the session stays as it was.
         """
         if key is None:
-            self._rebuild({}, dict(self._selection.conventions))
+            self._rebuild({}, self._conventions)
         else:
             self._rebuild({name: value for name, value in self.values.items() if name != key}, self.choices)
 
@@ -140,7 +160,12 @@ class Session:
         robot = Robot(self._list.chain(changed, choices))
         if len(robot.axes) != len(self.axes):
             raise ChainbuildError("the kinematic would have another number of axes: choose it when the page is started")
-        self.values, self.choices = changed, dict(choices)
+        self.values = changed
+        self.choices = {
+            name: choice
+            for name, choice in choices.items()
+            if name in self._conventions or self._usual.get(name) != choice
+        }
         self._show(robot)
 
     def restore(self, values: Mapping[str, float], choices: Mapping[str, str], axes: ArrayLike) -> None:
@@ -187,6 +212,7 @@ class Session:
                 "title": self._beside.chain.title,
             }
         live = {**self._live(shown), **self.hello(), "rows": self._list.rows(), "further": further}
+        live["kinematics"] = self._kinematics()
         return page_html(
             shown,
             playback=self._playback,
@@ -212,9 +238,23 @@ class Session:
             "number": self.number,
             "values": self.values,
             "choices": self.choices,
+            "changed": bool(self.values) or self.choices != self._conventions,
             "conventions": conventions,
             "structure": _structure(shown.chain),
         }
+
+    def _kinematics(self) -> list[dict[str, Any]]:
+        """Return the kinematics that the page can show instead: those next to the machine."""
+        every, one = self._machine.kinematics(), self._selection
+        wanted = self._machine.overlay.kinematic if one.kinematic is None else one.kinematic
+        channel = every[0].channel if one.channel is None else one.channel
+        entries = [entry for entry in every if entry.channel == channel]
+        shown = None if isinstance(wanted, tuple) else choose_kinematic(entries, wanted, self._machine.file)
+        return [
+            {"n": n, "text": f"{entry.label}: {entry.type}, channel {entry.channel}", "shown": entry is shown}
+            for n, entry in enumerate(every)
+            if entry.step == 0
+        ]
 
     def _dimensions(self) -> tuple[Dimension, ...]:
         one = self._selection

@@ -14,7 +14,7 @@ import numpy as np
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Chain
 from chainbuild.errors import ChainbuildError
-from chainbuild.formats.entries import Datum, short_name
+from chainbuild.formats.entries import Datum, datum_name
 from chainbuild.formats.machine import Machine
 from chainbuild.shown import fields_shown
 
@@ -107,4 +107,4 @@ def _moved(here: Chain, there: Chain) -> Iterator[tuple[str, str, Vector, Vector
 
 def _label(datum: Datum, data: Sequence[Datum]) -> str:
     """Return a text for a drawing: short name, value and unit."""
-    return f"{short_name(datum, data)} = {datum.value:.10g} {datum.unit}".replace("-", "−")
+    return f"{datum_name(datum, data)} = {datum.value:.10g} {datum.unit}".replace("-", "−")

@@ -1,6 +1,20 @@
 // Conventions that are switched: what the manuals leave open, chosen otherwise.
 import { element } from "cb/elements";
 
+/** Offer the kinematics of the file, where there are several. */
+export function startKinematics(page, link) {
+  const { kinematics } = page.data.live;
+  if (kinematics.length < 2) return;
+  const select = element("select", { id: "kinematic", "aria-label": "Kinematic of the file" });
+  kinematics.forEach(({ n, text, shown }) => {
+    const option = element("option", { value: String(n) }, text);
+    option.selected = shown;
+    select.append(option);
+  });
+  select.addEventListener("input", () => link.send("kinematic", Number(select.value)));
+  document.querySelector("h1").after(select);
+}
+
 /** Put choices into the panel's list of conventions; return what does it again for another model. */
 export function startConventions(page, link) {
   const fill = () => {

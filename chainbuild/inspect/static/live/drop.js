@@ -24,8 +24,8 @@ async function upload(file, say) {
       method: "POST", body: file, headers: { "X-File-Name": encodeURIComponent(file.name) },
     });
     // Where it is shown, the session greets the page anew.
-    if (answer.status === 422) say((await answer.json()).refused);
-    else if (!answer.ok) say(`${file.name} was refused (${answer.status}).`);
+    if (!answer.ok) say(`${file.name} was refused (${answer.status}).`);
+    else say((await answer.json()).refused || "");
   } catch (lost) {
     say(`${file.name} was not taken: it is too large, or Python does not answer.`);
   }

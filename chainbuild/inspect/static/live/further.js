@@ -10,6 +10,7 @@ const LOOKS = { file: { colour: 0x7a4fb0, opacity: 0.28 }, beside: { colour: 0x1
 export function startFurther(page, root) {
   const { further } = page.data.live;
   const made = Object.entries(further).map(([name, data]) => new Further(page, name, data));
+  page.further = made;
   const rows = made.map((one) => {
     const box = element("input", { type: "checkbox", "data-further": one.name });
     box.checked = true;
@@ -20,8 +21,7 @@ export function startFurther(page, root) {
     return { one, box, words, row };
   });
   function update() {
-    const { values, choices } = page.data.live;
-    const changed = Object.keys(values).length > 0 || Object.keys(choices).length > 0;
+    const { changed } = page.data.live;
     let any = false;
     rows.forEach(({ one, box, words, row }) => {
       const there = one.name !== "file" || changed;
@@ -73,6 +73,12 @@ class Further {
       const node = this.links[this.chain.data.joints[n].child];
       machine.matrix(T).decompose(node.position, node.quaternion, node.scale);
     });
+  }
+
+  /** Return the placement in the base, row by row, at which a link is drawn. */
+  drawn(link) {
+    const node = this.links[this.chain.data.links.indexOf(link)];
+    return this.page.machine.inBase(node).transpose().toArray();
   }
 
   /** Return in words where the machine's tool is against this one's, in its workpiece frame. */

@@ -25,6 +25,7 @@ export function startHighlights(page) {
       const same = links.length === names[kind].size && links.every((one) => names[kind].has(one));
       if (same) return;
       names[kind] = new Set(links);
+      page.lit = { touching: [...names.touching], moved: [...names.moved] };
       paint();
     },
   };

@@ -1,6 +1,6 @@
 // A page with Python behind it: what it does beyond an exported one.
 import { startCollisions } from "cb/collisions";
-import { startConventions } from "cb/conventions";
+import { startConventions, startKinematics } from "cb/conventions";
 import { startDrop } from "cb/drop";
 import { element } from "cb/elements";
 import { startFurther } from "cb/further";
@@ -37,6 +37,7 @@ export function startLive(page, opened) {
   const collisions = startCollisions(page, section("collisions", "Collisions"), highlights);
   const showSection = startSection(page, link, section("workspace", "Workspace section"));
   startDrop(document.body, say);
+  startKinematics(page, link);
   const takers = {
     hello: (hello) => greet(page, link, state, hello),
     axes: ({ axes }) => { if (axes.length === page.axes.length) page.setAxes(axes, "remote"); },
@@ -97,8 +98,8 @@ function startAnew(page, keep = true) {
 function askWhenIdle(page, link) {
   let timer = null;
   page.onChange((_, cause) => {
-    window.clearTimeout(timer);
     if (cause === "search") return;
+    window.clearTimeout(timer);
     timer = window.setTimeout(() => {
       const { axes, status } = page;
       const T = page.chain.fk(axes);

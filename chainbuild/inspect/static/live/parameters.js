@@ -55,8 +55,7 @@ export function startParameters(page, link, root, highlights) {
   reset.addEventListener("click", () => link.send("reset"));
   const took = () => {
     rows.forEach((row, n) => show(page, drawn[n], row));
-    const { values, choices } = page.data.live;
-    reset.disabled = Object.keys(values).length === 0 && Object.keys(choices).length === 0;
+    reset.disabled = !page.data.live.changed;
     filter();
     done(state, link);
     if (state.about) about(state.about);

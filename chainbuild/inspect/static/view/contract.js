@@ -29,6 +29,13 @@ export function contractOf(page) {
     drag: (T) => page.drag(T),
     drawn: (name) => page.machine.drawn(name),
     drawnLength: (n) => page.machine.drawnLength(n),
+    drawnFurther: (name, link) => {
+      const one = (page.further || []).find((other) => other.name === name);
+      return one && one.root.visible ? one.drawn(link) : null;
+    },
+    get lit() {
+      return page.lit || { touching: [], moved: [] };
+    },
     get frames() {
       return page.machine.frames;
     },
