@@ -28,6 +28,7 @@ bench: $(INSTALLED_BENCH) $(INSTALLED_TEST) chromium
 	$(BIN)/python -m tests.bench
 	$(BIN)/python -m tests.bench.displayed
 	$(BIN)/python -m tests.bench.page
+	$(BIN)/python -m tests.bench.live
 	$(BIN)/python docs/generate.py
 
 # Six of each file, drawn at random and always the same. All of them, some 2000, take many hours on two cores: those that
