@@ -70,6 +70,7 @@ def page_html(
     playback: Playback | None = None,
     at: ArrayLike | None = None,
     dimensions: Iterable[Dimension] = (),
+    embedded: bool = False,
 ) -> str:
     """Return the text of the page; the same robot gives the same text.
 
@@ -78,6 +79,7 @@ def page_html(
         playback: As for `export_page`.
         at: As for `export_page`.
         dimensions: As for `export_page`.
+        embedded: Whether the page keeps step with a window around it, as in a notebook.
     """
     from meshcat import Visualizer
 
@@ -102,6 +104,7 @@ def page_html(
             {
                 "playback": playback and playback.data(),
                 "given": at is not None,
+                "embedded": embedded,
                 "dimensions": [_dimension(one, robot) for one in dimensions],
             },
         ),
