@@ -81,7 +81,7 @@ def show(
     """Return a robot's page as a widget, which a notebook shows as the last value of a cell.
 
     Sliders, fields and arrows of the page move the robot; `axes` of what is returned follows, and moves the page when
-    it is assigned. A notebook that is looked at without its widgets, as on a server of repositories, shows a picture.
+    it is assigned. A notebook that is seen without its widgets, as on a site that hosts code, shows a picture.
 
     It needs the extra `notebook`; where Jupyter itself runs in another environment, anywidget is installed there, too.
 
