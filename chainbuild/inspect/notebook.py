@@ -118,7 +118,7 @@ def _widget_type() -> Callable[[Mechanism, Vector, str, int], RobotView]:
         """Axis values that the robot has checked; what is equal is no change."""
 
         def validate(self, view: RobotView, value: Any) -> Vector:
-            axes = view.robot.axis_values(value).copy()
+            axes = view.robot.axis_values(value)
             axes.flags.writeable = False  # a value written into it would reach no page
             return axes
 

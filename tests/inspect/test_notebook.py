@@ -169,6 +169,24 @@ def test_the_page_opens_where_python_says(cells: Notebook) -> None:
     assert cells.saved == 0
 
 
+def test_the_wheel_scrolls_the_notebook_until_the_page_is_clicked(cells: Notebook) -> None:
+    def scrolled() -> int:
+        before = cells.tab.evaluate("window.scrollY")
+        cells.tab.mouse.wheel(0, 40)
+        cells.tab.wait_for_timeout(150)
+        return int(cells.tab.evaluate("window.scrollY") - before)
+
+    cells.tab.mouse.move(600, 250)  # over the picture; nothing was clicked so far
+    assert scrolled() > 0
+    cells.tab.evaluate("window.scrollTo(0, 0)")
+    cells.tab.mouse.click(600, 250)
+    assert scrolled() == 0
+    cells.tab.mouse.click(600, 630)  # below the cells
+    cells.tab.mouse.move(600, 250)
+    assert scrolled() > 0
+    cells.tab.evaluate("window.scrollTo(0, 0)")
+
+
 def test_what_is_dragged_in_the_page_is_had_in_python(cells: Notebook) -> None:
     heard: list[NDArray[np.float64]] = []
     end = cells.view.on_axes(heard.append)
@@ -288,25 +306,6 @@ def test_a_cell_that_is_cleared_neither_speaks_nor_listens(cells: Notebook) -> N
     cells.until(lambda: cells.axes(1) == OTHERS)
     assert cells.axes(2) == AXES
     cells.tab.evaluate("document.querySelector('#cell2').replaceChildren()")
-
-
-def test_the_wheel_scrolls_the_notebook_until_the_page_is_clicked(cells: Notebook) -> None:
-    def scrolled() -> int:
-        before = cells.tab.evaluate("window.scrollY")
-        cells.tab.mouse.wheel(0, 40)
-        cells.tab.wait_for_timeout(150)
-        return int(cells.tab.evaluate("window.scrollY") - before)
-
-    cells.tab.mouse.click(600, 630)  # below the cells
-    cells.tab.mouse.move(600, 250)  # over the picture
-    assert scrolled() > 0
-    cells.tab.evaluate("window.scrollTo(0, 0)")
-    cells.tab.mouse.click(600, 250)
-    assert scrolled() == 0
-    cells.tab.mouse.click(600, 630)
-    cells.tab.mouse.move(600, 250)
-    assert scrolled() > 0
-    cells.tab.evaluate("window.scrollTo(0, 0)")
 
 
 def test_a_page_that_may_not_run_is_said_to_be_missing(browser: Browser, tmp_path: Path) -> None:
