@@ -5,6 +5,7 @@ BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 INSTALLED_TEST := $(VENV)/.installed-test
 INSTALLED_BENCH := $(VENV)/.installed-bench
+INSTALLED_LAB := $(VENV)/.installed-lab
 
 .PHONY: demo test lint types test-slow bench mutants mutants-all docs chromium clean
 
@@ -21,7 +22,7 @@ lint: $(INSTALLED_TEST)
 types: $(INSTALLED_TEST)
 	$(BIN)/mypy
 
-test-slow: $(INSTALLED_TEST) $(INSTALLED_BENCH) chromium
+test-slow: $(INSTALLED_TEST) $(INSTALLED_BENCH) $(INSTALLED_LAB) chromium
 	$(BIN)/python -m pytest chainbuild tests -m slow -n 2
 
 bench: $(INSTALLED_BENCH) $(INSTALLED_TEST) chromium
@@ -56,6 +57,10 @@ $(INSTALLED_TEST): pyproject.toml | $(VENV)/bin/python
 
 $(INSTALLED_BENCH): pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench]'
+	touch $@ $(INSTALLED)
+
+$(INSTALLED_LAB): pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[lab]'
 	touch $@ $(INSTALLED)
 
 # The page that `inspect` exports is tested in a real browser.

@@ -138,6 +138,8 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.ik.search.table import StatusChange as StatusChange
     from chainbuild.ik.warm import warm_up as warm_up
     from chainbuild.inspect.export import export_page as export_page
+    from chainbuild.inspect.notebook import RobotView as RobotView
+    from chainbuild.inspect.notebook import show as show
     from chainbuild.inspect.playback import Playback as Playback
     from chainbuild.inspect.playback import axes_playback as axes_playback
     from chainbuild.inspect.playback import pose_playback as pose_playback
@@ -222,6 +224,7 @@ _HOMES = {
     "chainbuild.ik.search.table": "IkTable StatusChange",
     "chainbuild.ik.warm": "warm_up",
     "chainbuild.inspect.export": "export_page",
+    "chainbuild.inspect.notebook": "RobotView show",
     "chainbuild.inspect.playback": "Playback axes_playback pose_playback recording_playback",
     "chainbuild.inspect.playnotes": "PlaybackNote",
     "chainbuild.kinematics.limits": "Limits",

@@ -1,5 +1,5 @@
 """Looking at a robot: a meshcat scene and a self-contained page.
 
 In reading order: `scene`, `labels`, `sweep`, `panel`, `presets`, `chain_data`, `playnotes`, `playback`, `bundle`,
-`export`, `inline`; the page with Python behind it: `live`.
+`export`, `notebook`; the page with Python behind it: `live`.
 """

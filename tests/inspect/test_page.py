@@ -17,7 +17,6 @@ from chainbuild.chain.programmed.display import Display
 from chainbuild.errors import FileAccessError, Span
 from chainbuild.findings import Finding
 from chainbuild.inspect.export import export_page, page_html
-from chainbuild.inspect.inline import inline_page
 from chainbuild.inspect.sweep import rest_pose
 from chainbuild.kinematics.displayed import vector_of_angles
 from chainbuild.robot import Robot
@@ -163,24 +162,6 @@ def test_every_convention_used_is_listed() -> None:
 
 def test_the_same_robot_gives_the_same_page() -> None:
     assert page_html(arm()) == page_html(arm())
-
-
-def test_a_notebook_shows_the_page_in_place(browser: Browser, tmp_path: Path) -> None:
-    shown = inline_page(arm(), height=500)
-    assert len(repr(shown)) < 100
-    page = tmp_path / "notebook.html"
-    page.write_text(shown._repr_html_(), "utf-8")
-    tab = browser.new_page(viewport={"width": 1000, "height": 520})
-    try:
-        live = LivePage(tab)
-        tab.goto(page.as_uri())
-        live.until("!!window.frames[0].chainbuild")
-        tab.evaluate("window.frames[0].chainbuild.set([10, -80, 70, 15, 50, 20])")
-        tab.wait_for_timeout(400)  # as long as the address waits for the pose, which it cannot keep here
-        assert robot_pixels(live.picture()[:, PANEL:]).sum() > 500
-        assert live.told == []
-    finally:
-        tab.close()
 
 
 def test_texts_cannot_break_out_of_the_page(tmp_path: Path) -> None:

@@ -257,6 +257,32 @@ def test_nothing_is_wider_than_the_window(name: str, lives: Lives) -> None:
             assert ((seen[..., 0] > 130) & (seen[..., 0] - seen[..., 2] > 80)).sum() > 500
 
 
+def test_an_exported_page_heeds_no_message(kuka: LivePage) -> None:
+    before = list(kuka.axes)
+    kuka.tab.evaluate("window.came = 0; window.addEventListener('message', () => { window.came += 1; }); 0")
+    kuka.tab.evaluate("window.postMessage({ chainbuild: 'axes', axes: [1, 2, 3, 4, 5, 6] }, '*')")
+    kuka.tab.wait_for_timeout(60)
+    assert list(kuka.axes) == before
+    assert kuka.tab.evaluate("window.came") == 1  # and nothing in the page answers it
+
+
+@pytest.mark.parametrize("size", [(640, 560), (700, 560), (900, 560)])
+def test_in_the_cell_of_a_notebook_panel_and_picture_are_side_by_side(lives: Lives, size: tuple[int, int]) -> None:
+    live = lives["gantry_robot_kin210"]
+    live.call("set", rest_pose(Robot.load("gantry_robot_kin210")))
+    live.tab.set_viewport_size({"width": size[0], "height": size[1]})
+    live.tab.wait_for_timeout(150)
+    places = "['#panel', '#pane'].map((name) => { const b = document.querySelector(name).getBoundingClientRect();"
+    panel, pane = live.tab.evaluate(f"{places} return [b.left, b.top, b.right, b.bottom]; }})")
+    assert panel[:2] == [0, 0] and panel[2] <= pane[0] and panel[3] == pane[3] == size[1] and pane[1] == 0
+    assert pane[2] == size[0] and pane[2] - pane[0] >= 340
+    assert live.overflow() <= 0
+    fields = "[...document.querySelectorAll('input[type=number]')].filter((e) => e.scrollWidth > e.clientWidth).length"
+    assert live.tab.evaluate(fields) == 0  # no number is cut
+    wide = "[...document.querySelectorAll('#panel *')].filter((e) => e.getBoundingClientRect().right > %d).length"
+    assert live.tab.evaluate(wide % panel[2]) == 0
+
+
 def test_dark_follows_the_system_and_the_switch(browser: Browser, lives: Lives) -> None:
     paper = "getComputedStyle(document.body).backgroundColor.match(/\\d+/g).map(Number)[0]"
     with opened(browser, lives.page("kr6r900"), scheme="dark") as live:

@@ -172,6 +172,7 @@ OBJECTS: dict[str, Callable[[], Any]] = {
     "Recording": lambda: chainbuild.Recording(np.zeros((90, 6)), np.zeros((90, 4, 4))),
     "SingularityReport": report,
     "Robot": lambda: robot("gantry_robot_kin210"),
+    "RobotView": lambda: chainbuild.show(robot("gantry_robot_kin210"), at=[0.1] * 9),
     "Stand": lambda: robot("ca_head_kin9").chain.geometry.stand,
     "RodData": lambda: robot("parallelogram_nr").chain.geometry.rod_data,
     "Samples": lambda: check().forward.samples,

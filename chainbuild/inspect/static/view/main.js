@@ -1,6 +1,7 @@
 // Starts the page.
 import { contractOf } from "cb/contract";
 import { startDimensions } from "cb/dimensions";
+import { startEmbedded } from "cb/embedded";
 import { startGhosts } from "cb/ghosts";
 import { startGizmo } from "cb/gizmo";
 import { axesOfHash, hashIsForeign, startHash } from "cb/hash";
@@ -13,6 +14,8 @@ import { startPlayback } from "cb/playback";
 import { startTheme } from "cb/theme";
 import { startTools } from "cb/tools";
 
+// The viewer holds a script for workers that takes any message for a frame of a film, and sends itself another, for ever.
+window.onmessage = null;
 const data = JSON.parse(document.getElementById("page-data").textContent);
 const page = new Page(data, document.getElementById("pane"));
 const ghosts = startGhosts(page);
@@ -29,6 +32,7 @@ page.machine.fit();
 const player = startPlayback(page.forPlayback(document.getElementById("playback")));
 page.onChange((_, cause) => { if (player && cause !== "playback" && cause !== "search") player.leave(); });
 startHash(page);
+startEmbedded(page);
 page.searchWhenIdle();
 startLive(page, axesOfHash(page.axes.length) !== null);
 window.chainbuild = contractOf(page);
