@@ -147,6 +147,7 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.inspect.playnotes import PlaybackNote as PlaybackNote
     from chainbuild.kinematics.limits import Limits as Limits
     from chainbuild.kinematics.mechanism import Mechanism as Mechanism
+    from chainbuild.kinematics.model_urdf import model_to_urdf as model_to_urdf
     from chainbuild.machines import shipped as shipped
     from chainbuild.painting.overlay.measures import Dimension as Dimension
     from chainbuild.painting.overlay.measures import dimensions as dimensions
@@ -229,6 +230,7 @@ _HOMES = {
     "chainbuild.inspect.playnotes": "PlaybackNote",
     "chainbuild.kinematics.limits": "Limits",
     "chainbuild.kinematics.mechanism": "Mechanism",
+    "chainbuild.kinematics.model_urdf": "model_to_urdf",
     "chainbuild.machines": "shipped",
     "chainbuild.painting.overlay.measures": "Dimension dimensions",
     "chainbuild.painting.picture": "picture",
