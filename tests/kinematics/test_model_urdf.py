@@ -30,10 +30,10 @@ def robots() -> Path:
 
 FILES = sorted(robots().rglob("*.urdf"))
 SAMPLES = {
-    "humanoid": lambda: pin.buildSampleModelHumanoid(),
-    "humanoid random": lambda: pin.buildSampleModelHumanoidRandom(),
+    "humanoid": pin.buildSampleModelHumanoid,
+    "humanoid random": pin.buildSampleModelHumanoidRandom,
     "humanoid mimic": lambda: pin.buildSampleModelHumanoidRandom(True, True),
-    "manipulator": lambda: pin.buildSampleModelManipulator(),
+    "manipulator": pin.buildSampleModelManipulator,
     "manipulator mimic": lambda: pin.buildSampleModelManipulator(True),
 }
 
@@ -158,9 +158,9 @@ def test_joints_of_every_kind_and_place(kind: str) -> None:
 
 def test_an_endless_turn_about_an_inclined_axis() -> None:
     text = (
-        '<robot name="r"><link name="a"/><link name="b"><inertial><mass value="2"/><origin xyz="1 2 3"/><inertia ixx="3"'
-        ' ixy="0" ixz="0" iyy="3" iyz="0" izz="3"/></inertial></link><joint name="j" type="continuous"><parent link="a"/>'
-        '<child link="b"/><axis xyz="0 0.6 0.8"/></joint></robot>'
+        '<robot name="r"><link name="a"/><link name="b"><inertial><mass value="2"/><origin xyz="1 2 3"/>'
+        '<inertia ixx="3" ixy="0" ixz="0" iyy="3" iyz="0" izz="3"/></inertial></link>'
+        '<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0.6 0.8"/></joint></robot>'
     )
     model = pin.buildModelFromXML(text)
     assert model.joints[1].shortname() == "JointModelRevoluteUnboundedUnaligned"
