@@ -12,8 +12,8 @@ from chainbuild.analysis.singularity.names import examine
 from chainbuild.analysis.singularity.nearest import nearest_singularity
 from chainbuild.analysis.singularity.structure import SingularityKind
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.chain.bodies.rods import rod_masters
 from chainbuild.chain.bodies.shapes import shown_limits
+from chainbuild.chain.followers import followers
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.closure import closing_axes
 
@@ -87,7 +87,7 @@ def _mathematical_zero(chain: Chain) -> Vector | None:
     axis_map = chain.axis_map
     if chain.dialect != _ROBX or not isinstance(axis_map, AffineMap):
         return None
-    masters = rod_masters(chain)  # drawn rods follow and have no zero of their own
+    masters = followers(chain)  # drawn rods follow and have no zero of their own
     own = [n for n, joint in enumerate(chain.joints) if joint.name not in masters]
     zero = np.array([chain.joints[n].zero for n in own])
     found = np.linalg.lstsq(axis_map.A[own], zero - axis_map.b[own], rcond=None)[0] / axis_map.si_factors

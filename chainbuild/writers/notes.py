@@ -8,8 +8,8 @@ import numpy as np
 
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.bodies.linkage import assumed_lengths
-from chainbuild.chain.bodies.rods import rod_masters
 from chainbuild.chain.elements import Axis, Chain, Joint
+from chainbuild.chain.followers import followers
 from chainbuild.files import number_text
 from chainbuild.units import deg_from_rad, mm_from_m
 
@@ -42,7 +42,7 @@ def _coupling(chain: Chain, axis_map: AffineMap) -> list[str]:
     notes = []
     driven = np.abs(axis_map.A) > _SLIGHT
     # A mimic joint is not a limitation.
-    masters = rod_masters(chain)
+    masters = followers(chain)
     driven[[joint.name in masters for joint in chain.joints]] = False
     for row, joint in enumerate(chain.joints):
         names = [axis.name for axis, on in zip(chain.axes, driven[row], strict=True) if on]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from chainbuild.chain.bodies.rods import rod_masters
+from chainbuild.chain.followers import followers
 from chainbuild.files import angle_text, file_of, number_text, write_text
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def _add_poses(root: ET.Element, robot: Mechanism) -> None:
     states = [(name, q) for name, q in states if np.isfinite(q).all()]
     if not states:
         return
-    masters = rod_masters(chain)
+    masters = followers(chain)
     free = [n for n, joint in enumerate(chain.joints) if joint.name not in masters]
     group = ET.SubElement(root, "group", name=_GROUP)
     for n in free:

@@ -14,9 +14,9 @@ from chainbuild import tolerances
 from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.bodies.body import BASE_COLOUR, TOOL_COLOUR, WORKPIECE_SIDE, Body
-from chainbuild.chain.bodies.rods import rod_masters
 from chainbuild.chain.bodies.shapes import machine_size, solid_bodies
 from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint
+from chainbuild.chain.followers import followers
 from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.files import angle_text, file_of, number_text, numbers_text, write_text
@@ -76,7 +76,7 @@ def urdf_text(robot: Mechanism) -> str:
     for link in chain.links:
         _add_link(root, link.name, shown.get(link.name, ()), solid.get(link.name, ()))
     lower, upper = robot.model.lowerPositionLimit, robot.model.upperPositionLimit
-    masters = rod_masters(chain)
+    masters = followers(chain)
     for n, (joint, speed) in enumerate(zip(chain.joints, joint_speeds(chain), strict=True)):
         element = _add_joint(
             root, joint, _bound(joint, float(lower[n]), -1.0), _bound(joint, float(upper[n]), 1.0), speed

@@ -16,10 +16,11 @@ import chainbuild
 from chainbuild.analysis.singularity.names import names_at
 from chainbuild.chain.assemble import assemble, linear, mark, rotary, shift
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.chain.bodies.rods import CRANK, LEVEL_CRANK, LEVEL_PLATE, ROD, rod_masters
+from chainbuild.chain.bodies.rods import CRANK, LEVEL_CRANK, LEVEL_PLATE, ROD
 from chainbuild.chain.compose import stack
 from chainbuild.chain.elements import Axis, Chain
 from chainbuild.chain.fold import drawn, drawn_bounds, drawn_values, folded, joint_motion
+from chainbuild.chain.followers import followers
 from chainbuild.chain.poses import link_placements
 from chainbuild.frames import f_frame, rot_z
 from chainbuild.kinematics.task_error import _joints
@@ -79,7 +80,7 @@ def test_rods_meet_the_forearm_and_follow_their_masters(name: str) -> None:
     pin, end = BEFORE[name]["rods"]
     assert pin == pytest.approx(end, abs=2e-6)
     chain = chains()[name]
-    masters = rod_masters(chain)
+    masters = followers(chain)
     assert {CRANK, ROD} <= set(masters)
     for axes in sample_axes(chain):
         q = dict(zip([joint.name for joint in chain.joints], chain.axis_map.q(axes), strict=True))

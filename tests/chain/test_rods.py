@@ -13,7 +13,8 @@ import chainbuild
 from chainbuild.analysis.singularity.names import examine, names_at
 from chainbuild.analysis.singularity.structure import singular_structure
 from chainbuild.chain.bodies.geometry import RodData
-from chainbuild.chain.bodies.rods import ROD_END, ROD_PIN, has_rods, pinned_links, rod_masters, with_rods
+from chainbuild.chain.bodies.rods import ROD_END, ROD_PIN, has_rods, pinned_links, with_rods
+from chainbuild.chain.followers import followers
 from chainbuild.errors import ChainError, OverlayError
 
 ARMS = ["parallelogram_nr", "palletiser_kin96", "palletiser_kin213", "irb2600", "kr6r900_2"]
@@ -49,7 +50,7 @@ def test_rods_close_and_leave_the_robot_as_it_was(name: str, data: RodData) -> N
 @pytest.mark.parametrize("name", ARMS)
 def test_every_rod_joint_follows_one_other(name: str) -> None:
     chain = with_rods(chainbuild.load(name).chain(), RodData())
-    masters = rod_masters(chain)
+    masters = followers(chain)
     expected = {"crank", "rod"} | ({"level_plate", "level_crank", "level"} if name == "palletiser_kin96" else set())
     assert set(masters) == expected
     assert not {master for master, _, _ in masters.values()} & expected
@@ -65,9 +66,9 @@ def test_every_rod_joint_follows_one_other(name: str) -> None:
 def test_urdf_writes_mimic_joints_that_readers_follow(name: str, tmp_path: Path) -> None:
     robot = chainbuild.Robot(with_rods(chainbuild.load(name).chain(), RodData()))
     path = chainbuild.write_urdf(robot, tmp_path)
-    assert path.read_text("utf-8").count("<mimic") == len(rod_masters(robot.chain))
+    assert path.read_text("utf-8").count("<mimic") == len(followers(robot.chain))
     model = pin.buildModelFromUrdf(str(path), mimic=True)
-    masters = rod_masters(robot.chain)
+    masters = followers(robot.chain)
     assert model.nq == robot.model.nq - len(masters)
     data = model.createData()
     joints = [joint.name for joint in robot.chain.joints]

@@ -21,9 +21,9 @@ from chainbuild.chain.bodies.rods import (
     ROD,
     ROD_END,
     ROD_PIN,
-    rod_masters,
     with_rods,
 )
+from chainbuild.chain.followers import followers
 from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.kinematics.closure import Closure, check_closure, closing_axes, closure_of
 from chainbuild.writers.notes import urdf_limitations
@@ -202,7 +202,7 @@ def test_an_overlay_draws_the_level_linkage_and_says_what_is_assumed(tmp_path: P
     overlay.write_text("[geometry]\nrods = true\n", "utf-8")
     robot = Robot.load(file)
     check_closure(robot)
-    masters = rod_masters(robot.chain)
+    masters = followers(robot.chain)
     assert {LEVEL_ROD, HEAD_ROD, LEVEL_PLATE} <= set(masters)
     assert masters[LEVEL_ROD][0] == "G2"
     told = [note for note in urdf_limitations(robot.chain) if "assumed" in note]

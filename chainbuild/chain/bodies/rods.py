@@ -101,35 +101,6 @@ def has_rods(chain: Chain) -> bool:
     return any(frame.name == ROD_END for frame in chain.frames)
 
 
-def rod_masters(chain: Chain) -> dict[str, tuple[str, float, float]]:
-    """Return for each joint that follows another one its name, the factor and the offset [rad], for `<mimic>`.
-
-    Only chains with rods have such joints: those of the rods, and the one that keeps a head level.
-    """
-    if not has_rods(chain) or not isinstance(chain.axis_map, AffineMap):
-        return {}
-    followers = (*ROD_JOINTS, LEVEL_ROD, HEAD_ROD, *_followers_of_level(chain))
-    A, b = chain.axis_map.A, chain.axis_map.b
-    masters: dict[str, tuple[str, float, float]] = {}
-    for n, joint in enumerate(chain.joints):
-        if joint.name not in followers:
-            continue
-        for m, other in enumerate(chain.joints):
-            if other.name in followers or not A[m].any():
-                continue
-            factor = float(A[n] @ A[m] / (A[m] @ A[m]))
-            if factor and np.allclose(A[n], factor * A[m], atol=_PARALLEL):
-                masters[joint.name] = (other.name, factor, float(b[n] - factor * b[m]))
-                break
-    return masters
-
-
-def _followers_of_level(chain: Chain) -> list[str]:
-    """Return the names of the joints without an axis of their own: the one that keeps the head level."""
-    axes = {axis.name for axis in chain.axes}
-    return [joint.name for joint in chain.joints if joint.name not in axes]
-
-
 def _parallel_pair(rows: Sequence[_Row]) -> tuple[_Row, _Row]:
     by_child = {row.joint.child: row for row in rows}
     for row in rows:
