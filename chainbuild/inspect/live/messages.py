@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Final, NoReturn
+from typing import Any, Final
 
 from chainbuild.errors import ChainbuildError
 
@@ -47,7 +47,7 @@ def parsed(text: str | bytes) -> Message:
     if len(text) > LARGEST_MESSAGE:
         raise ChainbuildError(f"a message of {len(text)} characters", permitted=f"at most {LARGEST_MESSAGE}")
     try:
-        data = json.loads(text, parse_constant=_no_number, parse_int=_whole, object_pairs_hook=_object)
+        data = json.loads(text, parse_int=_whole, object_pairs_hook=_object)
     except (ValueError, RecursionError):
         raise _refusal(text) from None
     if not isinstance(data, dict) or len(data) != 1:
@@ -56,10 +56,6 @@ def parsed(text: str | bytes) -> Message:
     if kind not in _FORMS or not _FORMS[kind](content):
         raise _refusal(text)
     return Message(kind, content)
-
-
-def _no_number(text: str) -> NoReturn:
-    raise ValueError(text)
 
 
 def _whole(digits: str) -> int:

@@ -81,7 +81,7 @@ def _read(file: Path) -> str | None:
         flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
         with os.fdopen(os.open(file, flags), encoding="ascii") as stream:
             found = os.fstat(stream.fileno())
-            ours = stat.S_ISREG(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o077
+            ours = found.st_uid == os.getuid() and not found.st_mode & 0o077
             text = stream.read(256).strip() if ours else ""
         if _FORM.fullmatch(text):
             return text
