@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import json
 import math
 from collections.abc import Awaitable, Callable
@@ -15,6 +16,7 @@ from chainbuild.formats.load import load
 from chainbuild.inspect.live.answers import answer
 from chainbuild.inspect.live.hub import Hub, Tab
 from chainbuild.inspect.live.messages import parsed
+from chainbuild.inspect.live.sections import section
 from chainbuild.inspect.live.session import Session
 from chainbuild.machines import shipped
 
@@ -279,6 +281,14 @@ def test_answers_are_json() -> None:
     assert found["status"] == "ok"
     assert found["axes"] == pytest.approx(session.axes.tolist(), abs=1e-6)
     assert found["position_error"] < 1e-6
+
+
+def test_section_that_nobody_waits_for() -> None:
+    """It is given up."""
+    robot = Session(load(MACHINE)).robot
+    asked = itertools.count()
+    assert section(robot, "rz", lambda: next(asked) < 1) is None
+    assert next(asked) == 2
 
 
 def _all_changed(machine: str) -> None:
