@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -204,6 +205,11 @@ def _open(address: str) -> None:
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         note("no display: open the address in a browser on this computer")
         return
+    # Some browsers return when they have shown the page, which is not served before this function does.
+    threading.Thread(target=_browse, args=[address], daemon=True).start()
+
+
+def _browse(address: str) -> None:
     import webbrowser
 
     if not webbrowser.open(address):

@@ -14,7 +14,7 @@ from tornado.websocket import websocket_connect
 
 import chainbuild
 from tests.bench.tables import markdown
-from tests.kit.live_server import ServerProcess
+from tests.kit.live_server import Server
 
 # Axis values within the limits and away from singular positions.
 MACHINES = {
@@ -58,12 +58,8 @@ def measured(name: str) -> tuple[object, ...]:
         {"ik": flat, "start": start},
         {"ik_all": flat, "start": start},
     ]
-    with tempfile.TemporaryDirectory() as folder:
-        server = ServerProcess([name, "--port", "0"], Path(folder))
-        try:
-            times = asyncio.run(_times(server.address, questions))
-        finally:
-            server.kill()
+    with tempfile.TemporaryDirectory() as folder, Server(Path(folder), name) as server:
+        times = asyncio.run(_times(server.address, questions))
     shown = [f"{value:.2f}" for one in times for value in (statistics.median(one), statistics.quantiles(one, n=20)[-1])]
     return name, len(robot.ik_all(robot.fk(axes), axes)), *shown
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -17,7 +16,8 @@ from chainbuild.inspect.live.session import Session
 from chainbuild.machines import shipped_path
 from chainbuild.robot import Robot
 from tests.kit.live_page import LivePage, opened_at
-from tests.kit.live_server import ServerProcess, served
+from tests.kit.live_server import Server
+from tests.kit.live_thread import served
 
 DATUM = '[data-parameter="TX3P3_POS[2]"]'
 HEIGHT = 120.0  # of TX3P3_POS[2], which is 35 in the file
@@ -296,34 +296,26 @@ def test_another_kinematic_of_the_file_is_chosen(browser: Browser) -> None:
 
 
 def test_a_killed_and_restarted_server_is_met_again(browser: Browser, tmp_path: Path) -> None:
-    first = ServerProcess(["kr6r900", "--port", "0"], tmp_path)
-    port, address = first.port, first.address
-    try:
+    with Server(tmp_path, "kr6r900", token=None) as first:
+        address = first.address
         with opened_at(browser, address, address.split("?", maxsplit=1)[0]) as page:
             page.until("document.documentElement.dataset.link === 'open'")
             page.one(DATUM).fill(str(HEIGHT))
             page.until("window.chainbuild.drawnFurther('file', 'A6_link') !== null")
             page.call("set", [10, -80, 95, 20, 40, 15])
-            first.kill()
+            first.process.kill()
             page.until("document.documentElement.dataset.link === 'lost'")
             page.set_input("input[type=range][data-axis=A1]", 12.5)  # goes on by itself
-            second = ServerProcess(["kr6r900", "--port", str(port)], tmp_path)
-            try:
+            with Server(tmp_path, "kr6r900", port=first.port, token=None) as second:
                 assert second.address == address
                 page.until("document.documentElement.dataset.link === 'open'")
                 page.told.clear()  # the browser tells on its console that it could not connect
                 # A page that comes now is told by Python what the first has kept.
-                other = f"{address}"
-                wanted = json.dumps([12.5, -80, 95, 20, 40, 15])
-                until(lambda: _asked(browser, other, wanted), page)
-            finally:
-                second.kill()
-    finally:
-        first.kill()
+                until(lambda: _seen(browser, address) == ([12.5, -80, 95, 20, 40, 15], "120"), page)
 
 
-def _asked(browser: Browser, address: str, wanted: str) -> bool:
+def _seen(browser: Browser, address: str) -> tuple[list[float], str | None]:
+    """Return the axis values and the changed datum of a new page."""
     with opened_at(browser, address, address.split("?", maxsplit=1)[0]) as page:
         page.until(f"document.querySelector('{DATUM}') !== null")
-        value = page.one(DATUM).get_attribute("data-value")
-        return json.dumps(page.axes.tolist()) == json.dumps(np.array(json.loads(wanted)).tolist()) and value == "120"
+        return page.axes.tolist(), page.one(DATUM).get_attribute("data-value")

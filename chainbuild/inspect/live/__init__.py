@@ -1,5 +1,5 @@
 """The page with Python behind it: machine data that are changed, collisions, sections, several tabs in step.
 
-In reading order: `datalist`, `contacts`, `sections`, `session`, `messages`, `answers`, `tokens`, `hub`, `handlers`,
-`server`.
+In reading order: `datalist`, `contacts`, `sections`, `session`, `messages`, `answers`, `tokens`, `worker`, `hub`,
+`handlers`, `server`.
 """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +25,8 @@ def answered(robot: Robot, question: Mapping[str, Any]) -> dict[str, Any]:
             metres) and "start" (axis values).
 
     Returns:
-        "id", and "fk": 16 numbers; or "ik": status, axes and errors (m, rad); or "ik_all": the axis values of every
+        "id", and "fk": 16 numbers; or "ik": status, axes and errors (m, rad), null
+        where there is none; or "ik_all": the axis values of every
         branch, nearest first, and whether they are all.
     """
     found: dict[str, Any] = {"id": question["id"]}
@@ -37,15 +39,20 @@ def answered(robot: Robot, question: Mapping[str, Any]) -> dict[str, Any]:
                 **found,
                 "ik": {
                     "status": result.status,
-                    "axes": result.axes.tolist(),
-                    "position_error": result.position_error,
-                    "rotation_error": result.rotation_error,
+                    "axes": [_told(value) for value in result.axes.tolist()],
+                    "position_error": _told(result.position_error),
+                    "rotation_error": _told(result.rotation_error),
                 },
             }
         branches = robot.ik_all(_pose(question["ik_all"]), question["start"])
         return {**found, "ik_all": [branch.axes.tolist() for branch in branches]}
     except ChainbuildError as error:
         return {**found, "refused": str(error)}
+
+
+def _told(value: float) -> float | None:
+    """Return a number as JSON has it."""
+    return value if math.isfinite(value) else None
 
 
 def _pose(numbers: list[float]) -> Matrix:

@@ -67,15 +67,24 @@ class DataList:
             "line": span.text if span else "",
         }
 
+    def datum(self, key: str) -> Datum:
+        """Return the datum of a short name.
+
+        Raises:
+            ChainbuildError: there is none.
+        """
+        datum = self.data.get(key)
+        if datum is None:
+            raise ChainbuildError(f"the kinematic has no datum '{key}'", permitted=", ".join(self.data))
+        return datum
+
     def permitted(self, key: str, value: float) -> float:
         """Return a value that a datum may be changed to.
 
         Raises:
             ChainbuildError: there is no such datum, or it cannot have the value.
         """
-        datum = self.data.get(key)
-        if datum is None:
-            raise ChainbuildError(f"the kinematic has no datum '{key}'", permitted=", ".join(self.data))
+        datum = self.datum(key)
         if not math.isfinite(value) or abs(value) >= tolerances.HUGE_AXIS_VALUE:
             raise ChainbuildError(
                 f"{datum.name} = {value:g}", parameter=key, permitted=f"below {tolerances.HUGE_AXIS_VALUE:g} in size"
@@ -116,9 +125,7 @@ class DataList:
         Raises:
             ChainbuildError: there is no such datum.
         """
-        datum = self.data.get(key)
-        if datum is None:
-            raise ChainbuildError(f"the kinematic has no datum '{key}'", permitted=", ".join(self.data))
+        datum = self.datum(key)
         value = values.get(key, datum.value)
         choice = sorted({datum.value, *datum.others})
         other = value + _STEP if datum.unit else choice[(choice.index(value) + 1) % len(choice)]

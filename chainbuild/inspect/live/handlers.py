@@ -6,11 +6,11 @@ import hmac
 from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import unquote
 
-from tornado.web import HTTPError, RequestHandler
+from tornado.web import HTTPError, RequestHandler, stream_request_body
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from chainbuild.errors import ChainbuildError
-from chainbuild.files import printable
+from chainbuild.inspect.live.hub import in_words
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from chainbuild.inspect.live.hub import Hub, Tab
 
 HOSTS: Final = ("127.0.0.1", "localhost")
+LARGEST_FILE: Final = 16 * 1024 * 1024  # bytes of a machine file that is dropped; archives have a few million
+_USUAL_PORT: Final = 80  # of a web server: browsers leave it out
 
 
 class _Guarded(RequestHandler):
@@ -27,7 +29,7 @@ class _Guarded(RequestHandler):
         """Store what every handler needs."""
         self.hub = hub
         self._token = token
-        self._hosts = tuple(f"{name}:{port}" for name in HOSTS)
+        self._hosts = tuple(name if port == _USUAL_PORT else f"{name}:{port}" for name in HOSTS)
 
     def prepare(self) -> None:
         """Refuse a foreign host, a foreign page, a wrong token."""
@@ -67,18 +69,31 @@ class PageHandler(_Guarded):
         self.finish(await self.hub.page(f"http://{host} ws://{host}"))
 
 
+@stream_request_body
 class DropHandler(_Guarded):
-    """A machine file that was dropped on the page."""
+    """A machine file that was dropped on the page; whoever has no token is refused before its content is read."""
+
+    def prepare(self) -> None:
+        """Refuse what comes from no page, and permit a large file."""
+        super().prepare()
+        if self.request.headers.get("Origin") is None:
+            raise HTTPError(403)
+        self._content = bytearray()
+        connection: Any = self.request.connection
+        connection.set_max_body_size(LARGEST_FILE)
+
+    def data_received(self, chunk: bytes) -> None:
+        """Keep a part of the file."""
+        self._content += chunk
 
     async def post(self) -> None:
         """Show the machine of the file; what is refused is told in words."""
-        if self.request.headers.get("Origin") is None:
-            raise HTTPError(403)
+        name = unquote(self.request.headers.get("X-File-Name", ""))
         try:
-            await self.hub.opened(unquote(self.request.headers.get("X-File-Name", "")), self.request.body)
+            await self.hub.opened(name, bytes(self._content))
         except ChainbuildError as error:
             # Not an error of HTTP: browsers write those to their console.
-            self.finish({"refused": printable(str(error))})
+            self.finish({"refused": in_words(error)})
         else:
             self.finish({})
 
@@ -103,10 +118,11 @@ class LiveHandler(_Guarded, WebSocketHandler):
     async def open(self, *_arguments: str, **_named: str) -> None:
         """Take up the tab."""
         self.set_nodelay(True)
-        self._tab = await self.hub.joined(self)
+        self._tab = self.hub.joined(self)
+        await self.hub.greet(self._tab)
 
     def on_message(self, message: str | bytes) -> Awaitable[None] | None:
-        """Take a message; the next is read when it is done, so that they do not pile up here."""
+        """Take a message; the next is read when this one has found room, so that they do not pile up here."""
         return None if self._tab is None else self.hub.told(self._tab, message)
 
     async def send(self, text: str) -> None:

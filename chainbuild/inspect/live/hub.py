@@ -6,20 +6,26 @@ import asyncio
 import itertools
 import json
 import tempfile
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from collections.abc import Awaitable, Callable, Hashable
+from pathlib import Path, PurePath
+from typing import Any, Final, Protocol
 
+from chainbuild.chain.elements import Chain
 from chainbuild.errors import ChainbuildError
 from chainbuild.files import printable
 from chainbuild.formats.load import load
+from chainbuild.formats.machine import Machine
 from chainbuild.inspect.live.answers import answered
 from chainbuild.inspect.live.messages import Message, parsed
 from chainbuild.inspect.live.sections import section
 from chainbuild.inspect.live.session import Session
+from chainbuild.inspect.live.worker import Worker
+from chainbuild.robot import Robot
 
-Found = TypeVar("Found")
+_HELD: Final = 64  # messages of a tab that wait; before more are read, these are done
+_REST_S: Final = 0.2  # seconds without a motion: what tabs have sent until then has long arrived
+_NAME: Final = 60  # characters of a dropped file's name, at most 240 bytes: file systems take 255
+_PLAIN: Final = frozenset(" ._-+()[]")  # beside letters and digits, of a file's name
 
 
 class Sender(Protocol):
@@ -29,43 +35,94 @@ class Sender(Protocol):
         """Send a text; returns when it is on its way, whether or not the tab is still there."""
 
 
+class _Lane:
+    """What is done one after another; of things about the same that wait, only the last.
+
+    Args:
+        act: What is done: called with what a thing is about, and the thing.
+    """
+
+    def __init__(self, act: Callable[[Any, Any], Awaitable[None]]) -> None:
+        self._act = act
+        self._waiting: dict[Hashable, Any] = {}
+        self._task: asyncio.Task[None] | None = None
+
+    def put(self, about: Hashable, thing: Any) -> None:
+        """Have a thing done when those before it are."""
+        self._waiting.pop(about, None)  # a newer one keeps to the order of the new ones
+        self._waiting[about] = thing
+        if self._task is None or self._task.done():
+            self._task = asyncio.get_running_loop().create_task(self._run())
+
+    async def room(self) -> None:
+        """Return when not too many wait."""
+        if len(self._waiting) >= _HELD and self._task is not None:
+            await asyncio.wait([self._task])
+
+    async def _run(self) -> None:
+        while self._waiting:
+            about = next(iter(self._waiting))
+            await self._act(about, self._waiting.pop(about))
+
+    def clear(self) -> None:
+        """Do nothing of what waits."""
+        self._waiting.clear()
+
+    @property
+    def idle(self) -> bool:
+        """Whether nothing waits."""
+        return not self._waiting
+
+
 class Tab:
-    """A tab that is connected: of each kind of message only the last waits to be sent.
+    """A tab that is connected.
 
     Args:
         sender: The connection.
         number: Of the tab.
+        obey: Acts on a message of the tab.
     """
 
-    def __init__(self, sender: Sender, number: int) -> None:
+    def __init__(self, sender: Sender, number: int, obey: Callable[[Tab, Message], Awaitable[None]]) -> None:
+        async def act(_about: Hashable, message: Message) -> None:
+            await obey(self, message)
+
         self.number = number
+        self.closed = False
         self._sender = sender
-        self._waiting: dict[str, Any] = {}
-        self._sending: asyncio.Task[None] | None = None
+        self._out = _Lane(self.say)
+        # A section takes seconds, a question may, too: the machine is moved on meanwhile.
+        self._lanes = {"section": _Lane(act), "ask": _Lane(act)}
+        self._changes = _Lane(act)
+
+    async def hear(self, message: Message) -> None:
+        """Have a message acted on; returns when the next may be read."""
+        lane = self._lanes.get(message.kind, self._changes)
+        lane.put(message.about, message)
+        await lane.room()
+
+    def waits_for_section(self) -> bool:
+        """Return whether the tab is still there, and has asked for no other section since."""
+        return not self.closed and self._lanes["section"].idle
 
     def post(self, kind: str, content: Any) -> None:
-        """Send a message as soon as the tab has taken what was sent before."""
-        self._waiting.pop(kind, None)  # a newer one keeps to the order of the new ones
-        self._waiting[kind] = content
-        if self._sending is None or self._sending.done():
-            self._sending = asyncio.get_running_loop().create_task(self._send())
-
-    async def _send(self) -> None:
-        while self._waiting:
-            kind = next(iter(self._waiting))
-            await self.say(kind, self._waiting.pop(kind))
+        """Send a message as soon as the tab has taken what was sent before; only the last of a kind."""
+        if not self.closed:
+            self._out.put(kind, content)
 
     async def say(self, kind: str, content: Any) -> None:
         """Send a message at once."""
         await self._sender.send(json.dumps({kind: content}, separators=(",", ":")))
 
     def close(self) -> None:
-        """Send nothing more."""
-        self._waiting.clear()
+        """Send nothing more; what the tab has changed stays changed."""
+        self.closed = True
+        for lane in (self._out, *self._lanes.values()):
+            lane.clear()
 
 
 class Hub:
-    """The session, its tabs, and the one thread in which the session computes.
+    """The session, its tabs, and the threads that compute.
 
     Args:
         session: The session.
@@ -78,32 +135,39 @@ class Hub:
         self._session = session
         self._tabs: dict[int, Tab] = {}
         self._numbers = itertools.count(1)
-        self._worker = ThreadPoolExecutor(1, "session")
-        self._sections = ThreadPoolExecutor(1, "section")  # takes seconds, in which the machine is moved on
-        self._asked: tuple[list[float], int] | None = None  # axis values not taken yet, and of which tab
-        self._moving: asyncio.Task[None] | None = None
+        self._computed = Worker("session")
+        self._found = Worker("section")
+        self._answered = Worker("questions")
+        self._read = Worker("file")
+        self._asked: tuple[Chain, Robot] | None = None  # the robot of the questions: one thread may use it
+        self._mover = 0  # number of the tab that has moved the machine last; 0: none
+        self._contested = False  # whether tabs have moved it at the same time, perhaps
+        self._rest: asyncio.TimerHandle | None = None
         self.refused = 0
 
-    async def _computed(self, act: Callable[[], Found]) -> Found:
-        return await asyncio.get_running_loop().run_in_executor(self._worker, act)
-
-    def close(self) -> None:
+    async def close(self) -> None:
         """Compute nothing more."""
-        self._worker.shutdown(wait=False, cancel_futures=True)
-        self._sections.shutdown(wait=False, cancel_futures=True)
+        for tab in self._tabs.values():
+            tab.close()
+        if self._rest is not None:
+            self._rest.cancel()
+        await asyncio.gather(*(one.end() for one in (self._computed, self._found, self._answered, self._read)))
 
     async def page(self, connects: str) -> str:
         """Return the page."""
         return await self._computed(lambda: self._session.page(connects))
 
-    async def joined(self, sender: Sender) -> Tab:
-        """Take up a tab and tell it where the session is."""
-        tab = Tab(sender, next(self._numbers))
+    def joined(self, sender: Sender) -> Tab:
+        """Take up a tab."""
+        tab = Tab(sender, next(self._numbers), self._obey)
         self._tabs[tab.number] = tab
+        return tab
+
+    async def greet(self, tab: Tab) -> None:
+        """Tell a tab where the session is."""
         hello, contacts = await self._computed(lambda: (self._session.hello(), self._session.contacts()))
         tab.post("hello", hello)
         tab.post("contacts", contacts)
-        return tab
 
     def left(self, tab: Tab) -> None:
         """Forget a tab."""
@@ -112,23 +176,30 @@ class Hub:
 
     async def told(self, tab: Tab, text: str | bytes) -> None:
         """Take a message of a tab; what is refused is told to it, and counted."""
-        key = None
         try:
             message = parsed(text)
-            if message.kind == "datum":
-                key = message.content["key"]
+        except ChainbuildError as error:
+            self._refuse(tab, error)
+            return
+        await tab.hear(message)
+
+    def _refuse(self, tab: Tab, error: ChainbuildError, key: str | None = None) -> None:
+        self.refused += 1
+        tab.post("refused", {"text": in_words(error), "key": key, "count": self.refused})
+
+    async def _obey(self, tab: Tab, message: Message) -> None:
+        try:
             await self._act(tab, message)
         except ChainbuildError as error:
-            self.refused += 1
-            tab.post("refused", {"text": printable(str(error)), "key": key, "count": self.refused})
+            if message.kind == "restore":  # the page shows what it has kept: it is told what there is
+                tab.post("model", await self._computed(self._session.model))
+                tab.post("axes", {"axes": self._session.axes.tolist(), "by": 0})
+            self._refuse(tab, error, message.content["key"] if message.kind == "datum" else None)
 
     async def _act(self, tab: Tab, message: Message) -> None:
         kind, content, session = message.kind, message.content, self._session
         if kind == "axes":
-            # Many a second may come: those that nobody has looked at are passed over.
-            self._asked = content, tab.number
-            if self._moving is None or self._moving.done():
-                self._moving = asyncio.get_running_loop().create_task(self._move())
+            await self._move(tab, content)
         elif kind == "datum":
             await self._change(lambda: session.change({content["key"]: content["value"]}))
         elif kind == "convention":
@@ -137,16 +208,11 @@ class Hub:
             await self._change(lambda: session.reset(content))
         elif kind == "restore":
             await self._change(lambda: session.restore(content["values"], content["choices"], content["axes"]))
-            self._post("axes", {"axes": session.axes.tolist(), "by": 0})
+            self._tell_axes()
         elif kind == "moves":
             tab.post("moves", await self._computed(lambda: session.moves(content)))
         elif kind == "kinematic":
-
-            def chosen() -> dict[str, Any]:
-                session.choose_kinematic(content)
-                return session.hello()
-
-            self._post("hello", await self._computed(chosen))
+            await self._choose(content)
         elif kind == "model":
             tab.post("model", await self._computed(session.model))
         elif kind == "presets":
@@ -154,23 +220,34 @@ class Hub:
         elif kind == "section":
             await self._section(tab, content)
         else:
-            await tab.say("answer", await self._computed(lambda: answered(session.robot, content)))
+            await tab.say("answer", await self._answered(lambda: self._answer(content)))
 
-    async def _move(self) -> None:
-        while self._asked is not None:
-            (axes, number), self._asked = self._asked, None
-            try:
-                contacts = await self._computed(lambda axes=axes: self._moved(axes))  # type: ignore[misc]
-            except ChainbuildError as error:
-                self.refused += 1
-                self._post("refused", {"text": printable(str(error)), "key": None, "count": self.refused}, only=number)
-                continue
-            self._post("axes", {"axes": axes, "by": number}, but=number)
-            self._post("contacts", contacts)
+    async def _move(self, tab: Tab, axes: list[float]) -> None:
+        def moved() -> dict[str, Any]:
+            self._session.move(axes)
+            return self._session.contacts()
 
-    def _moved(self, axes: list[float]) -> dict[str, Any]:
-        self._session.move(axes)
-        return self._session.contacts()
+        contacts = await self._computed(moved)
+        self._post("axes", {"axes": axes, "by": tab.number}, but=tab.number)
+        self._post("contacts", contacts)
+        # What another tab was told may have crossed what it sent: at rest all are told the same.
+        self._contested = len(self._tabs) > 1 and (self._contested or self._mover not in (0, tab.number))
+        self._mover = tab.number
+        if self._rest is not None:
+            self._rest.cancel()
+        if self._contested:
+            self._rest = asyncio.get_running_loop().call_later(_REST_S, self._tell_axes)
+
+    def _tell_axes(self) -> None:
+        """Tell every tab where the axes stand."""
+        self._post("axes", {"axes": self._session.axes.tolist(), "by": 0})
+        self._contested, self._mover = False, -1  # nobody: the next to move may not have seen it
+
+    def _answer(self, question: dict[str, Any]) -> dict[str, Any]:
+        chain = self._session.robot.chain
+        if self._asked is None or self._asked[0] is not chain:
+            self._asked = chain, Robot(chain)
+        return answered(self._asked[1], question)
 
     async def _change(self, act: Callable[[], None]) -> None:
         def changed() -> tuple[dict[str, Any], dict[str, Any]]:
@@ -181,12 +258,20 @@ class Hub:
         self._post("model", model)
         self._post("contacts", contacts)
 
+    async def _choose(self, n: int) -> None:
+        def chosen() -> dict[str, Any]:
+            self._session.choose_kinematic(n)
+            return self._session.hello()
+
+        self._post("hello", await self._computed(chosen))
+
     async def _section(self, tab: Tab, kind: str | None) -> None:
         if kind is None:
             return
-        robot, number = self._session.robot, self._session.number
-        found = await asyncio.get_running_loop().run_in_executor(self._sections, lambda: section(robot, kind))
-        tab.post("section", {**found, "number": number})
+        chain, number = self._session.robot.chain, self._session.number
+        found = await self._found(lambda: section(Robot(chain), kind, tab.waits_for_section))
+        if found is not None:
+            tab.post("section", {**found, "number": number})
 
     async def opened(self, name: str, content: bytes) -> None:
         """Show a machine file that was dropped on the page, in every tab.
@@ -195,17 +280,35 @@ class Hub:
             ChainbuildError: it is no machine file, or holds no kinematic that can be shown.
         """
 
-        def opening() -> dict[str, Any]:
-            with tempfile.TemporaryDirectory(prefix="chainbuild-") as folder:
-                # Of the name only the last part, and of that no more than shows what it is.
-                path = Path(folder) / (Path(printable(name).replace("\\", "/")).name[-100:] or "machine")
-                path.write_bytes(content)
-                self._session.open_file(load(path))
+        def shown(machine: Machine) -> dict[str, Any]:
+            self._session.open_file(machine)
             return self._session.hello()
 
-        self._post("hello", await self._computed(opening))
+        machine = await self._read(lambda: _machine_of(name, content))
+        self._post("hello", await self._computed(lambda: shown(machine)))
 
-    def _post(self, kind: str, content: Any, *, but: int = 0, only: int = 0) -> None:
+    def _post(self, kind: str, content: Any, *, but: int = 0) -> None:
         for tab in self._tabs.values():
-            if tab.number != but and only in (0, tab.number):
+            if tab.number != but:
                 tab.post(kind, content)
+
+
+def _machine_of(name: str, content: bytes) -> Machine:
+    """Return the machine of a file's content."""
+    # Of the name only the last part, and of that no more than shows what it is.
+    last = "".join(one if one.isalnum() or one in _PLAIN else "_" for one in PurePath(name.replace("\\", "/")).name)
+    with tempfile.TemporaryDirectory(prefix="chainbuild-") as folder:
+        path = Path(folder) / (last[-_NAME:].strip(". ") or "machine")
+        try:
+            path.write_bytes(content)
+        except OSError as error:
+            raise ChainbuildError(f"the file cannot be taken: {error.strerror or error}") from None
+        return load(path)
+
+
+def in_words(error: ChainbuildError) -> str:
+    """Return what is wrong, as a page shows it: pages are passed on, so a file is named without its folder."""
+    text = str(error)
+    if error.span is not None:
+        text = text.replace(error.span.file, PurePath(error.span.file).name)
+    return printable(text)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Final, NoReturn
+from typing import Any, Final
 
 from chainbuild.errors import ChainbuildError
 
-LARGEST_MESSAGE: Final = 65_536  # bytes: hundreds of machine data take a few thousand
+LARGEST_MESSAGE: Final = 65_536  # characters: hundreds of machine data take a few thousand
 _SHOWN: Final = 40  # characters of what is refused
+_LARGEST_NUMBER: Final = 1e100  # the square of a larger one could overflow
 _DIGITS: Final = 40  # of a whole number in JSON: Python takes quadratic time for thousands
 
 
@@ -29,6 +29,13 @@ class Message:
     kind: str
     content: Any
 
+    @property
+    def about(self) -> tuple[str, str]:
+        """Its kind, and what it is about: of two messages about the same only the later matters."""
+        if self.kind == "reset":
+            return self.kind, self.content or ""
+        return self.kind, str(self.content[_ABOUT[self.kind]]) if self.kind in _ABOUT else ""
+
 
 def parsed(text: str | bytes) -> Message:
     """Return what a page says.
@@ -38,8 +45,10 @@ def parsed(text: str | bytes) -> Message:
     """
     if isinstance(text, bytes):
         raise _refusal("bytes")
+    if len(text) > LARGEST_MESSAGE:
+        raise ChainbuildError(f"a message of {len(text)} characters", permitted=f"at most {LARGEST_MESSAGE}")
     try:
-        data = json.loads(text, parse_constant=_no_number, parse_int=_whole)
+        data = json.loads(text, parse_int=_whole, object_pairs_hook=_object)
     except (ValueError, RecursionError):
         raise _refusal(text) from None
     if not isinstance(data, dict) or len(data) != 1:
@@ -50,14 +59,17 @@ def parsed(text: str | bytes) -> Message:
     return Message(kind, content)
 
 
-def _no_number(text: str) -> NoReturn:
-    raise ValueError(text)
-
-
 def _whole(digits: str) -> int:
     if len(digits) > _DIGITS:
         raise ValueError(digits[:_DIGITS])
     return int(digits)
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise ValueError("a key twice")
+    return found
 
 
 def _refusal(text: object) -> ChainbuildError:
@@ -67,10 +79,7 @@ def _refusal(text: object) -> ChainbuildError:
 def _number(value: object) -> bool:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
-    try:
-        return math.isfinite(float(value))
-    except OverflowError:
-        return False
+    return abs(value) < _LARGEST_NUMBER  # a NaN is not
 
 
 def _numbers(value: object) -> bool:
@@ -102,6 +111,7 @@ def _absent(value: object) -> bool:
     return value is None
 
 
+_ABOUT: Final[Mapping[str, str]] = MappingProxyType({"datum": "key", "convention": "name", "ask": "id"})
 _FK = _shape(id=_number, fk=_numbers)
 _IK = _shape(id=_number, ik=_numbers, start=_numbers)
 _IK_ALL = _shape(id=_number, ik_all=_numbers, start=_numbers)

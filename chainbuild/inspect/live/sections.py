@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final, get_args
 
 import numpy as np
@@ -24,12 +25,17 @@ _SIZES: Final[dict[str, tuple[int, int]]] = {
 _CLOSING: Final = 0.05  # share of the positions where loops are closed at each: some seconds, too
 
 
-def section(robot: Mechanism, kind: str) -> dict[str, Any]:
-    """Return a map of the workspace as the page draws it.
+class _Unwanted(Exception):
+    """Nobody waits for the section any more."""
+
+
+def section(robot: Mechanism, kind: str, wanted: Callable[[], bool] = lambda: True) -> dict[str, Any] | None:
+    """Return a map of the workspace as the page draws it; None when it is no longer wanted.
 
     Args:
         robot: The robot.
         kind: "rz": turned about the workpiece frame's z axis; "xz", "xy", "yz": a slab through its origin.
+        wanted: Asked several times a second; False: give up.
 
     Returns:
         "kind"; "low", "high": the ends across and up [m]; "cells" across and up; "values": the largest of the smallest
@@ -41,10 +47,19 @@ def section(robot: Mechanism, kind: str) -> dict[str, Any]:
     """
     if kind not in _SIZES or kind not in get_args(MapKind):
         raise ChainbuildError(f"unknown section '{kind}'", permitted=", ".join(_SIZES))
+
+    def heed(_done: int, _total: int) -> None:
+        if not wanted():
+            raise _Unwanted
+
     cells, samples = _SIZES[kind]
     if robot.chain.loops:
         samples = int(_CLOSING * samples)
-    found = make_map(robot, MapSpec(kind, cells=cells, samples=samples), workers=1)  # type: ignore[arg-type]
+    spec = MapSpec(kind, cells=cells, samples=samples)  # type: ignore[arg-type]
+    try:
+        found = make_map(robot, spec, workers=1, progress=heed)
+    except _Unwanted:
+        return None
     values = np.where(found.count > 0, found.smallest, np.nan).T  # across the first, up the second
     return {
         "kind": kind,

@@ -22,9 +22,10 @@ if TYPE_CHECKING:
 
 FIRST_PORT: Final = 7421  # any that is rarely used; the same again, so that a page finds the server after a restart
 _PORTS: Final = 20  # looked at before any free one is taken
+_LAST_PORT: Final = 65_535  # of TCP
 _ADDRESS: Final = "127.0.0.1"
-_LARGEST_FILE: Final = 16 * 1024 * 1024  # bytes of a machine file that is dropped; archives have a few million
-_PING_S: Final = 20  # seconds between two signs of life of a tab
+_LARGEST_FRAME: Final = 16 * LARGEST_MESSAGE  # bytes: what is larger than a message is refused in words, not cut off
+_LARGEST_BODY: Final = 1024  # bytes: only a file that is dropped has more, and asks for it when it has shown its token
 
 
 def serve(
@@ -55,18 +56,39 @@ def serve(
         token = token_for(number)
     else:
         keep_token(number, token)
-    return asyncio.run(_serving(session, sockets, token, ready))
+    ended: list[int] = []
+    before = {name: signal.getsignal(name) for name in _signals()}
+    try:
+        return asyncio.run(_serving(session, sockets, token, ready, ended))
+    finally:
+        with suppress(ValueError, TypeError):  # another thread than the first; a handler that is not Python's
+            for name, handler in before.items():
+                signal.signal(name, handler)
+        # What ends a process ends this one, too, now that nothing is left behind.
+        for number in ended:
+            if number != signal.SIGINT:
+                signal.raise_signal(number)
+
+
+def _signals() -> list[signal.Signals]:
+    """Return the signals that end the server, without those that are not to reach this process."""
+    known = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    return [signal.SIGINT, *(one for one in known if signal.getsignal(one) is not signal.SIG_IGN)]
 
 
 async def _serving(
-    session: Session, sockets: list[socket.socket], token: str, ready: Callable[[str, Callable[[], None]], None]
+    session: Session,
+    sockets: list[socket.socket],
+    token: str,
+    ready: Callable[[str, Callable[[], None]], None],
+    ended: list[int],
 ) -> int:
     from tornado.httpserver import HTTPServer
     from tornado.web import Application
 
     from chainbuild.inspect.live.handlers import DropHandler, LiveHandler, NothingHandler, PageHandler
 
-    _quieten()
+    _silence("tornado.access", "tornado.general")  # what strangers send is refused and counted
     hub = Hub(session)
     port = sockets[0].getsockname()[1]
     given = {"hub": hub, "token": token, "port": port}
@@ -75,27 +97,31 @@ async def _serving(
         default_handler_class=NothingHandler,
         default_handler_args=given,
         log_function=lambda _handler: None,
-        websocket_max_message_size=LARGEST_MESSAGE,
-        websocket_ping_interval=_PING_S,
-        websocket_ping_timeout=_PING_S,
+        websocket_max_message_size=_LARGEST_FRAME,
         compress_response=False,
     )
-    server = HTTPServer(application, max_body_size=_LARGEST_FILE, max_buffer_size=_LARGEST_FILE + LARGEST_MESSAGE)
+    server = HTTPServer(application, max_body_size=_LARGEST_BODY, max_buffer_size=2 * _LARGEST_FRAME)
     server.add_sockets(sockets)
     over = asyncio.Event()
     loop = asyncio.get_running_loop()
-    with suppress(NotImplementedError, RuntimeError, ValueError):  # Windows; another thread than the first
-        loop.add_signal_handler(signal.SIGINT, over.set)
 
-    def end() -> None:
+    def end(number: int) -> None:
+        ended.append(number)
+        over.set()
+
+    def stop() -> None:
         loop.call_soon_threadsafe(over.set)
 
+    with suppress(NotImplementedError, RuntimeError, ValueError):  # Windows; another thread than the first
+        for number in _signals():
+            loop.add_signal_handler(number, end, number)
     try:
-        ready(f"http://{_ADDRESS}:{port}/?token={token}", end)
+        ready(f"http://{_ADDRESS}:{port}/?token={token}", stop)
         await over.wait()
     finally:
         server.stop()
-        hub.close()
+        _silence("tornado.application", "asyncio", "concurrent.futures")  # what is given up is no fault
+        await hub.close()
     return hub.refused
 
 
@@ -103,6 +129,8 @@ def _sockets(port: int | None) -> list[socket.socket]:
     """Return sockets that listen on a port of this computer, and are not reached from others."""
     from tornado.netutil import bind_sockets
 
+    if port is not None and not 0 <= port <= _LAST_PORT:
+        raise ChainbuildError(f"port {port}", parameter="--port", permitted=f"0 … {_LAST_PORT}; 0: any free one")
     wanted = [port] if port is not None else [*range(FIRST_PORT, FIRST_PORT + _PORTS), 0]
     for number in wanted:
         try:
@@ -112,12 +140,10 @@ def _sockets(port: int | None) -> list[socket.socket]:
                 continue
             what = "is in use" if error.errno == errno.EADDRINUSE else f"is refused: {error.strerror}"
             raise ChainbuildError(f"port {number} {what}", parameter="--port", hint="choose another port") from None
-        except OverflowError:
-            break
-    raise ChainbuildError(f"port {port}", parameter="--port", permitted="0 … 65535; 0: any free one")
+    raise ChainbuildError("no port is free", parameter="--port", hint="choose one")
 
 
-def _quieten() -> None:
-    """Keep what strangers send out of the terminal: it is refused and counted."""
-    for name in ("tornado.access", "tornado.general"):
-        logging.getLogger(name).setLevel(logging.CRITICAL)
+def _silence(*names: str) -> None:
+    """Keep what is logged under some names out of the terminal."""
+    for name in names:
+        logging.getLogger(name).disabled = True

@@ -146,11 +146,12 @@ class Session:
         """Give a datum the value of the file, or all of them and the conventions as the session began.
 
         Raises:
-            ChainbuildError: there is no such machine; the session stays as it was.
+            ChainbuildError: there is no such datum or machine; the session stays as it was.
         """
         if key is None:
             self._rebuild({}, self._conventions)
         else:
+            self._list.datum(key)
             self._rebuild({name: value for name, value in self.values.items() if name != key}, self.choices)
 
     def _rebuild(self, values: Mapping[str, float], choices: Mapping[str, str]) -> None:

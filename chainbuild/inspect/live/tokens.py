@@ -48,33 +48,41 @@ def keep_token(port: int, token: str) -> None:
         return
     part = file.with_name(f"{file.name}.{secrets.token_hex(4)}")
     with suppress(OSError):
-        # A new file: nobody has it open, and nobody chose where it leads.
-        with os.fdopen(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as stream:
-            stream.write(token)
-        part.replace(file)
+        try:
+            # A new file: nobody has it open, and nobody chose where it leads.
+            with os.fdopen(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as stream:
+                stream.write(token)
+            part.replace(file)
+        finally:
+            part.unlink(missing_ok=True)
 
 
 def _folder_file(port: int) -> Path | None:
     """Return the file of a port in a folder that only its owner can open; None where there is no such folder."""
     if not hasattr(os, "getuid"):  # Windows
         return None
-    given = os.environ.get("XDG_RUNTIME_DIR")
-    base = Path(given) if given and Path(given).is_dir() else Path(tempfile.gettempdir())
-    folder = base / f"chainbuild-{os.getuid()}"
-    with suppress(OSError):
-        folder.mkdir(mode=0o700, exist_ok=True)
-        found = folder.lstat()
-        # Somebody else may have made it before, or a link of that name.
-        if stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o077:
-            return folder / f"inspect-{port}.token"
+    given = Path(os.environ.get("XDG_RUNTIME_DIR", ""))
+    for base in (given, Path(tempfile.gettempdir())):
+        if not base.is_absolute():
+            continue
+        folder = base / f"chainbuild-{os.getuid()}"
+        with suppress(OSError, ValueError):
+            folder.mkdir(mode=0o700, exist_ok=True)
+            found = folder.lstat()
+            # Somebody else may have made it before, or a link of that name.
+            if stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o077:
+                return folder / f"inspect-{port}.token"
     return None
 
 
 def _read(file: Path) -> str | None:
     with suppress(OSError, UnicodeDecodeError):
-        with os.fdopen(os.open(file, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0)), encoding="ascii") as stream:
+        # Neither does a link lead elsewhere, nor a pipe keep the reader waiting.
+        flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+        with os.fdopen(os.open(file, flags), encoding="ascii") as stream:
             found = os.fstat(stream.fileno())
-            text = stream.read(256).strip()
-        if found.st_uid == os.getuid() and not found.st_mode & 0o077 and _FORM.fullmatch(text):
+            ours = found.st_uid == os.getuid() and not found.st_mode & 0o077
+            text = stream.read(256).strip() if ours else ""
+        if _FORM.fullmatch(text):
             return text
     return None

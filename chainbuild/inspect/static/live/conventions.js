@@ -15,7 +15,7 @@ export function startKinematics(page, link) {
   document.querySelector("h1").after(select);
 }
 
-/** Put choices into the panel's list of conventions; return what does it again for another model. */
+/** Put choices into the panel's list of conventions; return what does it again for another model, and what undoes a choice. */
 export function startConventions(page, link) {
   const fill = () => {
     const { conventions } = page.data.live;
@@ -45,10 +45,16 @@ export function startConventions(page, link) {
     });
   };
   fill();
-  return () => {
+  const again = () => {
     const chosen = document.activeElement instanceof HTMLSelectElement ? document.activeElement.dataset.convention : null;
     renew();
     fill();
     if (chosen) document.querySelector(`select[data-convention="${CSS.escape(chosen)}"]`)?.focus();
   };
+  /** Show what is chosen, where a choice was refused. */
+  const undo = () => page.data.live.conventions.forEach(({ name, choice }) => {
+    const select = document.querySelector(`select[data-convention="${CSS.escape(name)}"]`);
+    if (select) select.value = choice;
+  });
+  return { again, undo };
 }

@@ -1,5 +1,7 @@
 // A machine file that is dropped on the page is shown in place of the machine.
 
+const LARGEST = 16 * 1024 * 1024; // bytes that Python takes
+
 /** Take files that are dropped; `say` tells what became of them. */
 export function startDrop(target, say) {
   target.addEventListener("dragover", (event) => {
@@ -18,6 +20,10 @@ export function startDrop(target, say) {
 }
 
 async function upload(file, say) {
+  if (file.size > LARGEST) {
+    say(`${file.name} is too large for a machine file: at most 16 MB are taken.`);
+    return;
+  }
   say(`Reading ${file.name} …`);
   try {
     const answer = await fetch(`/drop${window.location.search}`, {
@@ -27,6 +33,6 @@ async function upload(file, say) {
     if (!answer.ok) say(`${file.name} was refused (${answer.status}).`);
     else say((await answer.json()).refused || "");
   } catch (lost) {
-    say(`${file.name} was not taken: it is too large, or Python does not answer.`);
+    say(`${file.name} was not taken: Python does not answer.`);
   }
 }

@@ -27,11 +27,13 @@ export function startLive(page, opened) {
   const tell = element("p", { id: "link", role: "status" });
   document.getElementById("state").append(tell);
   const say = (words) => { tell.textContent = words; };
+  let parameters = null;
   const link = new Link((kind, content) => takers[kind] && takers[kind](content), (open) => {
     document.documentElement.dataset.link = open ? "open" : "lost";
+    if (parameters) parameters.lost();
     say(open ? "" : "Python does not answer: the page goes on by itself, and tries again.");
   });
-  const parameters = startParameters(page, link, section("parameters", "Machine data"), highlights);
+  parameters = startParameters(page, link, section("parameters", "Machine data"), highlights);
   const conventions = startConventions(page, link);
   startFurther(page, section("further", "Beside the machine"));
   const collisions = startCollisions(page, section("collisions", "Collisions"), highlights);
@@ -40,7 +42,7 @@ export function startLive(page, opened) {
   startKinematics(page, link);
   const takers = {
     hello: (hello) => greet(page, link, state, hello),
-    axes: ({ axes }) => { if (axes.length === page.axes.length) page.setAxes(axes, "remote"); },
+    axes: ({ axes }) => { if (differs(axes, page.axes)) page.setAxes(axes, "remote"); },
     contacts: collisions,
     model: (model) => {
       if (model.live.structure !== page.data.live.structure) {
@@ -49,12 +51,14 @@ export function startLive(page, opened) {
       }
       page.swap({ ...model, live: { ...page.data.live, ...model.live } });
       parameters.took();
-      conventions();
+      conventions.again();
       link.send("presets");
     },
     presets: (presets) => page.offerPoses(presets),
     refused: (told) => {
-      if (told.key === null || !parameters.refused(told)) say(told.text);
+      if (told.key !== null && parameters.refused(told)) return;
+      conventions.undo();
+      say(told.text);
     },
     moves: (found) => parameters.moves(found),
     section: showSection,
@@ -67,6 +71,9 @@ export function startLive(page, opened) {
   });
   askWhenIdle(page, link);
 }
+
+/** Return whether axis values are others of the same machine. */
+const differs = (axes, own) => axes.length === own.length && axes.some((value, n) => value !== own[n]);
 
 /** Meet the session: it keeps the state; a new one of the same machine takes that of the page. */
 function greet(page, link, state, { session, machine, number, axes }) {
@@ -81,7 +88,7 @@ function greet(page, link, state, { session, machine, number, axes }) {
   } else {
     if (number !== live.number) link.send("model");
     if (state.moved) link.post("axes", page.axes);
-    else page.setAxes(axes, "remote");
+    else if (differs(axes, page.axes)) page.setAxes(axes, "remote");
   }
   state.moved = false;
 }

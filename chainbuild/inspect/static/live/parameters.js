@@ -64,6 +64,7 @@ export function startParameters(page, link, root, highlights) {
   page.onChange((_, cause) => { if (state.about && cause !== "search" && cause !== "model") about(state.about); });
   return {
     took,
+    lost: () => { Object.assign(state, { busy: null, pending: new Map() }); },
     refused: ({ key, text }) => {
       const n = rows.findIndex((row) => row.key === key);
       done(state, link);

@@ -32,10 +32,10 @@ export function startSection(page, link, root) {
     clear();
     words.textContent = select.value ? "Being computed …" : "";
     root.dataset.state = select.value ? "asked" : "";
-    if (select.value) link.send("section", select.value);
+    link.send("section", select.value || null);
   };
   select.addEventListener("input", ask);
-  page.onModel(() => { if (select.value) ask(); });
+  page.onModel(() => { if (select.value) ask(); }); // another machine has another workspace
   page.onChange(() => { if (shown) turn(page, shown); });
   return (found) => {
     if (found.kind !== select.value || found.number !== page.data.live.number) return;
