@@ -12,10 +12,12 @@ import pytest
 import chainbuild
 from chainbuild.analysis.singularity.names import examine, names_at
 from chainbuild.analysis.singularity.structure import singular_structure
+from chainbuild.chain.assemble import mark, rotary, shift
 from chainbuild.chain.bodies.geometry import RodData
 from chainbuild.chain.bodies.rods import ROD_END, ROD_PIN, has_rods, pinned_links, with_rods
 from chainbuild.chain.followers import followers
 from chainbuild.errors import ChainError, OverlayError
+from tests.kit.robots import make_chain
 
 ARMS = ["parallelogram_nr", "palletiser_kin96", "palletiser_kin213", "irb2600", "kr6r900_2"]
 ODD = RodData(crank=0.31, angle_deg=-150.0, sideways=0.12)
@@ -45,6 +47,32 @@ def test_rods_close_and_leave_the_robot_as_it_was(name: str, data: RodData) -> N
         elbow = next(j.name for j in rodded.chain.joints if j.child == rodded.chain.frame(ROD_PIN).link)
         arm = places[elbow].translation - places["crank"].translation
         np.testing.assert_allclose(rod, arm, atol=1e-12)
+
+
+@pytest.mark.parametrize("absolute", [False, True])
+@pytest.mark.parametrize(("sign2", "sign3"), [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0)])
+def test_rods_under_a_level_head_close_whatever_the_zeros(absolute: bool, sign2: float, sign3: float) -> None:
+    """Arms whose axes count from other zeros than those drawn: the head is as level as it was, the rods meet."""
+    turned = {"G3": sign3} if absolute else {"G2": sign2, "G3": sign3}
+    tool = [
+        rotary("G1", "z"), shift(x=150.0, z=400.0),
+        rotary("G2", "y", sign=sign2, offset_deg=25.0), shift(z=800.0),
+        rotary("G3", "y", drive={"G3": sign3, "G2": -sign2} if absolute else {"G3": sign3}, offset_deg=-40.0),
+        shift(x=900.0),
+        rotary("level", "y", drive={name: -sign for name, sign in turned.items()}, offset_deg=15.0),
+        shift(x=120.0), rotary("G4", "z"), mark("flange"),
+    ]  # fmt: skip
+    plain = chainbuild.Robot(make_chain(tool, [], "G1 G2 G3 G4"))
+    rodded = chainbuild.Robot(with_rods(plain.chain, ODD))
+    assert "level_plate" in {joint.name for joint in rodded.chain.joints}
+    for axes in samples(plain, 20):
+        T, places = rodded.fk(axes).homogeneous, rodded.frame_placements(axes)
+        np.testing.assert_allclose(T, plain.fk(axes).homogeneous, atol=1e-13)
+        np.testing.assert_allclose(T[2, :3], [0.0, 0.0, 1.0], atol=1e-13)
+        np.testing.assert_allclose(places[ROD_END].translation, places[ROD_PIN].translation, atol=1e-12)
+        upper_arm = places["level_plate"].translation - places["crank"].translation
+        assert float(np.linalg.norm(upper_arm)) == pytest.approx(0.8)
+        np.testing.assert_allclose(places[ROD_END].translation - places["rod"].translation, upper_arm, atol=1e-12)
 
 
 @pytest.mark.parametrize("name", ARMS)

@@ -28,6 +28,8 @@ from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.kinematics.closure import Closure, check_closure, closing_axes, closure_of
 from chainbuild.writers.notes import urdf_limitations
 from chainbuild.writers.srdf import write_srdf
+from tests.hand.loops_cases import channel_list, random_closing, random_hd
+from tests.hand.loops_hand import LOOPS
 from tests.kit.six_rods import SixRods
 
 MACHINES = ("tripod_kin12", "tripod_table_kin209", "delta_kin37", "lambda_kin21", "rod_table_kin19")
@@ -121,6 +123,41 @@ def test_check_refuses_loops_that_leave_other_freedoms_than_the_axes() -> None:
     ]
     with pytest.raises(ChainError, match=r"do not close: a gap of 0\.001 m"):
         check_closure(Robot(replace(robot.chain, frames=tuple(moved))))
+
+
+def test_rods_are_looked_at_inside_the_limits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not at their ends, where arms that stand in line or square may hide what is wrong."""
+    robot = Robot(with_linkage(Robot.load("palletiser_kin96").chain, RodData()))
+    seen: list[np.ndarray] = []
+    gap = Closure.gap
+    monkeypatch.setattr(Closure, "gap", lambda closure, q: [seen.append(q), gap(closure, q)][1])
+    for seed in range(20):
+        check_closure(robot, seed)
+    drawn = np.array([robot.axes_from_q(q) for q in seen])
+    lower, upper = np.array([axis.range for axis in robot.axes]).T
+    assert len(drawn) == 20
+    assert ((drawn > lower) & (drawn < upper)).all()
+    assert (np.ptp(drawn, axis=0) > 0.6 * (upper - lower)).all()
+
+
+@pytest.mark.parametrize("kin", [12, 21])
+def test_rows_are_posed_one_by_one_however_many(kin: int, tmp_path: Path) -> None:
+    """More of them than are computed at a time: each pose is that of the formula by hand."""
+    rng = np.random.default_rng(kin)
+    hd = random_hd(kin, rng, {})
+    path = tmp_path / f"kin{kin}.lis"
+    path.write_text(channel_list(kin, hd))
+    robot = Robot.load(path)
+    rows = np.array([random_closing(kin, hd, {}, rng) for _ in range(5)])
+    wanted = np.array([LOOPS[kin](hd, row.tolist(), 0.0, {}) for row in rows])
+    wanted[:, :3, 3] /= 1000.0
+    which = np.arange(4999) % 5
+    found = robot.fk_batch(rows[which])
+    assert np.abs(found - wanted[which]).max() < 1e-9
+    many = rows[which]
+    many[4321, 0] += 1e5  # an arm that stands far away from the others
+    with pytest.raises(ChainbuildError, match=r"^row 4321: "):
+        robot.fk_batch(many)
 
 
 def test_only_balls_close() -> None:

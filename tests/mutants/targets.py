@@ -17,6 +17,9 @@ TWINCAT_SHARED = (TWINCAT, "-k", GEOMETRY)
 TRANSLATED = (TWINCAT, "-k", f"{GEOMETRY} or channel_names")
 # The drives of 76 go by a map of heads.
 HEAD_MAPS = (TWINCAT, "-k", f"{GEOMETRY} or 76_machine_axes")
+# What moves no tool of closed loops: names of singularities, derivatives of passive joints, ranges of struts.
+LOOP_MAPS = (TWINCAT, "tests/analysis/test_loop_names.py", "-k", f"{GEOMETRY} or loop_names")
+ROD_TABLE = (f"{TWINCAT}/test_rod_table.py", "tests/kinematics/test_closure.py", "-k", "not option_chooses")
 SINUMERIK = ("tests/formats/sinumerik", "tests/ik/policies/test_controller.py")
 CHAIN = ("tests/chain",)
 
@@ -55,6 +58,8 @@ def targets() -> dict[Path, tuple[str, ...]]:
     shared += [twincat / "recipes" / f"{name}.py" for name in ("parts", "head_parts", "recipe")]
     files = {**dict.fromkeys(shared, TWINCAT_SHARED), twincat / "translate.py": TRANSLATED}
     files[twincat / "maps" / "heads.py"] = HEAD_MAPS
+    files |= {twincat / "maps" / f"{name}.py": LOOP_MAPS for name in ("losing", "scissors", "struts")}
+    files |= {twincat / "maps" / f"{name}.py": ROD_TABLE for name in ("table", "table_rods")}
     robx = [sinumerik / "geometry" / f"{name}.py" for name in ("translate", "robot_axes", "tool")]
     files |= dict.fromkeys([*robx, sinumerik / "rules" / "chain_data.py"], SINUMERIK)
     chain = package / "chain"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+import signal
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ import pinocchio as pin
 import pytest
 
 import chainbuild
+from chainbuild.chain.axismap import SamplingMap
 from chainbuild.chain.bodies.body import TOOL_SIDE, WORKPIECE_SIDE
 from chainbuild.chain.bodies.shapes import detail_bodies, link_bodies
 from chainbuild.chain.closing import LosingMap, RangingMap
@@ -47,8 +49,24 @@ DRAWN = 2  # beside them, a machine
 SHIPPED = {1: 80.0, 2: 500.0, 3: 150.0, 4: 300.0, 5: 40.0}
 FLAT = {1: 80.0, 2: 110.0, 3: 100.0, 4: 200.0, 5: 40.0}  # rods that may come to lie flat before the table is upright
 
+ENDLESS_S = 30.0  # of processor time in one test: the longest takes two
+
 Hd = dict[int, float]
 Conv = dict[str, str]
+
+
+@pytest.fixture(autouse=True)
+def ends(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Fail a test whose way from home never ends: each step that is not found must be tried shorter."""
+
+    def endless(*_: object) -> None:
+        raise TimeoutError("a way from home does not end")
+
+    before = signal.signal(signal.SIGVTALRM, endless)
+    signal.setitimer(signal.ITIMER_VIRTUAL, 0.0 if request.node.get_closest_marker("slow") else ENDLESS_S)
+    yield
+    signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+    signal.signal(signal.SIGVTALRM, before)
 
 
 def build(folder: Path, hd: Hd, conv: Conv, length: float = 0.0) -> chainbuild.Robot:
@@ -146,6 +164,19 @@ def test_the_loops_close_and_leave_one_freedom_an_axis(guide: str) -> None:
     else:
         rods = [f"Z{n}_{turned}" for n in (1, 2, 3) for turned in ("swing", "lean")]
         assert passive == ["table_z", *turns, *rods, "guide_lower", "guide_upper"]
+
+
+@pytest.mark.parametrize("guide", GUIDES)
+def test_what_is_drawn_stays_inside_and_meets_the_range(guide: str) -> None:
+    axis_map = guided(guide).chain.axis_map
+    assert isinstance(axis_map, SamplingMap)
+    rng = np.random.default_rng(seed_of("rod table drawn", guide))
+    lower, upper = np.array([-100.0, 40.0, -900.0, -850.0, -800.0]), np.array([300.0, 190.0, -500.0, -450.0, -400.0])
+    rows = [axis_map.drawn_axes(rng, lower, upper) for _ in range(300)]
+    drawn = np.array([row for row in rows if row is not None])
+    assert len(drawn) > 30
+    assert ((drawn >= lower) & (drawn <= upper)).all()
+    assert (np.ptp(drawn, axis=0) > 0.6 * (upper - lower)).all()
 
 
 @pytest.mark.parametrize("guide", GUIDES)

@@ -162,10 +162,6 @@ class Drive:
     sign: float = 1.0
     offset_deg: float = 0.0
 
-    def angle_deg(self, axis: float) -> float:
-        """Return the joint angle of an axis value."""
-        return self.sign * axis + self.offset_deg
-
     def reversed(self) -> Drive:
         """Return the drive with the whole joint angle negated."""
         return Drive(-self.sign, -self.offset_deg)
