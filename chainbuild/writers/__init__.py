@@ -1,5 +1,5 @@
-"""Files that leave the package: URDF, SRDF, reports, pictures.
+"""Files that leave the package: URDF, MJCF, SRDF, reports, pictures.
 
-In reading order: `urdf`, `notes`, `srdf`, `report`, `report_html`, `svg_plots`, `chart`, `picture`,
+In reading order: `urdf`, `notes`, `masses`, `mjcf`, `srdf`, `report`, `report_html`, `svg_plots`, `chart`, `picture`,
 `pathpicture`.
 """

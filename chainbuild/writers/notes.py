@@ -135,6 +135,27 @@ def header(chain: Chain) -> str:
     return "\n".join(_safe(line) for line in lines)
 
 
+def mjcf_header(chain: Chain) -> str:
+    """Return the header comment of an MJCF as plain text lines, without folder and date."""
+    lines = [
+        f"{chain.title}: {chain.kinematic} ({chain.dialect}), written by chainbuild.",
+        "",
+        "Metres, radians, kilograms. The sites tool and workpiece are the tips: a programmed pose is tool seen from",
+        "workpiece. Actuators are the axes: a control is an axis value in metres or radians.",
+        *_joint_values(chain),
+        "Masses are estimates: the drawn bodies, solid, of one density; so are the stiffness of the drives and the",
+        "inertia of their rotors. Bodies are drawn by rule and do not collide.",
+    ]
+    if not isinstance(chain.axis_map, AffineMap):
+        joints = {joint.name for joint in chain.joints}
+        lacking = [axis.name for axis in chain.axes if axis.name not in joints]
+        if not chain.loops:
+            lines.append("Drives move joints, not axes: the nonlinear map between them is not expressed by this file.")
+        if lacking:
+            lines.append(f"Without a drive, for want of a joint of their own: {', '.join(lacking)}.")
+    return "\n".join(_safe(line) for line in lines)
+
+
 def _joint_values(chain: Chain) -> list[str]:
     lines = axis_map_in_words(chain)
     same = "Joint values are the controller's axis values in metres and radians, by name"
