@@ -160,6 +160,7 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.units import AxisLabels as AxisLabels
     from chainbuild.units import AxisUnit as AxisUnit
     from chainbuild.units import Units as Units
+    from chainbuild.writers.export import export as export
     from chainbuild.writers.mjcf import write_mjcf as write_mjcf
     from chainbuild.writers.urdf import write_urdf as write_urdf
 
@@ -239,6 +240,7 @@ _HOMES = {
     "chainbuild.robot": "Robot",
     "chainbuild.tables.recording": "Recording read_recording",
     "chainbuild.units": "AxisKind AxisLabels AxisUnit Units",
+    "chainbuild.writers.export": "export",
     "chainbuild.writers.mjcf": "write_mjcf",
     "chainbuild.writers.urdf": "write_urdf",
 }

@@ -27,6 +27,7 @@ from chainbuild.cli.collide import collide
 from chainbuild.cli.couple import couple
 from chainbuild.cli.crosscheck import crosscheck
 from chainbuild.cli.demo import demo
+from chainbuild.cli.export import export
 from chainbuild.cli.fk import fk
 from chainbuild.cli.ik import ik
 from chainbuild.cli.info import info
@@ -59,6 +60,7 @@ _COMMANDS = (
     couple,
     crosscheck,
     urdf,
+    export,
     as_universal,
     inspect,
     picture,

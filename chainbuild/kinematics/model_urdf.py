@@ -29,7 +29,7 @@ _FREE: Final = {"JointModelFreeFlyer": "floating", "JointModelPlanar": "planar"}
 
 
 def model_to_urdf(
-    model: pin.Model, collision: pin.GeometryModel | None = None, visual: pin.GeometryModel | None = None
+    pin_model: pin.Model, collision: pin.GeometryModel | None = None, visual: pin.GeometryModel | None = None
 ) -> str:
     """Return a model as URDF text.
 
@@ -38,7 +38,7 @@ def model_to_urdf(
     velocity and effort.
 
     Args:
-        model: The model.
+        pin_model: The model.
         collision: Bodies for collisions: boxes, spheres, cylinders, capsules, meshes that were read from a file.
         visual: Bodies to look at.
 
@@ -46,8 +46,8 @@ def model_to_urdf(
         ValueError: the model has a joint that URDF cannot express (spherical, ellipsoid, helical, composite), or a body
             has no form in URDF; the message names it.
     """
-    writer = _Writer(model)
-    for joint in range(1, model.njoints):
+    writer = _Writer(pin_model)
+    for joint in range(1, pin_model.njoints):
         writer.joint(joint)
     writer.frames()
     for tag, geometry in (("collision", collision), ("visual", visual)):

@@ -1,5 +1,5 @@
 """Files that leave the package: URDF, MJCF, SRDF, reports, pictures.
 
-In reading order: `urdf`, `notes`, `masses`, `mjcf`, `srdf`, `report`, `report_html`, `svg_plots`, `chart`, `picture`,
-`pathpicture`.
+In reading order: `urdf`, `notes`, `masses`, `mjcf`, `srdf`, `export`, `report`, `report_html`, `svg_plots`, `chart`,
+`picture`, `pathpicture`.
 """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from pathlib import Path
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 # Joint of MuJoCo by that of the chain.
 _KINDS: Final = {"revolute": "hinge", "prismatic": "slide"}
 _SHAPES: Final = {"box": "box", "cylinder": "cylinder", "sphere": "sphere"}
+_ESTIMATED: Final = 6  # digits of masses and moments, decimals of centres in m
 _RIGHT: Final = 1e-9  # factors below this are rounding
 # Constraints: as stiff as the step permits, so that a loop stays closed under its weight and while it moves.
 _STEP_S: Final = 0.0005
@@ -134,9 +136,12 @@ def _add_bodies(world: ET.Element, robot: Mechanism) -> None:
         _sub(element, "joint", name=joint.name, type=kind, axis=axis, armature=armature, **more)
     for link, element in made.items():
         inertia = estimated(shown[link])
-        moments = [inertia.moments[place] for place in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
-        pos, mass = numbers_text(inertia.centre.tolist()), number_text(inertia.mass)
-        _sub(element, "inertial", pos=pos, mass=mass, fullinertia=numbers_text(moments))
+        moments = [float(inertia.moments[place]) for place in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+        # Estimates need no last bits, which differ between machines.
+        digits = _ESTIMATED - 1 - math.floor(math.log10(max(moments[:3])))
+        centre = numbers_text(round(value, _ESTIMATED) for value in inertia.centre.tolist())
+        mass = number_text(float(f"{inertia.mass:.{_ESTIMATED}g}"))
+        _sub(element, "inertial", pos=centre, mass=mass, fullinertia=numbers_text(round(v, digits) for v in moments))
         for body in shown[link]:
             size = [value / 2.0 for value in body.dimensions] if body.kind == "box" else list(body.dimensions)
             if body.kind == "cylinder":

@@ -22,7 +22,7 @@ from tests.kit.command_line import ARM, AXES, PROGRAM, Run
 
 pytestmark = pytest.mark.usefixtures("heeds_interrupts")
 
-COMMANDS = ["info", "check", "fk", "ik", "urdf", "inspect", "picture", "demo", "types", "singularity", "warm"]
+COMMANDS = ["info", "check", "fk", "ik", "urdf", "export", "inspect", "picture", "demo", "types", "singularity", "warm"]
 
 
 def test_version(run: Run) -> None:
@@ -88,7 +88,10 @@ def test_common_options_are_everywhere(run: Run, monkeypatch: pytest.MonkeyPatch
         (["info", "x", "--nope"], "--nope"),
         (["fk", "x"], "--axes"),
         (["ik", "x"], "--poses"),
-        (["inspect", "x"], "--export"),
+        (
+            ["inspect", "x", "--export", "p.html", "--port", "0"],
+            "--export excludes --port: an exported page has no server",
+        ),
         (["picture", "x"], "--output"),
         (["picture", "x", "-o", "m.svg", "--view", "back"], "--view"),
         (["picture", "kr6r900_2", "-o", "m.svg", "--at", "0,a"], "--at 0,a: expected numbers separated by commas"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import re
 import shlex
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -50,7 +51,7 @@ def test_the_readme_counts_the_machines() -> None:
     assert f"{len(chainbuild.shipped())} machine files" in (ROOT / "README.md").read_text("utf-8")
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/python.md", "docs/branches.md"])
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md", "docs/branches.md", "docs/export.md"])
 def test_the_python_of_the_pages_runs(page: str, tmp_path: Path) -> None:
     code = "\n".join(re.findall(r"```python\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL))
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
@@ -63,7 +64,21 @@ def commands_of(page: str) -> list[str]:
     return [line for line in lines if line.startswith("chainbuild ")]
 
 
-@pytest.mark.parametrize(("page", "least"), [("README.md", 4), ("docs/tables.md", 3), ("docs/paths.md", 4)])
+def serves_until_interrupted(arguments: list[str]) -> None:
+    """Check that a live page is served, and that Ctrl-C ends it as done."""
+    command = [sys.executable, "-m", "chainbuild.cli", *arguments]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        address = server.stdout.readline()
+        server.send_signal(signal.SIGINT)
+        _, told = server.communicate(timeout=60)
+        assert address.startswith("http://127.0.0.1:"), told
+        assert server.returncode == 0, told
+
+
+@pytest.mark.parametrize(
+    ("page", "least"), [("README.md", 4), ("docs/tables.md", 3), ("docs/paths.md", 4), ("docs/export.md", 1)]
+)
 def test_the_commands_of_the_pages_run(page: str, least: int, tmp_path: Path) -> None:
     commands = commands_of(page)
     assert len(commands) >= least
@@ -72,6 +87,9 @@ def test_the_commands_of_the_pages_run(page: str, least: int, tmp_path: Path) ->
         (tmp_path / name).write_text(table, "utf-8")
     for command in commands:
         arguments = shlex.split(command, comments=True)[1:]
+        if arguments[0] == "inspect" and "--export" not in arguments:
+            serves_until_interrupted([*arguments, "--no-open", "--port", "0"])
+            continue
         done = subprocess.run(
             [sys.executable, "-m", "chainbuild.cli", *arguments],
             cwd=tmp_path,

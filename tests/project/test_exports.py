@@ -20,6 +20,8 @@ SOURCE = Path(chainbuild.__file__)
 
 # What may stand before the options: operands, and what the interface takes by position.
 OPERANDS = {
+    "collision",  # and visual: the other two of what a model of Pinocchio consists of
+    "visual",
     "start", "held", "kinematic", "channel", "tool_length_mm", "conventions", "frame", "path", "folder", "tcp", "axes",
     "options", "spec", "carries",
 }  # fmt: skip

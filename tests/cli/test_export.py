@@ -1,0 +1,57 @@
+"""`chainbuild export`: several files at once, or none."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import chainbuild
+from chainbuild.errors import ChainbuildError
+from chainbuild.robot import Robot
+from chainbuild.writers.mjcf import mjcf_text
+from chainbuild.writers.urdf import urdf_text
+from tests.kit.command_line import Run
+
+
+def test_the_files_are_those_of_their_writers(run: Run) -> None:
+    outcome = run("export", "tripod_kin12", "--samples", "200", "-o", "out")
+    folder = Path("out/tripod_kin12")
+    assert outcome.code == 0
+    assert outcome.out.splitlines() == [str(folder / f"tripod_kin12.{suffix}") for suffix in ("urdf", "xml", "srdf")]
+    robot = Robot.load("tripod_kin12")
+    assert (folder / "tripod_kin12.urdf").read_text("utf-8") == urdf_text(robot)
+    assert (folder / "tripod_kin12.xml").read_text("utf-8") == mjcf_text(robot)
+    assert "Pairs by 200 positions" in (folder / "tripod_kin12.srdf").read_text("utf-8")
+
+
+def test_formats_are_chosen(run: Run) -> None:
+    data = json.loads(run("export", "kr6r900", "--format", "MJCF", "--json").out)
+    assert data == {"paths": {"mjcf": "urdf_out/kr6r900/kr6r900.xml"}}
+    assert [path.name for path in Path("urdf_out/kr6r900").iterdir()] == ["kr6r900.xml"]
+
+
+@pytest.mark.parametrize("words", [["--format", "usd"], ["--format", "urdf,"], ["--samples", "0"]])
+def test_what_is_not_offered_is_refused(run: Run, words: list[str]) -> None:
+    outcome = run("export", "kr6r900", *words)
+    assert outcome.code == 2
+    assert not Path("urdf_out").exists()
+
+
+def test_nothing_is_written_where_one_cannot_be_made(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(_robot: Robot) -> str:
+        raise ChainbuildError("no position within the limits has a pose")
+
+    monkeypatch.setattr("chainbuild.writers.export.mjcf_text", refuse)
+    outcome = run("export", "kr6r900", "--format", "urdf,mjcf")
+    assert outcome.code == 1
+    assert not Path("urdf_out").exists()
+
+
+def test_python_refuses_formats_that_are_none(tmp_path: Path) -> None:
+    robot = Robot.load("kr6r900")
+    for formats in (["usd"], [], "urdf"):
+        with pytest.raises(ChainbuildError, match="urdf, mjcf, srdf"):
+            chainbuild.export(robot, tmp_path, formats=formats)  # type: ignore[arg-type]
+    assert list(tmp_path.iterdir()) == []
