@@ -18,11 +18,12 @@ from chainbuild.chain.bodies.shapes import machine_size
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain
 from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.errors import ChainbuildError, ChainError
-from chainbuild.files import file_of, number_text, numbers_text, write_text
+from chainbuild.files import number_text, numbers_text
 from chainbuild.frames import quaternion_from_matrix
 from chainbuild.units import si_factor
 from chainbuild.writers import notes
 from chainbuild.writers.masses import estimated
+from chainbuild.writers.urdf import write_robot_file
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -54,14 +55,7 @@ def write_mjcf(robot: Mechanism, folder: Path | str = "urdf_out") -> Path:
         ChainbuildError: the argument is not a robot, or the kinematic has no pose to start from.
         FileAccessError: the folder is not a path, or the file cannot be written.
     """
-    from chainbuild.kinematics.mechanism import Mechanism
-
-    if not isinstance(robot, Mechanism):
-        raise ChainbuildError(f"expected a robot, got {type(robot).__name__}", permitted="a chainbuild.Robot")
-    text = mjcf_text(robot)
-    path = file_of(folder, robot.name, "xml")
-    write_text(path, text)
-    return path
+    return write_robot_file(robot, folder, "xml", mjcf_text)
 
 
 def mjcf_text(robot: Mechanism) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -54,12 +54,22 @@ def write_urdf(robot: Mechanism, folder: Path | str = "urdf_out") -> Path:
         ChainbuildError: the argument is not a robot.
         FileAccessError: the folder is not a path, or the file cannot be written.
     """
+    return write_robot_file(robot, folder, "urdf", urdf_text)
+
+
+def write_robot_file(robot: Mechanism, folder: Path | str, suffix: str, make: Callable[[Mechanism], str]) -> Path:
+    """Write a text made of a robot as folder/NAME/NAME.suffix and return that path.
+
+    Raises:
+        ChainbuildError: the argument is not a robot.
+        FileAccessError: the folder is not a path, or the file cannot be written.
+    """
     from chainbuild.kinematics.mechanism import Mechanism
 
     if not isinstance(robot, Mechanism):
         raise ChainbuildError(f"expected a robot, got {type(robot).__name__}", permitted="a chainbuild.Robot")
-    text = urdf_text(robot)
-    path = file_of(folder, robot.name, "urdf")
+    text = make(robot)
+    path = file_of(folder, robot.name, suffix)
     write_text(path, text)
     return path
 
