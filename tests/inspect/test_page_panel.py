@@ -237,6 +237,16 @@ def test_sums_of_axes_have_bars(lives: Lives) -> None:
     assert limit.name in live.one("[data-status]").inner_text()
 
 
+def test_long_numbers_are_not_cut_off(kuka: LivePage) -> None:
+    kuka.tab.set_viewport_size({"width": 1280, "height": 720})
+    cut = (
+        "[...document.querySelectorAll('[data-pose$=_mm]')].filter((field) => { const held = field.value;"
+        " field.value = '-12345.678'; const wide = field.scrollWidth; field.value = held;"
+        " return wide > field.clientWidth; }).length"
+    )
+    assert kuka.tab.evaluate(cut) == 0
+
+
 @pytest.mark.parametrize("name", ["kr6r900", "parallelogram_nr"])
 def test_nothing_is_wider_than_the_window(name: str, lives: Lives) -> None:
     live = lives[name]

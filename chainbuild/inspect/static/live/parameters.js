@@ -1,15 +1,16 @@
 // The data of the machine: a field each, the line of the file beside it, what a change moves.
-import { element, fixed, written } from "cb/elements";
+import { element, fixed, takeComma, written } from "cb/elements";
 
 const DIGITS = 10; // significant, of a value in a field
 const MANY = 30; // data above which those that are 0 are hidden at first
+const HINT = "Point at a value, or go into its field, to see what it moves.";
 const WAIT = 300; // milliseconds between two questions what a datum moves
 
 /** Fill the section of the machine data; return what takes Python's messages on them. */
 export function startParameters(page, link, root, highlights) {
   const { rows } = page.data.live;
   const list = element("div", { class: "rows" });
-  const detail = element("p", { class: "detail soft", "aria-live": "polite" });
+  const detail = element("p", { class: "detail soft", "aria-live": "polite" }, HINT);
   const search = element("input", { type: "search", placeholder: "find", "aria-label": "Find machine data" });
   const zeros = element("input", { type: "checkbox", "aria-label": "Show data that are 0" });
   zeros.checked = rows.length <= MANY;
@@ -21,8 +22,19 @@ export function startParameters(page, link, root, highlights) {
     list.append(made.root);
     made.input.addEventListener("input", () => {
       const value = made.input.tagName === "SELECT" ? Number(made.input.value) : made.input.valueAsNumber;
-      made.root.classList.toggle("wrong", !Number.isFinite(value));
-      if (Number.isFinite(value)) change(state, link, row.key, value);
+      const number = Number.isFinite(value);
+      made.root.classList.toggle("wrong", !number);
+      made.told.textContent = number ? "" : `Not a number: ${textOf(Number(made.input.dataset.value))} holds.`;
+      if (number) change(state, link, row.key, value);
+    });
+    takeComma(made.input);
+    made.input.addEventListener("focus", () => { made.before = Number(made.input.dataset.value); });
+    made.input.addEventListener("keydown", ({ key }) => {
+      if (key !== "Escape" || !row.unit) return;
+      made.input.value = textOf(made.before);
+      made.root.classList.remove("wrong");
+      made.told.textContent = "";
+      change(state, link, row.key, made.before);
     });
     made.input.addEventListener("change", () => show(page, made, row));
     made.input.addEventListener("focus", () => about(row.key));
@@ -46,7 +58,7 @@ export function startParameters(page, link, root, highlights) {
   };
   const leave = () => {
     state.about = null;
-    detail.textContent = "";
+    detail.textContent = HINT;
     highlights.show("moved", []);
   };
   root.addEventListener("focusout", ({ relatedTarget }) => { if (!root.contains(relatedTarget)) leave(); });
@@ -117,6 +129,8 @@ function field(row) {
   return { root, input, back, told };
 }
 
+const textOf = (value) => String(Number(value.toPrecision(DIGITS)));
+
 const unitOf = ({ unit }) => (unit === "deg" ? "°" : unit);
 
 /** Show the value of a datum as Python has it, and that of the file where it is another. */
@@ -126,7 +140,7 @@ function show(page, { root, input, back, told }, row) {
   const value = changed ? values[row.key] : row.value;
   root.classList.toggle("changed", changed);
   back.hidden = !changed;
-  back.textContent = `file: ${Number(row.value.toPrecision(DIGITS))}`;
+  back.textContent = `file: ${textOf(row.value)}`;
   input.dataset.value = String(value);
   if (document.activeElement === input && input.tagName !== "SELECT" && input.valueAsNumber !== value && input.matches(":focus")) {
     // Somebody is typing here; a value that was refused stays to be corrected.
@@ -134,7 +148,7 @@ function show(page, { root, input, back, told }, row) {
   }
   root.classList.remove("wrong");
   told.textContent = "";
-  const text = String(Number(value.toPrecision(DIGITS)));
+  const text = textOf(value);
   if (input.value !== text) input.value = text;
 }
 
