@@ -271,6 +271,10 @@ def test_the_machine_beside_moves_by_the_axes_of_the_same_names(arm: Live) -> No
     np.testing.assert_allclose(shift, 1000 * (own.translation - there.translation), rtol=0, atol=1e-9)
     cosine = (np.trace(there.rotation.T @ own.rotation) - 1) / 2
     assert float(row.get_attribute("data-turn") or "nan") == pytest.approx(np.degrees(np.arccos(cosine)), abs=1e-6)
+    arm.page.one("#fit").click()  # both are inside the picture: nothing green is cut off at its top
+    arm.page.tab.wait_for_timeout(200)
+    red, green, _ = arm.page.picture()[0, 400:].astype(int).T
+    assert (green - red).max() < 20
 
 
 def test_a_section_of_the_workspace_is_drawn(arm: Live) -> None:

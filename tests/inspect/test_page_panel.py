@@ -126,6 +126,14 @@ def test_a_decimal_comma_is_a_point(kuka: LivePage) -> None:
     kuka.tab.keyboard.press("Control+A")
     kuka.tab.keyboard.type("12,5")
     assert kuka.axes[0] == 12.5
+    paste = (
+        "(data) => document.activeElement.dispatchEvent(new InputEvent('beforeinput',"
+        " { data, inputType: 'insertFromPaste', cancelable: true, bubbles: true }))"
+    )
+    for text, value in (("-1.234,5", -1234.5), ("1,234.5", 1234.5), ("1,234,567", 1234567.0), ("12,5 °", 12.5)):
+        kuka.tab.keyboard.press("Control+A")
+        kuka.tab.evaluate(paste, text)
+        assert kuka.axes[0] == value
     kuka.one("#axes select").select_option("0.1")
     field.focus()
     kuka.tab.keyboard.press("ArrowUp")

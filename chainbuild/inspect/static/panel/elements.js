@@ -35,13 +35,21 @@ export function fill(field, value, decimals) {
   if (document.activeElement !== field || field.dataset.typed !== "true") field.value = fixed(value, decimals);
 }
 
-/** Take a typed comma for a point: a field of numbers drops it without a word, and 12,5 would become 125. */
+/** Take a comma, typed or pasted, for a point: a field of numbers drops it without a word, and 12,5 would become 125. */
 export function takeComma(field) {
   field.addEventListener("beforeinput", (event) => {
-    if (event.data !== "," || event.inputType !== "insertText") return;
+    if (!event.data || !event.data.includes(",")) return;
     event.preventDefault();
-    document.execCommand("insertText", false, ".");
+    document.execCommand("insertText", false, pointed(event.data));
   });
+}
+
+/** Return a number with a decimal point: its last mark, unless that separates thousands because there are more of it. */
+function pointed(text) {
+  const place = text.search(/[.,][^.,]*$/);
+  const without = (part) => part.replace(/[.,]/g, "");
+  if (text.split(text[place]).length > 2) return without(text);
+  return `${without(text.slice(0, place))}.${text.slice(place + 1)}`;
 }
 
 /**
