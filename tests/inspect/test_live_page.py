@@ -11,7 +11,9 @@ import pytest
 from playwright.sync_api import Browser
 
 from chainbuild.collision.model import CollisionModel
+from chainbuild.errors import ChainbuildError
 from chainbuild.formats.load import load
+from chainbuild.inspect.live import hub
 from chainbuild.inspect.live.session import Session
 from chainbuild.inspect.playback import axes_playback
 from chainbuild.machines import shipped_path
@@ -290,6 +292,17 @@ def test_a_section_of_the_workspace_is_drawn(arm: Live) -> None:
     assert differs.mean() > 0.05
     page.one("[data-section]").select_option("")
     page.until("document.querySelector('#workspace').dataset.state === ''")
+
+
+def test_why_there_is_no_section_is_told_where_it_would_be(arm: Live, monkeypatch: pytest.MonkeyPatch) -> None:
+    def none(*_given: object) -> None:
+        raise ChainbuildError("no position within the limits has a pose")
+
+    monkeypatch.setattr(hub, "section", none)
+    arm.page.one("[data-section]").select_option("xz")
+    arm.page.until("document.querySelector('#workspace').dataset.state === 'refused'")
+    assert arm.page.one("#workspace p").inner_text() == "None: no position within the limits has a pose."
+    arm.page.one("[data-section]").select_option("")
 
 
 def test_a_convention_switch_equals_the_other_chain(browser: Browser) -> None:

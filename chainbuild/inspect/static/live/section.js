@@ -41,6 +41,11 @@ export function startSection(page, link, root) {
   const take = (found) => {
     if (found.kind !== select.value || found.number !== page.data.live.number) return;
     clear();
+    if (found.refused) {
+      root.dataset.state = "refused";
+      words.textContent = `None: ${found.refused}.`;
+      return;
+    }
     shown = drawn(page, found);
     turn(page, shown);
     const reached = shown.reached / (found.cells[0] * found.cells[1]);
