@@ -204,6 +204,16 @@ def test_a_datum_is_typed_as_people_type(arm: Live) -> None:
     assert page.one(DATUM).input_value() == "35"
     page.until("document.querySelector('#parameters .reset').disabled")
 
+    both = (
+        "(selector) => { const field = document.querySelector(selector); for (const text of ['12', '']) {"
+        " field.value = text; field.dispatchEvent(new Event('input', { bubbles: true })); } }"
+    )
+    page.tab.evaluate(both, DATUM)
+    until(lambda: arm.session.values == {"TX3P3_POS[2]": 12.0}, page)
+    page.until(f"document.querySelector('{DATUM}').dataset.value === '12'")
+    keyboard.type("7")  # what Python has answered meanwhile is not put in front of it
+    until(lambda: arm.session.values == {"TX3P3_POS[2]": 7.0}, page)
+
 
 def test_arrow_keys_in_the_field_to_find_data_move_no_axis(arm: Live) -> None:
     before = arm.page.axes
@@ -252,6 +262,9 @@ def test_two_tabs_agree(arm: Live, browser: Browser) -> None:
         second.until("window.chainbuild.axes()[1] === -75.25")
         arm.page.one(DATUM).fill("77")
         second.until(f"document.querySelector('{DATUM}').dataset.value === '77'")
+        second.one(DATUM).fill("78")
+        arm.page.until(f"document.querySelector('{DATUM}').value === '78'")  # though it has the focus there
+        second.until(f"document.querySelector('{DATUM}').dataset.value === '78'")
         np.testing.assert_array_equal(second.axes, arm.page.axes)
         np.testing.assert_array_equal(second.call("fk", second.axes), arm.page.call("fk", second.axes))
         # Whoever comes later sees the same.

@@ -23,6 +23,7 @@ export function startParameters(page, link, root, highlights) {
     made.input.addEventListener("input", () => {
       const value = made.input.tagName === "SELECT" ? Number(made.input.value) : made.input.valueAsNumber;
       const number = Number.isFinite(value);
+      made.typed = Boolean(row.unit);
       made.root.classList.toggle("wrong", !number);
       made.told.textContent = number ? "" : `Not a number: ${textOf(Number(made.input.dataset.value))} holds.`;
       if (number) change(state, link, row.key, value);
@@ -36,7 +37,10 @@ export function startParameters(page, link, root, highlights) {
       made.told.textContent = "";
       change(state, link, row.key, made.before);
     });
-    made.input.addEventListener("change", () => show(page, made, row));
+    made.input.addEventListener("change", () => {
+      made.typed = false;
+      if (!waits(state, row.key)) show(page, made, row);
+    });
     made.input.addEventListener("focus", () => about(row.key));
     made.root.addEventListener("pointerenter", () => { if (!list.contains(document.activeElement)) about(row.key); });
     made.back.addEventListener("click", () => link.send("reset", row.key));
@@ -66,7 +70,7 @@ export function startParameters(page, link, root, highlights) {
   [search, zeros].forEach((one) => one.addEventListener("input", filter));
   reset.addEventListener("click", () => link.send("reset"));
   const took = () => {
-    rows.forEach((row, n) => show(page, drawn[n], row));
+    rows.forEach((row, n) => show(page, drawn[n], row, typing(state, drawn[n], row.key)));
     reset.disabled = !page.data.live.changed;
     filter();
     done(state, link);
@@ -133,8 +137,17 @@ const textOf = (value) => String(Number(value.toPrecision(DIGITS)));
 
 const unitOf = ({ unit }) => (unit === "deg" ? "°" : unit);
 
-/** Show the value of a datum as Python has it, and that of the file where it is another. */
-function show(page, { root, input, back, told }, row) {
+/** Return whether a value is on its way to Python. */
+const waits = ({ pending, busy }, key) => pending.has(key) || busy === key;
+
+/** Return whether somebody is typing, so that the field is theirs: a part of a number, one on its way, or one to correct. */
+function typing(state, { root, input, typed }, key) {
+  if (!typed || document.activeElement !== input) return false;
+  return waits(state, key) || !Number.isFinite(input.valueAsNumber) || root.classList.contains("wrong");
+}
+
+/** Show the value of a datum as Python has it, and that of the file where it is another; `theirs`: the field is left alone. */
+function show(page, { root, input, back, told }, row, theirs = false) {
   const { values } = page.data.live;
   const changed = row.key in values;
   const value = changed ? values[row.key] : row.value;
@@ -142,14 +155,10 @@ function show(page, { root, input, back, told }, row) {
   back.hidden = !changed;
   back.textContent = `file: ${textOf(row.value)}`;
   input.dataset.value = String(value);
-  if (document.activeElement === input && input.tagName !== "SELECT" && input.valueAsNumber !== value && input.matches(":focus")) {
-    // Somebody is typing here; a value that was refused stays to be corrected.
-    if (!root.classList.contains("wrong") || Number.isFinite(input.valueAsNumber)) return;
-  }
+  if (theirs) return;
   root.classList.remove("wrong");
   told.textContent = "";
-  const text = textOf(value);
-  if (input.value !== text) input.value = text;
+  if (Number(input.value) !== value || input.value === "") input.value = textOf(value);
 }
 
 function detailOf(row, { links, shift, turn, to }) {
