@@ -11,8 +11,11 @@ import pytest
 from playwright.sync_api import Browser
 
 from chainbuild.collision.model import CollisionModel
+from chainbuild.errors import ChainbuildError
 from chainbuild.formats.load import load
+from chainbuild.inspect.live import hub
 from chainbuild.inspect.live.session import Session
+from chainbuild.inspect.playback import axes_playback
 from chainbuild.machines import shipped_path
 from chainbuild.robot import Robot
 from tests.kit.live_page import LivePage, opened_at
@@ -44,9 +47,12 @@ def until(met: Callable[[], bool], page: LivePage) -> None:
 
 
 @pytest.fixture(scope="module")
-def live(browser: Browser) -> Iterator[Live]:
-    """Return a live page of an arm, with another beside it."""
-    session = Session(load("kr6r900"), beside=Robot.load("irb2600"))
+def live(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Live]:
+    """Return a live page of an arm, with another beside it and a table to play back."""
+    table = tmp_path_factory.mktemp("table") / "path.csv"
+    table.write_text("A1,A2,A3,A4,A5,A6\n0,-90,90,0,30,0\n50,-90,90,0,30,0\n")
+    playback = axes_playback(Robot.load("kr6r900"), table)
+    session = Session(load("kr6r900"), beside=Robot.load("irb2600"), at=[0, -90, 90, 0, 30, 0], playback=playback)
     with served(session) as address, opened_at(browser, address, address.split("?", maxsplit=1)[0]) as page:
         page.until("document.documentElement.dataset.link === 'open'")
         yield Live(page, session, address)
@@ -109,6 +115,10 @@ def test_the_branches_are_those_of_python(arm: Live, monkeypatch: pytest.MonkeyP
         arm.page.one(f"[data-branch='{k}']").click()
         off = (arm.page.axes - expected.axes + 180.0) % 360.0 - 180.0  # half a turn away either way is as near
         np.testing.assert_allclose(off, 0.0, rtol=0, atol=1e-9)
+    listed = "[...document.querySelectorAll('[data-branch]')].map((one) => one.textContent)"
+    before = arm.page.tab.evaluate(listed)
+    arm.page.tab.wait_for_timeout(600)  # longer than the page rests before it asks
+    assert arm.page.tab.evaluate(listed) == before
 
 
 def test_a_changed_datum_moves_what_the_edited_file_moves(arm: Live, tmp_path: Path) -> None:
@@ -174,6 +184,57 @@ def test_a_refused_value_is_told_where_it_was_typed(arm: Live) -> None:
     page.until("document.querySelector('.datum.wrong') === null")
 
 
+def test_a_datum_is_typed_as_people_type(arm: Live) -> None:
+    page, keyboard = arm.page, arm.page.tab.keyboard
+    height = "document.querySelector('#parameters').offsetHeight"
+    before = page.tab.evaluate(height)
+    page.tab.evaluate(f"document.querySelector('{DATUM}').focus({{ preventScroll: true }})")
+    page.until("window.chainbuild.lit.moved.length === 3")
+    assert page.tab.evaluate(height) == before  # what is told of a datum has its place
+
+    page.one(DATUM).select_text()
+    keyboard.type("12,5")
+    until(lambda: arm.session.values == {"TX3P3_POS[2]": 12.5}, page)
+    page.until(f"document.querySelector('{DATUM}').dataset.value === '12.5'")
+    page.one(DATUM).select_text()
+    keyboard.type("-")
+    assert page.one(f".datum:has({DATUM}) .told").inner_text() == "Not a number: 12.5 holds."
+    keyboard.press("Escape")
+    until(lambda: not arm.session.values, page)
+    assert page.one(DATUM).input_value() == "35"
+    page.until("document.querySelector('#parameters .reset').disabled")
+
+    both = (
+        "(selector) => { const field = document.querySelector(selector); for (const text of ['12', '']) {"
+        " field.value = text; field.dispatchEvent(new Event('input', { bubbles: true })); } }"
+    )
+    page.tab.evaluate(both, DATUM)
+    until(lambda: arm.session.values == {"TX3P3_POS[2]": 12.0}, page)
+    page.until(f"document.querySelector('{DATUM}').dataset.value === '12'")
+    keyboard.type("7")  # what Python has answered meanwhile is not put in front of it
+    until(lambda: arm.session.values == {"TX3P3_POS[2]": 7.0}, page)
+
+
+def test_arrow_keys_in_the_field_to_find_data_move_no_axis(arm: Live) -> None:
+    before = arm.page.axes
+    arm.page.one("#parameters input[type=search]").focus()
+    for key in ("ArrowLeft", "ArrowUp", "ArrowRight", "ArrowRight"):
+        arm.page.tab.keyboard.press(key)
+    np.testing.assert_array_equal(arm.page.axes, before)
+    assert arm.page.tab.evaluate("document.activeElement.type") == "search"
+
+
+def test_a_table_is_played_on_while_data_are_changed(arm: Live) -> None:
+    page = arm.page
+    page.one("[data-speed]").select_option("0.5")
+    page.one("[data-play]").click()
+    page.one(DATUM).fill("60")
+    page.until("window.chainbuild.drawnFurther('file', 'A6_link') !== null")
+    assert page.one("[data-play]").inner_text() == "Pause"
+    assert page.one("[data-row]").inner_text() == "1"
+    page.one("[data-play]").click()
+
+
 def test_collisions_are_those_of_collide(arm: Live) -> None:
     page, model = arm.page, CollisionModel(Robot.load("kr6r900"))
     page.until("document.querySelector('#collisions').dataset.collision === 'false'")
@@ -201,6 +262,9 @@ def test_two_tabs_agree(arm: Live, browser: Browser) -> None:
         second.until("window.chainbuild.axes()[1] === -75.25")
         arm.page.one(DATUM).fill("77")
         second.until(f"document.querySelector('{DATUM}').dataset.value === '77'")
+        second.one(DATUM).fill("78")
+        arm.page.until(f"document.querySelector('{DATUM}').value === '78'")  # though it has the focus there
+        second.until(f"document.querySelector('{DATUM}').dataset.value === '78'")
         np.testing.assert_array_equal(second.axes, arm.page.axes)
         np.testing.assert_array_equal(second.call("fk", second.axes), arm.page.call("fk", second.axes))
         # Whoever comes later sees the same.
@@ -222,6 +286,10 @@ def test_the_machine_beside_moves_by_the_axes_of_the_same_names(arm: Live) -> No
     np.testing.assert_allclose(shift, 1000 * (own.translation - there.translation), rtol=0, atol=1e-9)
     cosine = (np.trace(there.rotation.T @ own.rotation) - 1) / 2
     assert float(row.get_attribute("data-turn") or "nan") == pytest.approx(np.degrees(np.arccos(cosine)), abs=1e-6)
+    arm.page.one("#fit").click()  # both are inside the picture: nothing green is cut off at its top
+    arm.page.tab.wait_for_timeout(200)
+    red, green, _ = arm.page.picture()[0, 400:].astype(int).T
+    assert (green - red).max() < 20
 
 
 def test_a_section_of_the_workspace_is_drawn(arm: Live) -> None:
@@ -237,6 +305,17 @@ def test_a_section_of_the_workspace_is_drawn(arm: Live) -> None:
     assert differs.mean() > 0.05
     page.one("[data-section]").select_option("")
     page.until("document.querySelector('#workspace').dataset.state === ''")
+
+
+def test_why_there_is_no_section_is_told_where_it_would_be(arm: Live, monkeypatch: pytest.MonkeyPatch) -> None:
+    def none(*_given: object) -> None:
+        raise ChainbuildError("no position within the limits has a pose")
+
+    monkeypatch.setattr(hub, "section", none)
+    arm.page.one("[data-section]").select_option("xz")
+    arm.page.until("document.querySelector('#workspace').dataset.state === 'refused'")
+    assert arm.page.one("#workspace p").inner_text() == "None: no position within the limits has a pose."
+    arm.page.one("[data-section]").select_option("")
 
 
 def test_a_convention_switch_equals_the_other_chain(browser: Browser) -> None:
@@ -265,7 +344,7 @@ def test_a_convention_switch_equals_the_other_chain(browser: Browser) -> None:
 
 
 def test_a_dropped_file_takes_the_place_of_the_machine(browser: Browser) -> None:
-    session = Session(load("ca_head_kin9"))
+    session, name = Session(load("ca_head_kin9")), "a_mill_whose_file_has_a_long_name_2026_11_29"
     drop = (
         "([name, text]) => { const data = new DataTransfer(); data.items.add(new File([text], name));"
         " const event = new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true });"
@@ -275,8 +354,10 @@ def test_a_dropped_file_takes_the_place_of_the_machine(browser: Browser) -> None
         page.until("document.documentElement.dataset.link === 'open'")
         page.tab.evaluate(drop, ["nothing.tea", "this is no machine data"])
         page.until("document.querySelector('#link').textContent.includes('nothing.tea')")
-        page.tab.evaluate(drop, ["another.lis", shipped_path("ac_table_kin58").read_text("latin-1")])
-        page.until("document.title === 'another' && !!window.chainbuild")
+        page.tab.evaluate(drop, [f"{name}.lis", shipped_path("ac_table_kin58").read_text("latin-1")])
+        page.until(f"document.title === '{name}' && !!window.chainbuild")
+        cut = "const rows = document.querySelector('#parameters .rows'); rows.scrollWidth > rows.clientWidth"
+        assert not page.tab.evaluate(cut)
         expected = Robot.load("ac_table_kin58")
         axes = np.linspace(5.0, 50.0, len(expected.axes))
         own = np.array(page.call("fk", axes)).reshape(4, 4)
@@ -306,10 +387,13 @@ def test_a_killed_and_restarted_server_is_met_again(browser: Browser, tmp_path: 
             first.process.kill()
             page.until("document.documentElement.dataset.link === 'lost'")
             page.set_input("input[type=range][data-axis=A1]", 12.5)  # goes on by itself
+            resting = f"document.querySelector('{DATUM}').closest('[inert]') !== null"
+            assert page.tab.evaluate(resting)  # what only Python can do is not offered
             with Server(tmp_path, "kr6r900", port=first.port, token=None) as second:
                 assert second.address == address
                 page.until("document.documentElement.dataset.link === 'open'")
                 page.told.clear()  # the browser tells on its console that it could not connect
+                assert not page.tab.evaluate(resting)
                 # A page that comes now is told by Python what the first has kept.
                 until(lambda: _seen(browser, address) == ([12.5, -80, 95, 20, 40, 15], "120"), page)
 

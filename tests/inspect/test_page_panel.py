@@ -126,6 +126,14 @@ def test_a_decimal_comma_is_a_point(kuka: LivePage) -> None:
     kuka.tab.keyboard.press("Control+A")
     kuka.tab.keyboard.type("12,5")
     assert kuka.axes[0] == 12.5
+    paste = (
+        "(data) => document.activeElement.dispatchEvent(new InputEvent('beforeinput',"
+        " { data, inputType: 'insertFromPaste', cancelable: true, bubbles: true }))"
+    )
+    for text, value in (("-1.234,5", -1234.5), ("1,234.5", 1234.5), ("1,234,567", 1234567.0), ("12,5 °", 12.5)):
+        kuka.tab.keyboard.press("Control+A")
+        kuka.tab.evaluate(paste, text)
+        assert kuka.axes[0] == value
     kuka.one("#axes select").select_option("0.1")
     field.focus()
     kuka.tab.keyboard.press("ArrowUp")
@@ -235,6 +243,16 @@ def test_sums_of_axes_have_bars(lives: Lives) -> None:
     live.call("set", [0.0, 0.0, -15.0, 0.0, 0.0, 0.0])
     assert live.one("[data-bar]").get_attribute("class") == "bar outside"
     assert limit.name in live.one("[data-status]").inner_text()
+
+
+def test_long_numbers_are_not_cut_off(kuka: LivePage) -> None:
+    kuka.tab.set_viewport_size({"width": 1280, "height": 720})
+    cut = (
+        "[...document.querySelectorAll('[data-pose$=_mm]')].filter((field) => { const held = field.value;"
+        " field.value = '-12345.678'; const wide = field.scrollWidth; field.value = held;"
+        " return wide > field.clientWidth; }).length"
+    )
+    assert kuka.tab.evaluate(cut) == 0
 
 
 @pytest.mark.parametrize("name", ["kr6r900", "parallelogram_nr"])

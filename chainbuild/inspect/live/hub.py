@@ -269,7 +269,10 @@ class Hub:
         if kind is None:
             return
         chain, number = self._session.robot.chain, self._session.number
-        found = await self._found(lambda: section(Robot(chain), kind, tab.waits_for_section))
+        try:
+            found = await self._found(lambda: section(Robot(chain), kind, tab.waits_for_section))
+        except ChainbuildError as error:  # said where the section would be
+            found = {"kind": kind, "refused": in_words(error)}
         if found is not None:
             tab.post("section", {**found, "number": number})
 

@@ -34,6 +34,7 @@ export function startFurther(page, root) {
   }
   page.onChange((_, cause) => { if (cause !== "search") update(); });
   update();
+  if (further.beside) page.machine.fit();
 }
 
 class Further {
@@ -43,6 +44,7 @@ class Further {
     this.title = name === "file" ? "as in the file" : data.title;
     machine.play(data.commands);
     this.root = machine.node(name);
+    machine.beside.push(this.root);
     this.links = data.chain.links.map((link) => machine.node(data.paths[link]));
     const { three } = machine;
     const { colour, opacity } = LOOKS[name];

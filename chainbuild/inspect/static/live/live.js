@@ -10,6 +10,7 @@ import { startParameters } from "cb/parameters";
 import { startSection } from "cb/section";
 
 const OWN = new Set(["axes", "pose", "drag", "branch", "key", "preset", "hash", "playback"]); // moved here, not elsewhere
+const OF_PYTHON = "#parameters, #workspace, #kinematic, select[data-convention]"; // do nothing while it does not answer
 const IDLE = 250; // milliseconds at rest before Python is asked for every solution
 
 /** Connect the page to Python, if it was served by it; `opened` is true where the address names a pose. */
@@ -27,17 +28,19 @@ export function startLive(page, opened) {
   const tell = element("p", { id: "link", role: "status" });
   document.getElementById("state").append(tell);
   const say = (words) => { tell.textContent = words; };
-  let parameters = null;
+  let [parameters, showing] = [null, null];
   const link = new Link((kind, content) => takers[kind] && takers[kind](content), (open) => {
     document.documentElement.dataset.link = open ? "open" : "lost";
+    document.querySelectorAll(OF_PYTHON).forEach((one) => { one.inert = !open; });
     if (parameters) parameters.lost();
+    if (open && showing) showing.again();
     say(open ? "" : "Python does not answer: the page goes on by itself, and tries again.");
   });
   parameters = startParameters(page, link, section("parameters", "Machine data"), highlights);
   const conventions = startConventions(page, link);
   startFurther(page, section("further", "Beside the machine"));
   const collisions = startCollisions(page, section("collisions", "Collisions"), highlights);
-  const showSection = startSection(page, link, section("workspace", "Workspace section"));
+  showing = startSection(page, link, section("workspace", "Workspace section"));
   startDrop(document.body, say);
   startKinematics(page, link);
   const takers = {
@@ -61,7 +64,7 @@ export function startLive(page, opened) {
       say(told.text);
     },
     moves: (found) => parameters.moves(found),
-    section: showSection,
+    section: showing.take,
   };
   page.onChange((_, cause) => {
     if (!OWN.has(cause)) return;
@@ -107,6 +110,7 @@ function askWhenIdle(page, link) {
   page.onChange((_, cause) => {
     if (cause === "search") return;
     window.clearTimeout(timer);
+    if (cause === "branch") return; // the list stays in its order, so that one may be clicked after the other
     timer = window.setTimeout(() => {
       const { axes, status } = page;
       const T = page.chain.fk(axes);

@@ -1,15 +1,16 @@
 // The data of the machine: a field each, the line of the file beside it, what a change moves.
-import { element, fixed, written } from "cb/elements";
+import { element, fixed, takeComma, written } from "cb/elements";
 
 const DIGITS = 10; // significant, of a value in a field
 const MANY = 30; // data above which those that are 0 are hidden at first
+const HINT = "Point at a value, or go into its field, to see what it moves.";
 const WAIT = 300; // milliseconds between two questions what a datum moves
 
 /** Fill the section of the machine data; return what takes Python's messages on them. */
 export function startParameters(page, link, root, highlights) {
   const { rows } = page.data.live;
   const list = element("div", { class: "rows" });
-  const detail = element("p", { class: "detail soft", "aria-live": "polite" });
+  const detail = element("p", { class: "detail soft", "aria-live": "polite" }, HINT);
   const search = element("input", { type: "search", placeholder: "find", "aria-label": "Find machine data" });
   const zeros = element("input", { type: "checkbox", "aria-label": "Show data that are 0" });
   zeros.checked = rows.length <= MANY;
@@ -21,10 +22,25 @@ export function startParameters(page, link, root, highlights) {
     list.append(made.root);
     made.input.addEventListener("input", () => {
       const value = made.input.tagName === "SELECT" ? Number(made.input.value) : made.input.valueAsNumber;
-      made.root.classList.toggle("wrong", !Number.isFinite(value));
-      if (Number.isFinite(value)) change(state, link, row.key, value);
+      const number = Number.isFinite(value);
+      made.typed = Boolean(row.unit);
+      made.root.classList.toggle("wrong", !number);
+      made.told.textContent = number ? "" : `Not a number: ${textOf(Number(made.input.dataset.value))} holds.`;
+      if (number) change(state, link, row.key, value);
     });
-    made.input.addEventListener("change", () => show(page, made, row));
+    takeComma(made.input);
+    made.input.addEventListener("focus", () => { made.before = Number(made.input.dataset.value); });
+    made.input.addEventListener("keydown", ({ key }) => {
+      if (key !== "Escape" || !row.unit) return;
+      made.input.value = textOf(made.before);
+      made.root.classList.remove("wrong");
+      made.told.textContent = "";
+      change(state, link, row.key, made.before);
+    });
+    made.input.addEventListener("change", () => {
+      made.typed = false;
+      if (!waits(state, row.key)) show(page, made, row);
+    });
     made.input.addEventListener("focus", () => about(row.key));
     made.root.addEventListener("pointerenter", () => { if (!list.contains(document.activeElement)) about(row.key); });
     made.back.addEventListener("click", () => link.send("reset", row.key));
@@ -46,7 +62,7 @@ export function startParameters(page, link, root, highlights) {
   };
   const leave = () => {
     state.about = null;
-    detail.textContent = "";
+    detail.textContent = HINT;
     highlights.show("moved", []);
   };
   root.addEventListener("focusout", ({ relatedTarget }) => { if (!root.contains(relatedTarget)) leave(); });
@@ -54,7 +70,7 @@ export function startParameters(page, link, root, highlights) {
   [search, zeros].forEach((one) => one.addEventListener("input", filter));
   reset.addEventListener("click", () => link.send("reset"));
   const took = () => {
-    rows.forEach((row, n) => show(page, drawn[n], row));
+    rows.forEach((row, n) => show(page, drawn[n], row, typing(state, drawn[n], row.key)));
     reset.disabled = !page.data.live.changed;
     filter();
     done(state, link);
@@ -117,25 +133,32 @@ function field(row) {
   return { root, input, back, told };
 }
 
+const textOf = (value) => String(Number(value.toPrecision(DIGITS)));
+
 const unitOf = ({ unit }) => (unit === "deg" ? "°" : unit);
 
-/** Show the value of a datum as Python has it, and that of the file where it is another. */
-function show(page, { root, input, back, told }, row) {
+/** Return whether a value is on its way to Python. */
+const waits = ({ pending, busy }, key) => pending.has(key) || busy === key;
+
+/** Return whether somebody is typing, so that the field is theirs: a part of a number, one on its way, or one to correct. */
+function typing(state, { root, input, typed }, key) {
+  if (!typed || document.activeElement !== input) return false;
+  return waits(state, key) || !Number.isFinite(input.valueAsNumber) || root.classList.contains("wrong");
+}
+
+/** Show the value of a datum as Python has it, and that of the file where it is another; `theirs`: the field is left alone. */
+function show(page, { root, input, back, told }, row, theirs = false) {
   const { values } = page.data.live;
   const changed = row.key in values;
   const value = changed ? values[row.key] : row.value;
   root.classList.toggle("changed", changed);
   back.hidden = !changed;
-  back.textContent = `file: ${Number(row.value.toPrecision(DIGITS))}`;
+  back.textContent = `file: ${textOf(row.value)}`;
   input.dataset.value = String(value);
-  if (document.activeElement === input && input.tagName !== "SELECT" && input.valueAsNumber !== value && input.matches(":focus")) {
-    // Somebody is typing here; a value that was refused stays to be corrected.
-    if (!root.classList.contains("wrong") || Number.isFinite(input.valueAsNumber)) return;
-  }
+  if (theirs) return;
   root.classList.remove("wrong");
   told.textContent = "";
-  const text = String(Number(value.toPrecision(DIGITS)));
-  if (input.value !== text) input.value = text;
+  if (Number(input.value) !== value || input.value === "") input.value = textOf(value);
 }
 
 function detailOf(row, { links, shift, turn, to }) {

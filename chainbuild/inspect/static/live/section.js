@@ -12,7 +12,7 @@ const KINDS = {
 // In the workpiece frame: where the way across and the way up of a section point.
 const WAYS = { xz: [[1, 0, 0], [0, 0, 1]], xy: [[1, 0, 0], [0, 1, 0]], yz: [[0, 1, 0], [0, 0, 1]] };
 
-/** Offer sections of the workspace; return what takes one from Python. */
+/** Offer sections of the workspace; return what takes one from Python, and what asks again for one that has not come. */
 export function startSection(page, link, root) {
   const { machine } = page;
   const select = element("select", { "data-section": "", "aria-label": "Section of the workspace" });
@@ -37,9 +37,15 @@ export function startSection(page, link, root) {
   select.addEventListener("input", ask);
   page.onModel(() => { if (select.value) ask(); }); // another machine has another workspace
   page.onChange(() => { if (shown) turn(page, shown); });
-  return (found) => {
+  const again = () => { if (root.dataset.state === "asked") ask(); };
+  const take = (found) => {
     if (found.kind !== select.value || found.number !== page.data.live.number) return;
     clear();
+    if (found.refused) {
+      root.dataset.state = "refused";
+      words.textContent = `None: ${found.refused}.`;
+      return;
+    }
     shown = drawn(page, found);
     turn(page, shown);
     const reached = shown.reached / (found.cells[0] * found.cells[1]);
@@ -47,6 +53,7 @@ export function startSection(page, link, root) {
     words.textContent = `Red: singular or nearly; teal: far from it. Seen in ${found.positions.toLocaleString("en")} random `
       + `positions within the limits, ${(100 * reached).toFixed(0)} % of the box; what is blank was not seen.`;
   };
+  return { take, again };
 }
 
 function drawn(page, found) {

@@ -35,6 +35,23 @@ export function fill(field, value, decimals) {
   if (document.activeElement !== field || field.dataset.typed !== "true") field.value = fixed(value, decimals);
 }
 
+/** Take a comma, typed or pasted, for a point: a field of numbers drops it without a word, and 12,5 would become 125. */
+export function takeComma(field) {
+  field.addEventListener("beforeinput", (event) => {
+    if (!event.data || !event.data.includes(",")) return;
+    event.preventDefault();
+    document.execCommand("insertText", false, pointed(event.data));
+  });
+}
+
+/** Return a number with a decimal point: its last mark, unless that separates thousands because there are more of it. */
+function pointed(text) {
+  const place = text.search(/[.,][^.,]*$/);
+  const without = (part) => part.replace(/[.,]/g, "");
+  if (text.split(text[place]).length > 2) return without(text);
+  return `${without(text.slice(0, place))}.${text.slice(place + 1)}`;
+}
+
 /**
  * Call a function with every finite number typed into a field; the field is written anew when it is left.
  * @param {function(): number} step what an arrow key adds
@@ -47,12 +64,7 @@ export function onTyped(field, decimals, act, step) {
     if (Number.isFinite(value)) act(value);
   };
   field.addEventListener("input", take);
-  field.addEventListener("beforeinput", (event) => {
-    // A field of numbers drops a comma without a word: 12,5 would become 125.
-    if (event.data !== "," || event.inputType !== "insertText") return;
-    event.preventDefault();
-    document.execCommand("insertText", false, ".");
-  });
+  takeComma(field);
   field.addEventListener("keydown", (event) => {
     const sign = { ArrowUp: 1, ArrowDown: -1 }[event.key];
     if (!sign || event.ctrlKey || event.altKey || event.metaKey) return;

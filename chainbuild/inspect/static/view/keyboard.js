@@ -3,7 +3,7 @@
 import { SHIFTED } from "cb/elements";
 
 // Where arrows have a use of their own: fields, and sliders that are not those of axes.
-const OWN = "input[type=number], input[type=range]:not([data-axis]), select, textarea";
+const OWN = "input[type=number], input[type=search], input[type=range]:not([data-axis]), select, textarea";
 
 /** Let the arrow keys choose and step the axes. */
 export function startKeyboard(page, root) {

@@ -10,6 +10,7 @@ export class Machine {
     const three = MeshCat.THREE;
     Object.assign(this, { data, chain, pane, three, moved: false });
     this.shows = { frames: true, bodies: true };
+    this.beside = []; // roots of further machines
     this.watchers = [];
     // Without antialiasing twice as many frames a second; the background is the page's own.
     const renderer = new three.WebGLRenderer({ antialias: false, alpha: true });
@@ -132,15 +133,18 @@ export class Machine {
     return this.root.matrixWorld.clone().invert().multiply(node.matrixWorld);
   }
 
-  /** Look at the whole machine from the front right, near enough that every corner of its box is inside the picture. */
+  /** Look at the machine, and at those beside it, from the front right, near enough that every corner of the box around
+   *  them is inside the picture. */
   fit() {
     const { viewer, three } = this;
     viewer.set_3d_pane_size();
     const { camera } = viewer;
     // Machine coordinates have z up, three.js has y up.
     const raised = ([x, y, z]) => new three.Vector3(x, z, -y);
-    const [low, high] = this.data.bounds;
-    const target = raised(low.map((v, n) => (v + high[n]) / 2));
+    const box = new three.Box3().setFromPoints(this.data.bounds.map(raised));
+    this.beside.filter((root) => root.visible).forEach((root) => box.expandByObject(root));
+    const target = box.getCenter(new three.Vector3());
+    const { min: low, max: high } = box;
     const back = raised(this.data.view).normalize();
     const right = new three.Vector3(0, 1, 0).cross(back).normalize();
     const up = back.clone().cross(right);
@@ -149,7 +153,7 @@ export class Machine {
     const wide = tall * camera.aspect;
     let distance = 0;
     for (let n = 0; n < 8; n += 1) {
-      const corner = raised([0, 1, 2].map((k) => ((n >> k) & 1 ? high[k] : low[k]))).sub(target);
+      const corner = new three.Vector3(...["x", "y", "z"].map((k, bit) => ((n >> bit) & 1 ? high : low)[k])).sub(target);
       const across = Math.max(Math.abs(corner.dot(right)) / wide, Math.abs(corner.dot(up)) / tall);
       distance = Math.max(distance, across + corner.dot(back));
     }

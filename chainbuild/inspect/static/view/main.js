@@ -30,7 +30,8 @@ page.setAxes(axesOfHash(page.axes.length) || page.axes, "start");
 if (hashIsForeign(page.axes.length)) page.tell(`The address does not hold ${page.axes.length} axis values: it is not used.`);
 page.machine.fit();
 const player = startPlayback(page.forPlayback(document.getElementById("playback")));
-page.onChange((_, cause) => { if (player && cause !== "playback" && cause !== "search") player.leave(); });
+// Other data move no axis: the table goes on.
+page.onChange((_, cause) => { if (player && !["playback", "search", "model"].includes(cause)) player.leave(); });
 startHash(page);
 startEmbedded(page);
 page.searchWhenIdle();
