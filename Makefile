@@ -23,7 +23,7 @@ types: $(INSTALLED_TEST)
 	$(BIN)/mypy
 
 test-slow: $(INSTALLED_TEST) $(INSTALLED_BENCH) $(INSTALLED_LAB) chromium
-	$(BIN)/python -m pytest chainbuild tests -m slow -n 2
+	$(BIN)/python -m pytest chainbuild tests -m slow -n 2 --dist worksteal
 
 bench: $(INSTALLED_BENCH) $(INSTALLED_TEST) chromium
 	$(BIN)/python -m tests.bench
