@@ -17,7 +17,9 @@ from typing import Any, Final
 INTERRUPTED: Final = 130  # exit code: 128 and the number of the signal, as a shell reports it
 _ENDING: Final = ("SIGTERM", "SIGHUP")  # the second is unknown on Windows
 _IMPORTING: Final = "<frozen importlib._bootstrap>"  # file of the frames of an import
-_AGAIN_S: Final = 0.02  # seconds until an interrupt that came during an import comes again: not felt
+# What the compiler calls from C when it loads what it has kept: an exception there is printed and dropped.
+_CALLED_FROM_C: Final = "llvmlite/binding/executionengine.py"
+_AGAIN_S: Final = 0.02  # seconds until an interrupt that had to wait comes again: not felt
 
 
 class _NoStream(io.TextIOBase):
@@ -47,7 +49,7 @@ def standard_streams() -> Iterator[None]:
 
 
 _interrupted = False
-_again: threading.Timer | None = None  # brings back an interrupt that came during an import
+_again: threading.Timer | None = None  # brings back an interrupt that had to wait
 
 
 @contextmanager
@@ -55,9 +57,9 @@ def signals() -> Iterator[None]:
     """Remove half-written files when a signal ends the process, and record every interrupt.
 
     An interrupt while a library is imported takes effect when that is done: libraries in C++ do not survive an
-    exception in their initialisation.
+    exception in their initialisation. So does one in what the compiler calls from C, where it would be dropped.
     """
-    global _interrupted  # noqa: PLW0603 - signals belong to the process
+    global _interrupted, _again  # noqa: PLW0603 - signals belong to the process
     _interrupted = False
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -73,6 +75,7 @@ def signals() -> Iterator[None]:
     finally:
         if _again is not None:
             _again.cancel()
+            _again = None
         for number, before in taken.items():
             with suppress(ValueError, OSError):
                 signal.signal(number, before)
@@ -98,15 +101,17 @@ def check_interrupt() -> None:
 def _interrupt(number: int, frame: FrameType | None) -> None:
     global _interrupted, _again  # noqa: PLW0603
     _interrupted = True
-    if not _in_import(frame):
+    if not _has_to_wait(frame):
         raise KeyboardInterrupt
-    if _again is None or not _again.is_alive():
+    if _again is None:
         _again = threading.Timer(_AGAIN_S, _send_again, [number])
         _again.daemon = True
         _again.start()
 
 
 def _send_again(number: int) -> None:
+    global _again  # noqa: PLW0603
+    _again = None  # before the signal: where that has to wait once more, it needs another
     main = threading.main_thread().ident
     if main is None or not hasattr(signal, "pthread_kill"):  # Windows
         signal.raise_signal(number)
@@ -114,9 +119,11 @@ def _send_again(number: int) -> None:
         signal.pthread_kill(main, number)  # also wakes it where it waits
 
 
-def _in_import(frame: FrameType | None) -> bool:
+def _has_to_wait(frame: FrameType | None) -> bool:
+    """Return whether an exception would be lost, or break a library: in an import, in what C calls."""
     while frame is not None:
-        if frame.f_code.co_filename == _IMPORTING:
+        file = frame.f_code.co_filename
+        if file == _IMPORTING or file.replace(os.sep, "/").endswith(_CALLED_FROM_C):
             return True
         frame = frame.f_back
     return False

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from chainbuild.cli.process import signals
 from chainbuild.robot import Robot
 from tests.kit.command_line import ARM, AXES, PROGRAM, Run
 
@@ -142,3 +143,14 @@ def test_a_missing_value_in_a_good_row_is_still_called_so(run: Run) -> None:
 def test_the_module_ends_with_the_code_of_the_command(words: tuple[str, ...], code: int) -> None:
     command = [sys.executable, "-m", "chainbuild", *words]
     assert subprocess.run(command, capture_output=True, check=False).returncode == code
+
+
+def test_an_interrupt_in_what_c_calls_waits_until_it_is_over() -> None:
+    file = "/site-packages/llvmlite/binding/executionengine.py"
+    code = compile("signal.raise_signal(signal.SIGINT)\ntime.sleep(0.1)\nreached.append(1)", file, "exec")
+    reached: list[int] = []
+    with signals():
+        exec(code, {"signal": signal, "time": time, "reached": reached})
+        assert reached == [1]
+        with pytest.raises(KeyboardInterrupt):
+            time.sleep(10)
