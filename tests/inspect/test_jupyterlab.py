@@ -15,7 +15,6 @@ from playwright.sync_api import Browser, Frame, Page
 
 from tests.kit.paths import ROOT
 
-pytest.importorskip("jupyterlab")
 pytestmark = pytest.mark.slow
 
 CELLS = (

@@ -13,7 +13,7 @@ import pytest
 
 from chainbuild.errors import ChainbuildError
 from chainbuild.formats.load import load
-from chainbuild.inspect.live.answers import answer
+from chainbuild.inspect.live.answers import answered
 from chainbuild.inspect.live.hub import Hub, Tab
 from chainbuild.inspect.live.messages import parsed
 from chainbuild.inspect.live.sections import section
@@ -276,8 +276,8 @@ def test_answers_are_json() -> None:
     for asked in (far, 16 * [0.0], [1.0], 16 * [1e99]):
         for kind in ("ik", "ik_all"):
             question = {"id": 1, kind: asked, "start": count * [1e9 - 1]}
-            json.dumps(answer(session.robot, question), allow_nan=False)
-    found = answer(session.robot, {"id": 1, "ik": pose, "start": session.axes.tolist()})["ik"]
+            json.dumps(answered(session.robot, question), allow_nan=False)
+    found = answered(session.robot, {"id": 1, "ik": pose, "start": session.axes.tolist()})["ik"]
     assert found["status"] == "ok"
     assert found["axes"] == pytest.approx(session.axes.tolist(), abs=1e-6)
     assert found["position_error"] < 1e-6

@@ -11,7 +11,7 @@ import sys
 import threading
 import time
 import webbrowser
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -348,7 +348,7 @@ def test_options_that_are_refused(run: Run, tmp_path: Path) -> None:
 def test_nobody_can_be_told_the_address() -> None:
     """The server ends when standard output takes nothing, and no thread of it stays."""
 
-    def ready(_address: str) -> None:
+    def ready(_address: str, _end: Callable[[], None]) -> None:
         raise BrokenPipeError
 
     with pytest.raises(BrokenPipeError):
