@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from chainbuild.errors import ChainbuildError
+from chainbuild.inspect.live.sections import SECTIONS
 
 LARGEST_MESSAGE: Final = 65_536  # characters: hundreds of machine data take a few thousand
 _SHOWN: Final = 40  # characters of what is refused
@@ -123,7 +124,7 @@ _FORMS: Final[Mapping[str, Callable[[Any], bool]]] = MappingProxyType(
         "convention": _shape(name=_text, choice=_text),
         "moves": _text,
         "kinematic": lambda value: isinstance(value, int) and not isinstance(value, bool),
-        "section": lambda value: value is None or isinstance(value, str),
+        "section": lambda value: value is None or (isinstance(value, str) and value in SECTIONS),
         "restore": _shape(values=_table(_number), choices=_table(_text), axes=_numbers),
         "model": _absent,
         "presets": _absent,

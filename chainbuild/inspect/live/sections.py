@@ -22,6 +22,7 @@ _SIZES: Final[dict[str, tuple[int, int]]] = {
     "xy": (60, 400_000),
     "yz": (60, 400_000),
 }
+SECTIONS: Final = tuple(_SIZES)
 _CLOSING: Final = 0.05  # share of the positions where loops are closed at each: some seconds, too
 
 
