@@ -15,6 +15,7 @@ machine data) or of a short decimal angle in degrees is taken to be exactly that
 from __future__ import annotations
 
 import errno
+import io
 import os
 import re
 import secrets
@@ -96,6 +97,14 @@ def printable_tree(root: ET.Element) -> ET.Element:
         if isinstance(element.text, str):
             element.text = printable(element.text)
     return root
+
+
+def xml_text(root: ET.Element) -> str:
+    """Return an XML tree as the text of a file, indented, in place."""
+    ET.indent(root, "  ")
+    buffer = io.BytesIO()
+    ET.ElementTree(root).write(buffer, encoding="utf-8", xml_declaration=True)
+    return buffer.getvalue().decode("utf-8") + "\n"
 
 
 def write_text(path: Path, text: str) -> None:

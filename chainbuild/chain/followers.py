@@ -24,10 +24,9 @@ def followers(chain: Chain) -> dict[str, tuple[str, float, float]]:
     if not isinstance(chain.axis_map, AffineMap):
         return {}
     A, b, joints = chain.axis_map.A, chain.axis_map.b, chain.joints
-    axes = {axis.name for axis in chain.axes}
     found: dict[str, tuple[str, float, float]] = {}
     leaders: list[int] = []
-    for n in sorted(range(len(joints)), key=lambda n: (joints[n].name not in axes, n)):
+    for n in axis_joints_first(chain):
         for m in leaders:
             factor = float(A[n] @ A[m] / (A[m] @ A[m]))
             if factor and np.allclose(A[n], factor * A[m], rtol=0, atol=_PARALLEL):
@@ -37,3 +36,9 @@ def followers(chain: Chain) -> dict[str, tuple[str, float, float]]:
             if A[n].any():
                 leaders.append(n)
     return {joint.name: found[joint.name] for joint in joints if joint.name in found}
+
+
+def axis_joints_first(chain: Chain) -> list[int]:
+    """Return the indices of the joints, those that bear the name of an axis before the others."""
+    axes = {axis.name for axis in chain.axes}
+    return sorted(range(len(chain.joints)), key=lambda n: (chain.joints[n].name not in axes, n))

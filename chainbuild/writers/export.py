@@ -10,7 +10,7 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.files import file_of, write_text
 from chainbuild.writers.mjcf import mjcf_text
 from chainbuild.writers.srdf import srdf_text
-from chainbuild.writers.urdf import urdf_text
+from chainbuild.writers.urdf import check_robot, urdf_text
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -37,9 +37,11 @@ def export(
         samples: Random positions by which the SRDF tells pairs of links that never collide.
 
     Raises:
-        ChainbuildError: there is no such format, or the kinematic has no pose to begin with.
+        ChainbuildError: the argument is not a robot, there is no such format, or the kinematic has no pose to begin
+            with.
         FileAccessError: the folder is not a path, or a file cannot be written.
     """
+    check_robot(robot)
     unknown = [one for one in formats if one not in FORMATS]
     if unknown or not formats or isinstance(formats, str):
         shown = f"unknown format {unknown[0]!r:.40}" if unknown else f"the formats are {formats!r:.40}"

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import io
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -16,9 +15,10 @@ from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.bodies.body import Body
 from chainbuild.chain.bodies.shapes import machine_size
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain
+from chainbuild.chain.followers import axis_joints_first
 from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.errors import ChainbuildError, ChainError
-from chainbuild.files import number_text, numbers_text
+from chainbuild.files import number_text, numbers_text, xml_text
 from chainbuild.frames import quaternion_from_matrix
 from chainbuild.units import si_factor
 from chainbuild.writers import notes
@@ -61,18 +61,18 @@ def write_mjcf(robot: Mechanism, folder: Path | str = "urdf_out") -> Path:
 def mjcf_text(robot: Mechanism) -> str:
     """Return the MJCF of a robot."""
     chain = robot.chain
-    axes = home(robot)
+    axes, bodies = home(robot), drawn_bodies(robot.chain)
     root = ET.Element("mujoco", model=chain.name)
     root.append(ET.Comment(f"\n{notes.mjcf_header(chain)}\n"))
     _sub(root, "compiler", angle="radian", autolimits="false", balanceinertia="true")
     _sub(root, "option", timestep=number_text(_STEP_S), integrator="implicitfast", iterations="200", tolerance="1e-12")
-    _add_bodies(_sub(root, "worldbody"), robot)
+    _add_bodies(_sub(root, "worldbody"), robot, bodies)
     tendons, equality = _sub(root, "tendon"), _sub(root, "equality")
     for loop in chain.loops:
         if loop.kind != "ball":
             raise ChainError(f"loop {loop.name}: MJCF is written for balls only")
         _sub(equality, "connect", name=loop.name, site1=loop.frame_a, site2=loop.frame_b, **_STIFF)
-    actuators = _Drives(_sub(root, "actuator"), robot)
+    actuators = _Drives(_sub(root, "actuator"), estimated(bodies).mass, machine_size(chain))
     if isinstance(chain.axis_map, AffineMap):
         lead = _leading(chain, chain.axis_map)
         _add_couplings(chain, chain.axis_map, lead, tendons, equality)
@@ -86,10 +86,7 @@ def mjcf_text(robot: Mechanism) -> str:
     for empty in (tendons, equality):
         if not len(empty):
             root.remove(empty)
-    ET.indent(root, "  ")
-    buffer = io.BytesIO()
-    ET.ElementTree(root).write(buffer, encoding="utf-8", xml_declaration=True)
-    return buffer.getvalue().decode("utf-8") + "\n"
+    return xml_text(root)
 
 
 def home(robot: Mechanism) -> Vector:
@@ -111,11 +108,11 @@ def home(robot: Mechanism) -> Vector:
     return first if np.isfinite(robot.chain.axis_map.q(first)).all() else closing[0]
 
 
-def _add_bodies(world: ET.Element, robot: Mechanism) -> None:
+def _add_bodies(world: ET.Element, robot: Mechanism, bodies: Sequence[Body]) -> None:
     """Write the tree of links with joints, inertias, bodies to look at, and frames as sites."""
     chain = robot.chain
     shown: dict[str, list[Body]] = {link.name: [] for link in chain.links}
-    for body in drawn_bodies(chain):
+    for body in bodies:
         shown[body.link].append(body)
     made: dict[str, ET.Element] = {BASE_LINK: _sub(world, "body", name=BASE_LINK)}
     lower, upper = robot.model.lowerPositionLimit, robot.model.upperPositionLimit
@@ -176,9 +173,8 @@ def _in_order(robot: Mechanism, q: Vector) -> list[float]:
 
 def _leading(chain: Chain, axis_map: AffineMap) -> list[int]:
     """Return joints that together determine every other: those named after axes first."""
-    axes = {axis.name for axis in chain.axes}
     lead: list[int] = []
-    for n in sorted(range(len(chain.joints)), key=lambda n: (chain.joints[n].name not in axes, n)):
+    for n in axis_joints_first(chain):
         if np.linalg.matrix_rank(axis_map.A[[*lead, n]], tol=_RIGHT) > len(lead):
             lead.append(n)
     return lead
@@ -241,18 +237,16 @@ class _Drives:
 
     Args:
         root: Where they are written.
-        robot: The robot.
+        mass: Of the machine [kg].
+        arm: Its size [m].
 
     Attributes:
         names: Of the axes that have one, in order.
     """
 
-    def __init__(self, root: ET.Element, robot: Mechanism) -> None:
+    def __init__(self, root: ET.Element, mass: float, arm: float) -> None:
         self._root = root
         self.names: list[str] = []
-        bodies = drawn_bodies(robot.chain)
-        mass = estimated(bodies).mass
-        arm = machine_size(robot.chain)
         self._stiff = {"slide": mass * _DRIVE_RAD_S**2, "hinge": mass * arm**2 * _DRIVE_RAD_S**2}
 
     def add(self, axis: Axis, on: dict[str, str], shift: float = 0.0) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from chainbuild.chain.followers import followers
-from chainbuild.files import angle_text, file_of, number_text, write_text
+from chainbuild.files import angle_text, file_of, number_text, write_text, xml_text
 
 if TYPE_CHECKING:
     from chainbuild.analysis.collision.pairs import PairTable, Verdict
@@ -40,10 +39,7 @@ def srdf_text(robot: Mechanism, table: PairTable) -> str:
     for verdict, reason in _REASONS:
         for first, second in table.of(verdict):
             ET.SubElement(root, "disable_collisions", link1=first, link2=second, reason=reason)
-    ET.indent(root, "  ")
-    buffer = io.BytesIO()
-    ET.ElementTree(root).write(buffer, encoding="utf-8", xml_declaration=True)
-    return buffer.getvalue().decode("utf-8") + "\n"
+    return xml_text(root)
 
 
 def _add_poses(root: ET.Element, robot: Mechanism) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterable
@@ -19,7 +18,7 @@ from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint
 from chainbuild.chain.followers import followers
 from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.errors import ChainbuildError, ChainError
-from chainbuild.files import angle_text, file_of, number_text, numbers_text, write_text
+from chainbuild.files import angle_text, file_of, number_text, numbers_text, write_text, xml_text
 from chainbuild.frames import inverse, translation, urdf_rpy
 from chainbuild.units import m_from_mm, rad_from_deg, si_factor
 from chainbuild.writers import notes
@@ -64,14 +63,23 @@ def write_robot_file(robot: Mechanism, folder: Path | str, suffix: str, make: Ca
         ChainbuildError: the argument is not a robot.
         FileAccessError: the folder is not a path, or the file cannot be written.
     """
-    from chainbuild.kinematics.mechanism import Mechanism
-
-    if not isinstance(robot, Mechanism):
-        raise ChainbuildError(f"expected a robot, got {type(robot).__name__}", permitted="a chainbuild.Robot")
+    check_robot(robot)
     text = make(robot)
     path = file_of(folder, robot.name, suffix)
     write_text(path, text)
     return path
+
+
+def check_robot(robot: object) -> None:
+    """Refuse what is no robot.
+
+    Raises:
+        ChainbuildError: it is none.
+    """
+    from chainbuild.kinematics.mechanism import Mechanism
+
+    if not isinstance(robot, Mechanism):
+        raise ChainbuildError(f"expected a robot, got {type(robot).__name__}", permitted="a chainbuild.Robot")
 
 
 def urdf_text(robot: Mechanism) -> str:
@@ -96,10 +104,7 @@ def urdf_text(robot: Mechanism) -> str:
             multiplier = number_text(factor)
             ET.SubElement(element, "mimic", joint=master, multiplier=multiplier, offset=angle_text(offset))
     _add_tips(root, chain)
-    ET.indent(root, "  ")
-    buffer = io.BytesIO()
-    ET.ElementTree(root).write(buffer, encoding="utf-8", xml_declaration=True)
-    return buffer.getvalue().decode("utf-8") + "\n"
+    return xml_text(root)
 
 
 def joint_speeds(chain: Chain) -> tuple[float, ...]:

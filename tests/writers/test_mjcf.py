@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 import chainbuild
+from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.bodies.body import Body
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.closure import closing_axes
@@ -151,6 +153,21 @@ def test_a_drive_of_a_coupled_axis_pulls_the_sum_of_its_joints() -> None:
     np.testing.assert_allclose(data.actuator_length, np.radians(axes), atol=1e-12)
     level = model.tendon("level_follows").id
     assert data.ten_length[level] == pytest.approx(model.equality(0).data[0], abs=1e-12)
+
+
+def test_a_drive_rests_where_its_control_is_also_with_a_zero_elsewhere() -> None:
+    chain = Robot.load("palletiser_kin96").chain
+    assert isinstance(chain.axis_map, AffineMap)
+    zeros = np.array([0.1, -0.2, 0.05, -0.15, 0.3])
+    moved = AffineMap.of(chain.axis_map.A, chain.axis_map.b + zeros, [axis.kind for axis in chain.axes])
+    robot = Robot(replace(chain, axis_map=moved))
+    model, data = read(robot)
+    axes = np.array([5.0, -10.0, 7.0, 3.0])
+    for joint, value in zip(robot.chain.joints, robot.q(axes), strict=True):
+        data.joint(joint.name).qpos[0] = value
+    data.ctrl[:] = np.radians(axes)
+    mujoco.mj_forward(model, data)
+    np.testing.assert_allclose(data.actuator_force, 0.0, atol=1e-4)  # of drives of 1e6 N·m/rad
 
 
 def test_masses_are_those_of_solid_bodies() -> None:

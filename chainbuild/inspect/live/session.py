@@ -230,7 +230,6 @@ class Session:
                 "name": one.convention.name,
                 "choice": one.choice,
                 "choices": list(one.convention.choices),
-                "meaning": one.convention.choices.get(one.choice, ""),
                 "question": one.convention.question,
             }
             for one in self.robot.chain.conventions

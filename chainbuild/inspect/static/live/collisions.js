@@ -39,19 +39,14 @@ function wordsOf(touching, watched) {
 function lineOf({ machine, data }) {
   const { three } = machine;
   const material = new three.MeshBasicMaterial({ color: COLOUR, depthTest: false, transparent: true });
-  const line = new three.Mesh(new three.CylinderGeometry(1, 1, 1, 6), material);
-  line.renderOrder = 11;
+  const line = machine.bar(material, 11);
   line.visible = false;
   machine.root.add(line);
   return (points) => {
     line.visible = points !== null;
     if (points === null) return;
-    const [from, to] = points.map((point) => new three.Vector3(...point));
-    const way = to.clone().sub(from);
     const thick = THICKNESS * data.size;
-    line.position.copy(from).addScaledVector(way, 0.5);
-    line.scale.set(thick, Math.max(way.length(), thick), thick);
-    if (way.length() > 0) line.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), way.normalize());
+    machine.lay(line, ...points, thick, thick); // bodies that touch have no distance
     machine.viewer.set_dirty();
   };
 }

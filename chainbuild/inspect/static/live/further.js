@@ -71,10 +71,7 @@ class Further {
     this.root.visible = shown && q.every(Number.isFinite);
     machine.viewer.set_dirty();
     if (!this.root.visible) return;
-    this.chain.moved(q).forEach((T, n) => {
-      const node = this.links[this.chain.data.joints[n].child];
-      machine.matrix(T).decompose(node.position, node.quaternion, node.scale);
-    });
+    machine.place(this.links, this.chain, q);
   }
 
   /** Return the placement in the base, row by row, at which a link is drawn. */

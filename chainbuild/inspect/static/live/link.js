@@ -6,7 +6,7 @@ const PATIENCE = 20000; // milliseconds until a question without an answer is gi
 export class Link {
   /** @param {function(string, *): void} take what is done with a message; @param {function(boolean): void} tell whether connected */
   constructor(take, tell) {
-    Object.assign(this, { take, tell, socket: null, tries: 0, waiting: new Map(), asked: new Map(), number: 0, asking: false });
+    Object.assign(this, { take, tell, socket: null, tries: 0, waiting: new Map(), asked: new Map(), number: 0 });
     this.connect();
   }
 

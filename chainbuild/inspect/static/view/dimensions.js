@@ -8,19 +8,13 @@ export function startDimensions(page, tools) {
   const { machine } = page;
   const { three } = machine;
   machine.shows.dimensions = false;
-  const material = new three.MeshBasicMaterial({ color: COLOUR, depthTest: false, transparent: true });
+  const material = new three.MeshBasicMaterial({ color: COLOUR, depthTest: false, transparent: true }); // inside bodies, too
   let lines = [];
   const label = tools.querySelector("#lengths");
   const box = label.querySelector("input");
   const drawn = () => page.data.dimensions.map(({ link, start, end }) => {
-    const [from, to] = [start, end].map((point) => new three.Vector3(...point));
-    const way = to.clone().sub(from);
-    const line = new three.Mesh(new three.CylinderGeometry(1, 1, 1, 6), material);
-    line.scale.set(THICKNESS * page.data.size, way.length(), THICKNESS * page.data.size);
-    line.position.copy(from).addScaledVector(way, 0.5);
-    line.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), way.normalize());
-    // Lengths lie inside bodies: they are seen through them.
-    line.renderOrder = 10;
+    const line = machine.bar(material, 10);
+    machine.lay(line, start, end, THICKNESS * page.data.size);
     line.visible = box.checked;
     machine.links[link].add(line);
     return line;

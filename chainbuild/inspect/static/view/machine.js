@@ -95,12 +95,33 @@ export class Machine {
   move(axes) {
     const q = this.chain.q(axes);
     if (!q.every(Number.isFinite)) return;
-    const { joints } = this.chain.data;
-    this.chain.moved(q).forEach((T, n) => {
-      const node = this.links[joints[n].child];
+    this.place(this.links, this.chain, q);
+  }
+
+  /** Move the nodes of a chain's links to joint values. */
+  place(links, chain, q) {
+    chain.moved(q).forEach((T, n) => {
+      const node = links[chain.data.joints[n].child];
       this.matrix(T).decompose(node.position, node.quaternion, node.scale);
     });
     this.viewer.set_dirty();
+  }
+
+  /** Return a thin bar of a material, seen through bodies; `lay` puts it between two points. */
+  bar(material, order) {
+    const bar = new this.three.Mesh(new this.three.CylinderGeometry(1, 1, 1, 6), material);
+    bar.renderOrder = order;
+    return bar;
+  }
+
+  /** Lay a bar from one point to another, at least so long. */
+  lay(bar, start, end, thick, least = 0) {
+    const { Vector3 } = this.three;
+    const [from, to] = [start, end].map((point) => new Vector3(...point));
+    const way = to.clone().sub(from);
+    bar.position.copy(from).addScaledVector(way, 0.5);
+    bar.scale.set(thick, Math.max(way.length(), least), thick);
+    if (way.length() > 0) bar.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), way.normalize());
   }
 
   /** Return a group that hangs in the workpiece frame and moves with it: z up, metres. */
