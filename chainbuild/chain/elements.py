@@ -8,6 +8,7 @@ from typing import Literal
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.bodies.geometry import NO_GEOMETRY, Geometry
+from chainbuild.chain.bodies.inertia import NO_DYNAMICS, Dynamics
 from chainbuild.chain.drives import DriveLimit, DriveMap
 from chainbuild.chain.programmed.display import POSE_ANGLES, Display
 from chainbuild.chain.programmed.named import NamedPose
@@ -56,6 +57,7 @@ class Joint:
         direction: (3,) unit vector of the joint axis in the joint's own frame.
         zero: Joint value [m, rad] of the position in which its recipe draws it.
         reversed: True where it moves against the direction drawn in its recipe.
+        dynamics: What a URDF says of its effort, damping and friction.
     """
 
     __repr__ = fields_shown
@@ -68,6 +70,7 @@ class Joint:
     direction: Vector
     zero: float = 0.0
     reversed: bool = False
+    dynamics: Dynamics = NO_DYNAMICS
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -336,11 +339,8 @@ class Chain:
 def _with_limits(partial: Partial, axes: tuple[Axis, ...]) -> Partial:
     """Return a partial with the limits that its axes have in the composed chain; its own names stay."""
     own = partial.chain.axes
-    given = axes[partial.first_axis : partial.first_axis + len(own)]
-    limited = tuple(
-        replace(new, name=old.name, generic=old.generic, carries=old.carries)
-        for new, old in zip(given, own, strict=True)
-    )
+    pairs = zip(own, axes[partial.first_axis :], strict=False)
+    limited = tuple(replace(new, name=old.name, generic=old.generic, carries=old.carries) for old, new in pairs)
     return replace(partial, chain=partial.chain.with_axes(limited))
 
 

@@ -93,7 +93,7 @@ def _given(link: str, shape: Shape) -> Solid:
     return _solid(link, shape.kind, T, (), _mesh(link, str(shape.file), shape.scale, shape.kind == "hull"))
 
 
-def _mesh(link: str, file: str, scale: float, hull: bool) -> Any:
+def _mesh(link: str, file: str, scale: tuple[float, float, float], hull: bool) -> Any:
     body = f"{'hull' if hull else 'mesh'} of link {link}"
     try:
         mesh, extents = _loaded(file, scale)
@@ -120,9 +120,9 @@ def _mesh(link: str, file: str, scale: float, hull: bool) -> Any:
 
 
 @cache
-def _loaded(file: str, scale: float) -> tuple[Any, tuple[float, ...]]:
+def _loaded(file: str, scale: tuple[float, float, float]) -> tuple[Any, tuple[float, ...]]:
     """Return a mesh and its three widths [m] along its principal axes; infinite where a vertex is no place."""
-    mesh = coal.MeshLoader().load(file, np.full(3, scale))
+    mesh = coal.MeshLoader().load(file, np.array(scale))
     points = np.array(mesh.vertices())
     if not np.isfinite(points).all() or not np.abs(points).max() < tolerances.HUGE_POSITION_M:
         return mesh, (np.inf,) * 3

@@ -209,8 +209,8 @@ def build_model(chain: Chain) -> pin.Model:
     """Return the Pinocchio model of a chain.
 
     Joint n of the chain is joint n + 1 of the model and has one coordinate, so nq = nv = number of joints.
-    Every link is a BODY frame, every frame of the chain an operational frame. Inertias are zero: machine data
-    hold no masses.
+    Every link is a BODY frame, every frame of the chain an operational frame. Inertias, efforts and dampings are those
+    of a URDF; machine data hold none, and inertias are zero then.
 
     Args:
         chain: A checked chain.
@@ -225,6 +225,13 @@ def build_model(chain: Chain) -> pin.Model:
         index = model.addJoint(ids[joint.parent], _joint_model(joint), placement, joint.name, *limits)
         ids[joint.child] = index
         model.addJointFrame(index)
+        given = joint.dynamics
+        if given.effort is not None:
+            model.lowerEffortLimit[n], model.upperEffortLimit[n] = -given.effort, given.effort
+        model.lowerDryFrictionLimit[n], model.upperDryFrictionLimit[n] = -given.friction, given.friction
+        model.damping[n] = given.damping
+    for name, own in chain.geometry.inertias.items():
+        model.appendBodyToJoint(ids[name], pin.Inertia(own.mass, own.centre, own.moments), pin.SE3.Identity())
     for link in chain.links:
         if link.name != BASE_LINK:
             model.addBodyFrame(link.name, ids[link.name], pin.SE3.Identity(), -1)

@@ -4,37 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from chainbuild.arrays import Matrix, Vector
+from chainbuild.arrays import Vector
 from chainbuild.chain.bodies.body import Body
-from chainbuild.shown import fields_shown
+from chainbuild.chain.bodies.inertia import Inertia
 
 DENSITY: Final = 2700.0  # kg/m³: of aluminium, between hollow castings of iron and covers
 _BARE: Final = (0.1, 1e-5)  # kg and kg·m² of a link without bodies: simulators divide by them
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Estimate:
-    """An estimated inertia of a link.
-
-    Attributes:
-        mass: [kg].
-        centre: (3,) centre of mass in the link [m].
-        moments: (3, 3) about the centre, in the link's axes [kg·m²].
-    """
-
-    __repr__ = fields_shown
-
-    mass: float
-    centre: Vector
-    moments: Matrix
-
-
-def estimated(bodies: Iterable[Body], density: float = DENSITY) -> Estimate:
+def estimated(bodies: Iterable[Body], density: float = DENSITY) -> Inertia:
     """Return the inertia of a link whose bodies are solid; where they overlap both count.
 
     Args:
@@ -44,16 +26,16 @@ def estimated(bodies: Iterable[Body], density: float = DENSITY) -> Estimate:
     parts = [_part(body, density) for body in bodies]
     mass = sum(part.mass for part in parts)
     if mass <= 0.0:
-        return Estimate(_BARE[0], np.zeros(3), _BARE[1] * np.eye(3))
+        return Inertia(_BARE[0], np.zeros(3), _BARE[1] * np.eye(3))
     centre: Vector = np.sum([part.mass * part.centre for part in parts], axis=0) / mass
     moments = np.zeros((3, 3))
     for part in parts:
         away = part.centre - centre
         moments += part.moments + part.mass * (away @ away * np.eye(3) - np.outer(away, away))
-    return Estimate(mass, centre, moments)
+    return Inertia(mass, centre, moments)
 
 
-def _part(body: Body, density: float) -> Estimate:
+def _part(body: Body, density: float) -> Inertia:
     """Return the inertia of one body in its link."""
     if body.kind == "box":
         x, y, z = body.dimensions
@@ -69,4 +51,4 @@ def _part(body: Body, density: float) -> Estimate:
         across = mass * (3.0 * radius**2 + length**2) / 12.0
         own = np.array([across, across, mass * radius**2 / 2.0])
     R = body.T_link_body[:3, :3]
-    return Estimate(mass, body.T_link_body[:3, 3], R @ np.diag(own) @ R.T)
+    return Inertia(mass, body.T_link_body[:3, 3], R @ np.diag(own) @ R.T)

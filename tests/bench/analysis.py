@@ -80,7 +80,7 @@ def hulls(robot: chainbuild.Robot) -> dict[str, tuple[Shape, ...]]:
         path = folder / f"{solid.name}.obj"
         lines = [f"v {x} {y} {z}" for x, y, z in points] + [f"f {n} {n + 1} {n + 2}" for n in range(1, 79)]
         path.write_text("\n".join(lines), "ascii")
-        shapes[solid.link] = (Shape("hull", file=path, scale=1.0),)
+        shapes[solid.link] = (Shape("hull", file=path, scale=(1.0, 1.0, 1.0)),)
     return shapes
 
 

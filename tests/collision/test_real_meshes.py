@@ -47,7 +47,7 @@ def mesh_shapes(chain: Chain, urdf: Path) -> dict[str, Shape]:
         roll, pitch, yaw = (float(v) for v in (origin.get("rpy", "0 0 0") if origin is not None else "0 0 0").split())
         file = ROBOTS.parent.parent / str(mesh.get("filename")).removeprefix("package://")
         place = (*xyz, *np.degrees([yaw, pitch, roll]).tolist())
-        shapes[link] = Shape("hull", file=file, place=place, scale=1.0)
+        shapes[link] = Shape("hull", file=file, place=place, scale=(1.0, 1.0, 1.0))
     return shapes
 
 

@@ -1,4 +1,4 @@
-"""What an overlay says about the bodies of a machine: radii, shapes, meshes, rods. Frozen data, no maths."""
+"""What an overlay or a URDF says about the bodies of a machine: radii, shapes, meshes, rods. Frozen data, no maths."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
+from chainbuild.chain.bodies.inertia import Inertia
 from chainbuild.shown import fields_shown
 
 ShapeKind = Literal["capsule", "sphere", "box", "cylinder", "hull", "mesh"]
@@ -26,7 +27,8 @@ class Shape:
         size: Edges of the box along x, y, z [m].
         place: Box, hull and mesh: x, y, z [m] in the link's frame, then A, B, C [deg] of Rz(A)·Ry(B)·Rx(C).
         file: Hull and mesh: the file, STL, OBJ or whatever else the mesh reader knows.
-        scale: Hull and mesh: metres per unit of the file.
+        scale: Hull and mesh: metres per unit of the file along its x, y, z.
+        colour: Red, green, blue in 0…1; None: that of its link by rule.
     """
 
     __repr__ = fields_shown
@@ -37,7 +39,8 @@ class Shape:
     size: Numbers = ()
     place: Numbers = (0.0,) * 6
     file: Path | None = None
-    scale: float = 0.001
+    scale: tuple[float, float, float] = (0.001, 0.001, 0.001)
+    colour: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,11 +83,13 @@ class Stand:
 
 @dataclass(frozen=True, slots=True)
 class Geometry:
-    """The overlay's table `[geometry]`.
+    """The overlay's table `[geometry]`, or what a URDF gives.
 
     Attributes:
         radii: Link → radius [m] of its drawn body.
-        shapes: Link → bodies in place of the drawn one.
+        shapes: Link → bodies in place of the drawn one; none: it has no body.
+        visuals: Link → bodies to look at, where they are others than those of `shapes`.
+        inertias: Link → its inertia. Empty: nobody gives any; else a link that is left out has no mass.
         rods: Whether the parallelogram's rods are links of the chain. They add joints.
         rod_data: Their dimensions, also for analyses that add them for themselves.
         ignore: Pairs of links whose collision does not count.
@@ -95,6 +100,8 @@ class Geometry:
 
     radii: Mapping[str, float] = field(default_factory=dict)
     shapes: Mapping[str, tuple[Shape, ...]] = field(default_factory=dict)
+    visuals: Mapping[str, tuple[Shape, ...]] = field(default_factory=dict)
+    inertias: Mapping[str, Inertia] = field(default_factory=dict)
     rods: bool = False
     rod_data: RodData = RodData()
     ignore: tuple[tuple[str, str], ...] = ()
@@ -115,6 +122,8 @@ class Geometry:
             self,
             radii={names.get(link, link): radius for link, radius in self.radii.items()},
             shapes={names.get(link, link): shapes for link, shapes in self.shapes.items()},
+            visuals={names.get(link, link): shapes for link, shapes in self.visuals.items()},
+            inertias={names.get(link, link): inertia for link, inertia in self.inertias.items()},
             ignore=tuple((names.get(a, a), names.get(b, b)) for a, b in self.ignore),
         )
 

@@ -158,4 +158,4 @@ class _Reader:
         scale = self.number(link, entry.get("scale", _MESH_UNIT))
         if scale <= 0.0:
             raise self.refuse(link, "a scale above 0, metres per unit of the file")
-        return Shape(kind, place=place, file=self.folder / name, scale=scale)
+        return Shape(kind, place=place, file=self.folder / name, scale=(scale, scale, scale))
