@@ -52,8 +52,8 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.chain.bodies.geometry import RodData as RodData
     from chainbuild.chain.bodies.geometry import Shape as Shape
     from chainbuild.chain.bodies.geometry import Stand as Stand
-    from chainbuild.chain.bodies.inertia import Dynamics as Dynamics
     from chainbuild.chain.bodies.inertia import Inertia as Inertia
+    from chainbuild.chain.bodies.inertia import JointDynamics as JointDynamics
     from chainbuild.chain.compose import follow as follow
     from chainbuild.chain.compose import stack as stack
     from chainbuild.chain.drives import AffineDrives as AffineDrives
@@ -193,7 +193,7 @@ _HOMES = {
         "Axis Chain ControllerSolver Frame Joint JointKind Link Loop Partial SingularityWatch Task"
     ),
     "chainbuild.chain.bodies.geometry": "Geometry RodData Shape Stand",
-    "chainbuild.chain.bodies.inertia": "Dynamics Inertia",
+    "chainbuild.chain.bodies.inertia": "Inertia JointDynamics",
     "chainbuild.chain.drives": "AffineDrives DriveLimit DriveMap",
     "chainbuild.chain.sums": "AxisConstraint AxisSum",
     "chainbuild.chain.programmed.named": "NamedPose",

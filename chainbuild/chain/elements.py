@@ -8,7 +8,7 @@ from typing import Literal
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AxisMap
 from chainbuild.chain.bodies.geometry import NO_GEOMETRY, Geometry
-from chainbuild.chain.bodies.inertia import NO_DYNAMICS, Dynamics
+from chainbuild.chain.bodies.inertia import NO_DYNAMICS, JointDynamics
 from chainbuild.chain.drives import DriveLimit, DriveMap
 from chainbuild.chain.programmed.display import POSE_ANGLES, Display
 from chainbuild.chain.programmed.named import NamedPose
@@ -70,7 +70,7 @@ class Joint:
     direction: Vector
     zero: float = 0.0
     reversed: bool = False
-    dynamics: Dynamics = NO_DYNAMICS
+    dynamics: JointDynamics = NO_DYNAMICS
 
 
 @dataclass(frozen=True, slots=True, eq=False)

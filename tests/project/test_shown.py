@@ -173,7 +173,7 @@ OBJECTS: dict[str, Callable[[], Any]] = {
     "SingularityReport": report,
     "Robot": lambda: robot("gantry_robot_kin210"),
     "RobotView": lambda: chainbuild.show(robot("gantry_robot_kin210"), at=[0.1] * 9),
-    "Dynamics": lambda: chainbuild.Dynamics(effort=100.0, damping=0.5),
+    "JointDynamics": lambda: chainbuild.JointDynamics(effort=100.0, damping=0.5),
     "Inertia": lambda: chainbuild.Inertia(2.0, np.zeros(3), np.eye(3)),
     "Stand": lambda: robot("ca_head_kin9").chain.geometry.stand,
     "RodData": lambda: robot("parallelogram_nr").chain.geometry.rod_data,

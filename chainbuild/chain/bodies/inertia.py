@@ -27,7 +27,7 @@ class Inertia:
 
 
 @dataclass(frozen=True, slots=True)
-class Dynamics:
+class JointDynamics:
     """What a file says of a joint beside its place and its range.
 
     Attributes:
@@ -43,4 +43,4 @@ class Dynamics:
     friction: float = 0.0
 
 
-NO_DYNAMICS: Final = Dynamics()  # of machine data: controllers do not ask for these
+NO_DYNAMICS: Final = JointDynamics()  # of machine data: controllers do not ask for these
