@@ -24,8 +24,9 @@ from chainbuild.formats.urdf_xml import Node
 RESERVED: Final = (*FRAME_NAMES, "universe")  # of every model: what else is called so could not be told from them
 _SAME: Final = 1e-12  # m and in directions: written to 15 digits, one place differs from itself by so much
 _MOMENTS: Final = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_ROUNDED: Final = 1e-12  # kg·m²: CAD programs write moments of 0 that far below it
 
-Place = tuple[str, Matrix]
+_Place = tuple[str, Matrix]
 
 
 class Tree:
@@ -38,7 +39,7 @@ class Tree:
 
     Attributes:
         root: The root link.
-        moving: The joints of the chain: those on the way, then those beside it, parents before children.
+        moving: The joints of the chain: those on the way, then those beside it.
         held: The other joints of moving types → the value at which they are held, m or rad.
         places: Link → the root or the link of a joint of the chain that carries it, and its (4, 4) place in that [m].
         names: Links of the chain → their names in it.
@@ -55,34 +56,35 @@ class Tree:
         free = [joint for joint in way if joint.moves and joints.fixed_at(joint) is None]
         self.drivers = tuple(dict.fromkeys(joints.follows(joint).driver for joint in free))
         self.held: dict[UrdfJoint, float] = {}
-        self.places: dict[str, Place] = {self.root: (self.root, np.eye(4))}
-        beside = self._walk(way)
-        self.moving = (*free, *beside)
+        self.places: dict[str, _Place] = {self.root: (self.root, np.eye(4))}
+        self.moving = self._walk(way)
         self._renamed: dict[str, str] = {}
         self.names, self.frames = self._named()
 
-    def _walk(self, way: Sequence[UrdfJoint]) -> list[UrdfJoint]:
-        """Place every link, and return the joints beside the way that axes of the way drive."""
+    def _walk(self, way: Sequence[UrdfJoint]) -> tuple[UrdfJoint, ...]:
+        """Place every link, and return the joints of the chain.
+
+        Depth first, as Pinocchio wants the joints of its models; of the joints on a link that on the way comes first.
+        """
         below: dict[str, list[UrdfJoint]] = {}
-        for joint in self._joints.all:
+        for joint in (*way, *(joint for joint in self._joints.all if joint not in way)):
             below.setdefault(joint.parent, []).append(joint)
         found: list[UrdfJoint] = []
-        open_links = [self.root]
-        while open_links:
-            link = open_links.pop()
-            for joint in below.get(link, ()):
-                value = self._value(joint, on_way=joint in way)
-                if value is None:
-                    self.places[joint.child] = joint.child, np.eye(4)
-                    found += [] if joint in way else [joint]
-                else:
-                    carrier, T = self.places[link]
-                    self.places[joint.child] = carrier, T @ joint.T_at(value)
-            open_links += [joint.child for joint in reversed(below.get(link, ()))]
+        ahead = below[self.root][::-1]
+        while ahead:
+            joint = ahead.pop()
+            value = self._value(joint, on_way=joint in way)
+            if value is None:
+                self.places[joint.child] = joint.child, np.eye(4)
+                found.append(joint)
+            else:
+                carrier, T = self.places[joint.parent]
+                self.places[joint.child] = carrier, T @ joint.T_at(value)
+            ahead += below.get(joint.child, [])[::-1]
         for joint in self._joints.all:
             if joint.child not in self.places:
                 raise ParseError(f"link {joint.child} is its own ancestor", span=joint.span)
-        return found
+        return tuple(found)
 
     def _value(self, joint: UrdfJoint, *, on_way: bool) -> float | None:
         """Return the value at which a joint stands still [m, rad]; None: it is one of the chain."""
@@ -126,7 +128,7 @@ class Tree:
                 frames.append(Frame(name, carrier, T))
         return names, tuple(Frame(frame.name, names[frame.link], frame.T_link_frame) for frame in frames)
 
-    def _own_frames(self) -> dict[str, Place]:
+    def _own_frames(self) -> dict[str, _Place]:
         """Return where the frames stand that every chain has."""
         base, tool = self.places[self.root], self.places[self._tool]
         flange = self.places.get("flange", tool)
@@ -165,7 +167,7 @@ class Tree:
             yield f"{joint.name} at {value:g}{unit}" if value else joint.name
 
 
-def link_places(tree: Tree) -> dict[str, Place]:
+def link_places(tree: Tree) -> dict[str, _Place]:
     """Return for every link of a file the link of the chain that carries it, and its (4, 4) place there [m].
 
     Args:
@@ -198,7 +200,8 @@ def _inertia(link: str, node: Node | None) -> Inertia | None:
     mass = _number(_inside(inertial, "mass", link), "value", f"the mass of link {link}", least=0.0)
     given = _inside(inertial, "inertia", link)
     xx, xy, xz, yy, yz, zz = (
-        _number(given, name, f"{name} of link {link}", least=0.0 if name[1] == name[2] else None) for name in _MOMENTS
+        _number(given, name, f"{name} of link {link}", least=-_ROUNDED if name[1] == name[2] else None)
+        for name in _MOMENTS
     )
     moments = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     T = placement(inertial.child("origin"), f"the centre of mass of link {link}")
@@ -216,7 +219,7 @@ def _number(node: Node, name: str, what: str, *, least: float | None) -> float:
     node.text(name)
     value = node.numbers(name, (0.0,))[0]
     if (least is not None and value < least) or abs(value) > tolerances.HUGE_INERTIA:
-        low = f"{-tolerances.HUGE_INERTIA:.0e}" if least is None else f"{least:g}"
+        low = f"{-tolerances.HUGE_INERTIA:.0e}" if least is None else "0"
         permitted = f"{low} up to {tolerances.HUGE_INERTIA:.0e}"
         raise ParseError(f"{what} is {value:g}", span=node.span, parameter=name, permitted=permitted)
     return value
