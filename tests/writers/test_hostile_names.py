@@ -13,11 +13,10 @@ from pathlib import Path
 import pytest
 
 import chainbuild
-from chainbuild.analysis.collision.pairs import classify_pairs
 from chainbuild.cli import main
 from chainbuild.errors import FileAccessError
 from chainbuild.machines import shipped_path
-from chainbuild.writers.srdf import write_srdf
+from chainbuild.writers.models.srdf import write_srdf
 from tests.kit.browser import document
 
 RUN = "document.body.dataset.ran='no'+6*7"  # what would run leaves no42 in the document
@@ -193,5 +192,5 @@ def test_a_name_that_is_a_path_is_refused(name: str, tmp_path: Path) -> None:
     with pytest.raises(FileAccessError, match="cannot be the name of a file"):
         chainbuild.write_urdf(robot, tmp_path / "out")
     with pytest.raises(FileAccessError, match="cannot be the name of a file"):
-        write_srdf(robot, classify_pairs(robot, 3), tmp_path / "out")
+        write_srdf(robot, tmp_path / "out", samples=3)
     assert not list(tmp_path.rglob("*"))

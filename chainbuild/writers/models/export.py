@@ -1,0 +1,79 @@
+"""Several files of a robot at once, in its folder: all of them are made before the first is written."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, Literal, get_args
+
+from chainbuild.errors import ChainbuildError
+from chainbuild.writers.models.mjcf import mjcf_text
+from chainbuild.writers.models.opw import opw_text
+from chainbuild.writers.models.robotfiles import RobotFiles, check_robot, write_robot_files
+from chainbuild.writers.models.srdf import SRDF_SAMPLES, pair_table, srdf_text
+from chainbuild.writers.models.urdf import urdf_files
+
+if TYPE_CHECKING:
+    from chainbuild.kinematics.mechanism import Mechanism
+
+ExportFormat = Literal["urdf", "mjcf", "srdf", "opw"]
+FORMATS: Final[tuple[ExportFormat, ...]] = get_args(ExportFormat)
+_SUFFIXES: Final[dict[ExportFormat, str]] = {"urdf": ".urdf", "mjcf": ".xml", "srdf": ".srdf", "opw": ".opw.yaml"}
+
+
+def export(
+    robot: Mechanism,
+    folder: Path | str = "urdf_out",
+    *,
+    formats: Sequence[ExportFormat] | None = None,
+    samples: int = SRDF_SAMPLES,
+    inertia: bool = True,
+) -> dict[str, Path]:
+    """Write a robot's files to folder/NAME/ and return the path of each format.
+
+    The formats are "urdf" (with NAME.loops.yaml and meshes where it has any), "mjcf" for MuJoCo, "srdf" and "opw", the
+    parameters of ortho-parallel arms.
+
+    Args:
+        robot: The robot.
+        folder: Folder in which the folder NAME is created.
+        formats: Which files; None: all that the robot has.
+        samples: Random positions by which the SRDF tells pairs of links that never collide.
+        inertia: False: a URDF without masses.
+
+    Raises:
+        ChainbuildError: the argument is not a robot, there is no such format, the kinematic has no pose to begin with,
+            or it is no ortho-parallel arm and "opw" is asked for.
+        FileAccessError: the folder is not a path, a file cannot be written, or a mesh cannot be read.
+    """
+    check_robot(robot)
+    unknown = [one for one in formats or () if one not in FORMATS]
+    if unknown or isinstance(formats, str) or (formats is not None and not formats):
+        shown = f"unknown format {unknown[0]!r:.40}" if unknown else f"the formats are {formats!r:.40}"
+        raise ChainbuildError(shown, parameter="formats", permitted=f"a list of {', '.join(FORMATS)}")
+    files: RobotFiles = {}
+    made: dict[str, str] = {}
+    for one in dict.fromkeys(formats or FORMATS):
+        own = _files(robot, one, samples, inertia)
+        if own is None:
+            if formats is None:
+                continue
+            permitted = "an ortho-parallel arm of six axes with a spherical wrist"
+            raise ChainbuildError(
+                "there are no opw parameters of this kinematic", parameter="formats", permitted=permitted
+            )
+        files |= own
+        made[one] = f"{robot.name}{_SUFFIXES[one]}"
+    paths = write_robot_files(robot, folder, files)
+    return {one: paths[name] for one, name in made.items()}
+
+
+def _files(robot: Mechanism, one: ExportFormat, samples: int, inertia: bool) -> RobotFiles | None:
+    """Return the files of a format; None: the robot has none."""
+    if one == "urdf":
+        return urdf_files(robot, inertia=inertia)
+    if one == "opw":
+        text = opw_text(robot)
+    else:
+        text = mjcf_text(robot) if one == "mjcf" else srdf_text(robot, pair_table(robot, samples))
+    return None if text is None else {f"{robot.name}{_SUFFIXES[one]}": text}
