@@ -60,12 +60,14 @@ def test_limits_that_are_not_given_or_beyond_sense_are_assumed(tmp_path: Path) -
         joint("x", "c", "d", "prismatic", '<limit lower="-1e16" upper="1e16"/>'),
         joint("y", "d", "e", "prismatic", '<limit lower="0.5" upper="1e16"/>'),
         joint("z", "e", "f", inside='<limit lower="-1e16" upper="7"/>'),
+        joint("w", "f", "g", inside='<limit lower="-1e16" upper="-7"/>'),
     )
     assert ranges(robot) == [
         ("a", -360.0, 360.0, True),
         ("x", -10_000.0, 10_000.0, True),
         ("y", 500.0, 10_500.0, False),
         ("z", -360.0, round(math.degrees(7.0), 9), False),
+        ("w", round(-math.degrees(7.0) - 360.0, 9), round(-math.degrees(7.0), 9), False),
     ]
     assert robot.axes[0].max_speed == pytest.approx(TWO_RAD_DEG)
 
@@ -175,6 +177,32 @@ def test_a_driver_that_its_follower_fixes_is_fixed_with_it(tmp_path: Path) -> No
     free = robot_of(tmp_path, driver, follower.replace(limit, ""), joint("x", "d", "e"))
     expected = free.fk([math.degrees(-0.2), 20.0]).homogeneous
     np.testing.assert_allclose(robot.fk([20.0]).homogeneous, expected, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("axis", "direction"),
+    [("", (1.0, 0.0, 0.0)), ("<axis/>", (1.0, 0.0, 0.0)), ('<axis xyz="0.3 -0.6 0.2"/>', (3 / 7, -6 / 7, 2 / 7))],
+)
+def test_a_joint_moves_along_its_axis_of_any_length_without_one_along_x(
+    tmp_path: Path, axis: str, direction: tuple[float, ...]
+) -> None:
+    path = tmp_path / "robot.urdf"
+    ends = '<parent link="a"/><child link="b"/>'
+    path.write_text(f'<robot><joint name="s" type="prismatic">{ends}{axis}</joint></robot>')
+    moved = chainbuild.Robot.from_urdf(path).fk([1000.0]).translation
+    np.testing.assert_allclose(moved, direction, atol=1e-15)
+
+
+def test_a_mimic_without_numbers_follows_one_to_one(tmp_path: Path) -> None:
+    follower = joint("m", "c", "d", inside='<axis xyz="0 1 0"/><mimic joint="a"/>')
+    robot = robot_of(tmp_path, joint("a", "b", "c"), follower)
+    np.testing.assert_allclose(robot.q([math.degrees(0.4)]), [0.4, 0.4])
+
+
+@pytest.mark.parametrize("stands", [2.0 - 5e-10, 3.0 + 5e-10])
+def test_a_follower_that_stands_still_may_miss_its_limits_by_rounding(tmp_path: Path, stands: float) -> None:
+    still = joint("m", "c", "d", inside=mimic("a", 0.0, stands, '<limit lower="2" upper="3"/>'))
+    assert [axis.name for axis in robot_of(tmp_path, joint("a", "b", "c"), still).axes] == ["a"]
 
 
 @pytest.mark.parametrize("name", ["tool", "workpiece", "universe", "base", "flange", "status", "x_mm", "A_drive"])

@@ -158,6 +158,8 @@ def test_a_bad_link_is_one_error_with_its_line(
         chainbuild.from_urdf(path, tool="b")
     assert message in caught.value.message
     assert (caught.value.line, caught.value.parameter) == (line, parameter)
+    if parameter == "ixz":
+        assert caught.value.permitted == "-1e+09 up to 1e+09"
 
 
 @pytest.mark.parametrize(
@@ -191,6 +193,18 @@ def test_other_joints_beside_the_way_stay_at_their_origin(tmp_path: Path, kind: 
     assert [finding.text.rpartition(": ")[2] for finding in robot.chain.findings] == ["F"]
     with pytest.raises(ParseError, match=f"joint F is of type {kind}"):
         chainbuild.Robot.from_urdf(written(tmp_path, *elements), tool="c")
+
+
+def test_a_held_joint_that_follows_another_stands_where_that_puts_it(tmp_path: Path) -> None:
+    slide = '<axis xyz="1 0 0"/><limit lower="{}" upper="{}"/>'
+    elements = (
+        joint("A", "revolute", "a", "b", inside=Y),
+        joint("P", "prismatic", "b", "c", inside=slide.format(-0.05, -0.02)),
+        joint("Q", "prismatic", "b", "d", inside='<axis xyz="1 0 0"/><mimic joint="P" multiplier="3" offset="0.5"/>'),
+    )
+    chain = chainbuild.from_urdf(written(tmp_path, *elements), tool="b")
+    assert [chain.frame(name).T_link_frame[0, 3] for name in "cd"] == pytest.approx([-0.02, 0.44])
+    assert chain.findings[0].text.endswith("are held: P at -0.02 m, Q at 0.44 m")
 
 
 def test_a_circle_of_links_is_refused(tmp_path: Path) -> None:

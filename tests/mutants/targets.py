@@ -46,6 +46,7 @@ DISPLAYED = (
     *_tests("ik", "displayed"),
     *_tests("formats/twincat", "universal_display", "displayed_by_hand"),
 )
+URDF = (*_tests("formats", "urdf_in", "urdf_joints", "urdf_links", "urdf_overlay"), *_tests("chain", "compose_masses"))
 STATUS = _tests("ik/branches", "status_filter", "status_turn")
 PROGRAMMED = (*_tests("chain", "vectors_by_hand", "vectors"), *_tests("ik/policies", "programmed"), *STATUS)
 
@@ -81,6 +82,8 @@ def _beside_the_translators(package: Path) -> dict[Path, tuple[str, ...]]:
         **dict.fromkeys(sorted(kinematics.glob("[a-z]*.py")), KINEMATICS),
         **dict.fromkeys([kinematics / "limits.py", kinematics / "ranges.py"], LIMITS),
     }
+    formats = [package / "formats" / f"{name}.py" for name in ("urdf", "urdf_joints", "urdf_tree", "overlay_sums")]
+    files |= dict.fromkeys([*formats, chain / "bodies" / "inertia.py"], URDF)
     displayed = [kinematics / "displayed.py", package / "ik" / "displayed.py", package / "ik" / "rtcp.py"]
     displayed += [chain / "programmed" / "display.py", twincat / "types" / "displays.py"]
     return files | dict.fromkeys(displayed, DISPLAYED)
