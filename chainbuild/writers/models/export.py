@@ -51,29 +51,34 @@ def export(
     if unknown or isinstance(formats, str) or (formats is not None and not formats):
         shown = f"unknown format {unknown[0]!r:.40}" if unknown else f"the formats are {formats!r:.40}"
         raise ChainbuildError(shown, parameter="formats", permitted=f"a list of {', '.join(FORMATS)}")
+    wanted = tuple(dict.fromkeys(formats or formats_of(robot)))
     files: RobotFiles = {}
-    made: dict[str, str] = {}
-    for one in dict.fromkeys(formats or FORMATS):
-        own = _files(robot, one, samples, inertia)
-        if own is None:
-            if formats is None:
-                continue
-            permitted = "an ortho-parallel arm of six axes with a spherical wrist"
-            raise ChainbuildError(
-                "there are no opw parameters of this kinematic", parameter="formats", permitted=permitted
-            )
-        files |= own
-        made[one] = f"{robot.name}{_SUFFIXES[one]}"
+    for one in wanted:
+        files |= _files(robot, one, samples, inertia)
     paths = write_robot_files(robot, folder, files)
-    return {one: paths[name] for one, name in made.items()}
+    return {one: paths[robot.name + _SUFFIXES[one]] for one in wanted}
 
 
-def _files(robot: Mechanism, one: ExportFormat, samples: int, inertia: bool) -> RobotFiles | None:
-    """Return the files of a format; None: the robot has none."""
+def formats_of(robot: Mechanism) -> tuple[ExportFormat, ...]:
+    """Return the formats in which a robot can be written."""
+    return tuple(one for one in FORMATS if one != "opw" or opw_text(robot) is not None)
+
+
+def _files(robot: Mechanism, one: ExportFormat, samples: int, inertia: bool) -> RobotFiles:
+    """Return the files of a format.
+
+    Raises:
+        ChainbuildError: the robot has none.
+    """
     if one == "urdf":
         return urdf_files(robot, inertia=inertia)
-    if one == "opw":
-        text = opw_text(robot)
-    else:
-        text = mjcf_text(robot) if one == "mjcf" else srdf_text(robot, pair_table(robot, samples))
-    return None if text is None else {f"{robot.name}{_SUFFIXES[one]}": text}
+    name = robot.name + _SUFFIXES[one]
+    if one == "mjcf":
+        return {name: mjcf_text(robot)}
+    if one == "srdf":
+        return {name: srdf_text(robot, pair_table(robot, samples))}
+    text = opw_text(robot)
+    if text is None:
+        permitted = "an ortho-parallel arm of six axes with a spherical wrist"
+        raise ChainbuildError("there are no opw parameters of this kinematic", parameter="formats", permitted=permitted)
+    return {name: text}
