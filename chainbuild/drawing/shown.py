@@ -32,12 +32,13 @@ def has_parallelogram(chain: Chain) -> bool:
     """Return whether a parallelogram turns the forearm of an arm.
 
     Its motor stands beside that of the shoulder and turns the forearm against the frame: the shoulder's axis then
-    moves the elbow back by as much as it moves the shoulder. On a serial arm it leaves the elbow alone.
+    moves the elbow back by as much as it moves the shoulder. On a serial arm it leaves the elbow alone. A URDF has its
+    links itself: fingers that mimic one another are no rods.
 
     Args:
         chain: The chain, without rods.
     """
-    if chain.loops or not isinstance(chain.axis_map, AffineMap):
+    if chain.loops or chain.dialect == "URDF" or not isinstance(chain.axis_map, AffineMap):
         return False
     at = {joint.child: n for n, joint in enumerate(chain.joints)}
     for n, elbow in enumerate(chain.joints):
