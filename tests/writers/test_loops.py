@@ -139,7 +139,9 @@ def compare(name: str, folder: Path, count: int) -> None:
         values = outsider.values(names, axes)
         np.testing.assert_allclose(outsider.by_pinocchio(values), wanted, rtol=0, atol=1e-12 * reach(wanted))
         theirs.update_cfg({joint: values[joint] for joint in theirs.actuated_joint_names})
-        np.testing.assert_allclose(theirs.get_transform("tool", "workpiece"), wanted, rtol=0, atol=1e-9)
+        # It takes a joint that has moved by less than 1e-8 for one that has not.
+        dropped = 2.0 * sum(abs(value) for value in values.values() if abs(value) < 1e-8)
+        np.testing.assert_allclose(theirs.get_transform("tool", "workpiece"), wanted, rtol=0, atol=1e-9 + dropped)
         for joint, value in values.items():
             data.joint(joint).qpos[0] = value
         mujoco.mj_kinematics(model, data)

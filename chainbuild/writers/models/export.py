@@ -46,34 +46,47 @@ def export(
             or it is no ortho-parallel arm and "opw" is asked for.
         FileAccessError: the folder is not a path, a file cannot be written, or a mesh cannot be read.
     """
+    files = export_files(robot, formats, samples, inertia)
+    paths = write_robot_files(robot, folder, {name: text for own in files.values() for name, text in own.items()})
+    return {one: paths[next(iter(own))] for one, own in files.items()}
+
+
+def export_files(
+    robot: Mechanism, formats: Sequence[ExportFormat] | None, samples: int, inertia: bool
+) -> dict[ExportFormat, RobotFiles]:
+    """Return the files of each format, the one that gives the format its name first; arguments as for `export`.
+
+    Raises:
+        ChainbuildError: as `export` does.
+    """
     check_robot(robot)
     unknown = [one for one in formats or () if one not in FORMATS]
     if unknown or isinstance(formats, str) or (formats is not None and not formats):
         shown = f"unknown format {unknown[0]!r:.40}" if unknown else f"the formats are {formats!r:.40}"
         raise ChainbuildError(shown, parameter="formats", permitted=f"a list of {', '.join(FORMATS)}")
-    files: RobotFiles = {}
-    made: dict[str, str] = {}
-    for one in dict.fromkeys(formats or FORMATS):
-        own = _files(robot, one, samples, inertia)
-        if own is None:
-            if formats is None:
-                continue
-            permitted = "an ortho-parallel arm of six axes with a spherical wrist"
-            raise ChainbuildError(
-                "there are no opw parameters of this kinematic", parameter="formats", permitted=permitted
-            )
-        files |= own
-        made[one] = f"{robot.name}{_SUFFIXES[one]}"
-    paths = write_robot_files(robot, folder, files)
-    return {one: paths[name] for one, name in made.items()}
+    return {one: _files(robot, one, samples, inertia) for one in dict.fromkeys(formats or formats_of(robot))}
 
 
-def _files(robot: Mechanism, one: ExportFormat, samples: int, inertia: bool) -> RobotFiles | None:
-    """Return the files of a format; None: the robot has none."""
+def formats_of(robot: Mechanism) -> tuple[ExportFormat, ...]:
+    """Return the formats in which a robot can be written."""
+    return tuple(one for one in FORMATS if one != "opw" or opw_text(robot) is not None)
+
+
+def _files(robot: Mechanism, one: ExportFormat, samples: int, inertia: bool) -> RobotFiles:
+    """Return the files of a format.
+
+    Raises:
+        ChainbuildError: the robot has none.
+    """
     if one == "urdf":
         return urdf_files(robot, inertia=inertia)
-    if one == "opw":
-        text = opw_text(robot)
-    else:
-        text = mjcf_text(robot) if one == "mjcf" else srdf_text(robot, pair_table(robot, samples))
-    return None if text is None else {f"{robot.name}{_SUFFIXES[one]}": text}
+    name = robot.name + _SUFFIXES[one]
+    if one == "mjcf":
+        return {name: mjcf_text(robot)}
+    if one == "srdf":
+        return {name: srdf_text(robot, pair_table(robot, samples))}
+    text = opw_text(robot)
+    if text is None:
+        permitted = "an ortho-parallel arm of six axes with a spherical wrist"
+        raise ChainbuildError("there are no opw parameters of this kinematic", parameter="formats", permitted=permitted)
+    return {name: text}

@@ -38,6 +38,7 @@ __all__ = ["urdf_files", "urdf_limitations", "urdf_text", "write_urdf"]
 # Machine data hold no drive data. Readers demand the numbers, and 0 would stop a simulated joint.
 _DEFAULT_SPEED: Final = {"revolute": math.pi, "prismatic": 1.0}  # rad/s, m/s
 _DEFAULT_EFFORT: Final = {"revolute": 1000.0, "prismatic": 10_000.0}  # N·m, N
+_MARGIN: Final = 1.6  # over what holds the estimated masses: to move them, too; checkers ask for 1.5
 _MOMENTS: Final = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # as URDF names them
 # Which part of the skeleton is the solid body of which tip, and the colour and size of the mark that shows a tip.
 _TIPS: Final = {"tool": "tool", "table": "workpiece"}
@@ -236,10 +237,11 @@ def _effort(joint: Joint, holding: float) -> float:
     """Return the effort of a joint: that of a URDF, else a default, or what it takes to hold estimated masses."""
     if joint.dynamics.effort is not None:
         return joint.dynamics.effort
-    if holding <= _DEFAULT_EFFORT[joint.kind]:
+    wanted = _MARGIN * holding
+    if wanted <= _DEFAULT_EFFORT[joint.kind]:
         return _DEFAULT_EFFORT[joint.kind]
-    step = 10.0 ** (math.floor(math.log10(holding)) - 1)
-    return math.ceil(holding / step) * step
+    step = 10.0 ** (math.floor(math.log10(wanted)) - 1)
+    return math.ceil(wanted / step) * step
 
 
 def _add_tips(root: ET.Element, chain: Chain, bodies: _Bodies) -> None:

@@ -218,8 +218,9 @@ class SpatialAnglesMap:
     def formulas(self, symbols: Sequence[str]) -> Formulas:
         """Return the map written down."""
         *slides, turn, lean = self.straight.sums(symbols)
-        cosine, zero_c, zero_a = (number_text(value) for value in (self.cos_tilt, *self.zero))
-        ratio = f"sin(lean/2)/({number_text(self.sin_tilt)})"
+        zero_c, zero_a = (number_text(value) for value in self.zero)
+        # All digits: close to the largest lean an arc sine makes much of the last of them.
+        cosine, ratio = f"{self.cos_tilt:.15g}", f"sin(lean/2)/({self.sin_tilt:.15g})"
         steps = (("lean", lean), ("machine", f"{number_text(self.side)}*2*asin(max(-1, min(1, {ratio})))"))
         c = f"{turn} - atan2({cosine}*sin(machine/2), cos(machine/2)) - ({zero_c})"
         return Formulas(steps, (*slides, c, f"machine - ({zero_a})"))
