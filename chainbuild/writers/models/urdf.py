@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Final
 
 from chainbuild import tolerances
 from chainbuild.arrays import Matrix
-from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.bodies.body import BASE_COLOUR, TOOL_COLOUR, WORKPIECE_SIDE, Body, Colour
 from chainbuild.chain.bodies.geometry import Shape
 from chainbuild.chain.bodies.inertia import Inertia
 from chainbuild.chain.bodies.shapes import machine_size, solid_bodies
-from chainbuild.chain.elements import BASE_LINK, FRAME_NAMES, Chain, Frame, Joint
+from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint
 from chainbuild.chain.followers import followers
 from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.errors import ChainError
 from chainbuild.files import angle_text, number_text, numbers_text, xml_text
 from chainbuild.frames import inverse, translation, urdf_rpy
-from chainbuild.units import m_from_mm, rad_from_deg, si_factor
+from chainbuild.kinematics.evaluation import joint_speed_limits
+from chainbuild.units import m_from_mm, rad_from_deg
 from chainbuild.writers.models import notes
 from chainbuild.writers.models.loops import loop_files
 from chainbuild.writers.models.masses import holding_efforts, link_inertias
@@ -102,15 +102,8 @@ def urdf_files(robot: Mechanism, *, inertia: bool = True) -> RobotFiles:
 
 def joint_speeds(chain: Chain) -> tuple[float, ...]:
     """Return the speed limit of every joint [m/s, rad/s]: by the axes' speeds if all are known, else a default."""
-    defaults = tuple(_DEFAULT_SPEED[joint.kind] for joint in chain.joints)
-    if not isinstance(chain.axis_map, AffineMap):
-        return defaults
-    speeds = []
-    for factors, default in zip(chain.axis_map.A, defaults, strict=True):
-        driving = [(axis, abs(float(f))) for axis, f in zip(chain.axes, factors, strict=True) if f != 0.0]
-        known = [axis.max_speed * si_factor(axis.kind) * f for axis, f in driving if axis.max_speed is not None]
-        speeds.append(sum(known) if known and len(known) == len(driving) else default)
-    return tuple(speeds)
+    known = zip(joint_speed_limits(chain).tolist(), chain.joints, strict=True)
+    return tuple(speed if math.isfinite(speed) else _DEFAULT_SPEED[joint.kind] for speed, joint in known)
 
 
 def _bound(joint: Joint, value: float, sign: float) -> float:
@@ -254,7 +247,7 @@ def _add_tips(root: ET.Element, chain: Chain, bodies: _Bodies) -> None:
         if frame.name in links:
             raise ChainError(f"frame {frame.name} has the name of a link: a URDF needs different names")
         element = ET.SubElement(root, "link", name=frame.name)
-        if frame.name in FRAME_NAMES or not chain.geometry.visuals:
+        if not chain.geometry.visuals:
             colour = _MARKS.get(frame.name, BASE_COLOUR)
             add_visuals(element, [Body(frame.name, "joint", translation(), "sphere", (size,), colour)])
         body = bodies.tips.get(frame.name)
