@@ -61,6 +61,7 @@ def joined_geometry(host: Geometry, guest: Geometry, names: Names, moved: Sequen
         host,
         radii={**{named[link]: r for link, r in guest.radii.items() if link in named}, **host.radii},
         shapes={**{named[link]: s for link, s in guest.shapes.items() if link in named}, **host.shapes},
+        visuals={**{named[link]: s for link, s in guest.visuals.items() if link in named}, **host.visuals},
         ignore=(*host.ignore, *((names.links[a], names.links[b]) for a, b in guest.ignore)),
     )
 

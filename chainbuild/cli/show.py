@@ -155,11 +155,11 @@ def note(text: str) -> None:
 
 
 def note_undrawn(geometry: Geometry) -> None:
-    """Print which links have meshes that are not drawn, if any have."""
+    """Print which links have meshes that cannot be read, if any have."""
     from chainbuild.drawing.given import undrawn_meshes
 
     if links := undrawn_meshes(geometry):
-        note(f"meshes of {', '.join(links)} are not drawn: they count in collisions")
+        note(f"meshes of {', '.join(links)} cannot be read: these links are drawn by rule")
 
 
 @contextmanager

@@ -13,6 +13,7 @@ from chainbuild.chain.bodies.linkage import with_linkage
 from chainbuild.chain.bodies.rods import has_rods
 from chainbuild.chain.elements import Chain, Joint
 from chainbuild.chain.fold import drawn
+from chainbuild.drawing.given import looks_given
 
 _ROUNDING: Final = 1e-9  # factors and sines below this are rounding
 
@@ -20,12 +21,14 @@ _ROUNDING: Final = 1e-9  # factors and sines below this are rounding
 def shown_chain(chain: Chain) -> Chain:
     """Return the chain with crank, rod and level linkage where it is a parallelogram arm, else the same chain.
 
-    Poses and axes stay the same.
+    Poses and axes stay the same. An arm whose looks are given has its rods among them.
 
     Args:
         chain: The chain, with rods or without.
     """
-    return with_linkage(chain, chain.geometry.rod_data) if has_parallelogram(chain) and not has_rods(chain) else chain
+    if has_rods(chain) or looks_given(chain) or not has_parallelogram(chain):
+        return chain
+    return with_linkage(chain, chain.geometry.rod_data)
 
 
 def has_parallelogram(chain: Chain) -> bool:
