@@ -19,6 +19,7 @@ import numpy as np
 
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix
+from chainbuild.chain.bodies.body import Colour
 from chainbuild.chain.bodies.geometry import Geometry, Numbers, Shape, ShapeKind
 from chainbuild.errors import ChainbuildError, ParseError
 from chainbuild.findings import Collector
@@ -27,8 +28,7 @@ from chainbuild.meshes import Scale, read_triangles
 from chainbuild.units import deg_from_rad
 
 Places = Mapping[str, tuple[str, Matrix]]
-Colour = tuple[float, float, float]
-Tag = Literal["visual", "collision"]
+_Tag = Literal["visual", "collision"]
 
 _HEAD: Final = 8192  # bytes in which a DAE names its unit
 _UNIT: Final = re.compile(rb"<unit\b[^>]*\bmeter\s*=\s*[\"']([^\"']+)[\"']")
@@ -72,7 +72,7 @@ class _Reader:
         self._unread: dict[str, Node] = {}
         self._textured: dict[str, Node] = {}
 
-    def read(self, links: Sequence[Node], tag: Tag) -> dict[str, tuple[Shape, ...]]:
+    def read(self, links: Sequence[Node], tag: _Tag) -> dict[str, tuple[Shape, ...]]:
         """Return the bodies of each of the chain's links; a link with one that cannot be read is not among them."""
         found: dict[str, list[Shape]] = {link: [] for link, _ in self._places.values()}
         broken = set()
