@@ -62,6 +62,10 @@ SMALL_COUNT: Final = 1000.0
 # A pose farther away than this [m] is taken as a mistake.
 HUGE_POSITION_M: Final = 1e6
 
+# A mass [kg], or a moment of inertia [kg·m²], larger than this is taken as a mistake: beside it the arithmetic could
+# not keep those of the other links.
+HUGE_INERTIA: Final = 1e9
+
 # Bounds on what is read, so that a wrong file cannot fill the memory.
 MAX_FILE_BYTES: Final = 64 * 2**20
 MAX_LINE_CHARACTERS: Final = 100_000

@@ -202,11 +202,15 @@ def _renamed_partial(partial: Partial, axes: Sequence[Axis], names: Sequence[str
 
 
 def link_names(chain: Chain) -> dict[str, str]:
-    """Return what links may be called → their names: `X_link` is also the link of an axis whose generic name is X."""
-    links = [link.name for link in chain.links]
+    """Return what links may be called → their names.
+
+    `X_link` is the link that joint X moves, whatever a URDF calls it; also that of an axis whose generic name is X.
+    """
     generic = {axis.name: axis.generic for axis in chain.axes if axis.generic}
-    found = {other: name for name in links if (other := _owned(name, generic)) is not None}
-    return {**found, **{name: name for name in links}}
+    known = {f"{joint.name}_link": joint.child for joint in chain.joints}
+    known |= {link.name: link.name for link in chain.links}
+    also = {other: link for name, link in known.items() if (other := _owned(name, generic)) is not None}
+    return {**also, **known}
 
 
 def as_name(text: str) -> str:
@@ -249,7 +253,7 @@ class Names:
         return cls(
             links=links,
             joints=_free((joint.name for joint in guest.joints), prefix, {joint.name for joint in host.joints}),
-            frames=_free((frame.name for frame in guest.frames), prefix, {frame.name for frame in host.frames}),
+            frames=_free((frame.name for frame in guest.frames), prefix, taken_links),
             axes=_free((axis.name for axis in guest.axes), prefix, {axis.name for axis in host.axes}),
             generics={"": "", **_free((axis.generic for axis in guest.axes if axis.generic), prefix, known)},
             loops=_free((loop.name for loop in guest.loops), prefix, {loop.name for loop in host.loops}),

@@ -1,30 +1,35 @@
 """Robots from URDF: the joints between the root link and a tool link become a chain.
 
-The axes are the moving joints in the order of the chain, shown in mm and degrees. Other branches (grippers, cameras)
-are left out. A joint that mimics another one is driven by that one's axis, with multiplier and offset of the file, so
-that joint values are the file's; its limits bind the axis, on whatever branch it is. A joint whose limits leave one
-value is fixed there. Meshes and masses are not read.
+The axes are the moving joints in the order of the chain, shown in mm and degrees. A joint that mimics another one is
+driven by that one's axis, with multiplier and offset of the file, so that joint values are the file's; its limits bind
+the axis, on whatever branch it is. A joint whose limits leave one value is fixed there. Links keep their names, masses,
+bodies and places: those that no axis moves are frames, and on other branches (grippers, cameras) joints that no axis
+drives are held.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Final
 
-from chainbuild import frames
-from chainbuild.chain.assemble import Element, Fixed, Move, assemble, linear, mark, rotary
-from chainbuild.chain.elements import FRAME_NAMES, Axis, Chain
+import numpy as np
+
+from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint, JointKind, Link
 from chainbuild.chain.names import DRIVE_SUFFIX, RESERVED_COLUMNS, free_name
 from chainbuild.errors import ChainbuildError, ParseError, Span
 from chainbuild.findings import Collector, Findings
 from chainbuild.formats.text import read_source
+from chainbuild.formats.urdf_bodies import urdf_bodies
 from chainbuild.formats.urdf_joints import Joints, UrdfJoint, shown
+from chainbuild.formats.urdf_tree import RESERVED, Tree, link_places
 from chainbuild.formats.urdf_xml import parse
+from chainbuild.frames import unit
+from chainbuild.units import AxisKind
 
-_FRAMES: Final = (*FRAME_NAMES, "universe")  # of every model: a joint of such a name could not be told from them
+_KINDS: Mapping[AxisKind, JointKind] = {"rotary": "revolute", "linear": "prismatic"}
 
 
 def from_urdf(path: str | os.PathLike[str], *, tool: str | None = None) -> Chain:
@@ -45,20 +50,21 @@ def from_urdf(path: str | os.PathLike[str], *, tool: str | None = None) -> Chain
     collector = Collector()
     joints = Joints(robot)
     way = _way_to(tool, joints.all, Span(str(path)))
-    joints.tell(way, collector)
+    tree = Tree(robot, joints, way)
+    joints.tell((*way, *(joint for joint in tree.moving if joint not in way)), collector)
     names = _names(joints, collector)
-    elements: list[Element] = []
-    for joint in way:
-        elements += _elements(joint, joints, names)
-    axes = _axes(way, joints, names)
+    tree.tell(collector)
+    axes = tuple(_axis(driver, joints, names) for driver in tree.drivers)
     if not axes:
         text = f"none of the joints on the way to link {way[-1].child} moves: {', '.join(joint.name for joint in way)}"
         raise ChainbuildError(text, span=Span(str(path)), parameter="tool", permitted="a way with a moving joint")
-    body = assemble(axes, [*elements, mark("flange")])
     title = robot.attributes.get("name", file.stem)
     name = "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in title) or "robot"
-    chain_axes = (body.links, body.joints, body.frames, axes, body.axis_map)
-    return Chain(name, title, "URDF", "URDF", *chain_axes, "orirpy", findings=Findings(collector.findings))
+    moving = tuple(_joint(joint, tree, names[joint.name]) for joint in tree.moving)
+    links = (Link(BASE_LINK), *(Link(joint.child) for joint in moving))
+    body = (links, moving, tree.frames, axes, _axis_map(tree, joints, axes))
+    geometry = replace(urdf_bodies(robot, link_places(tree), file, collector), inertias=tree.inertias())
+    return Chain(name, title, "URDF", "URDF", *body, "orirpy", findings=Findings(collector.findings), geometry=geometry)
 
 
 def _way_to(tool: str | None, joints: Sequence[UrdfJoint], file: Span) -> list[UrdfJoint]:
@@ -89,18 +95,11 @@ def _names(joints: Joints, collector: Collector) -> dict[str, str]:
     names = {joint.name: joint.name for joint in joints.all}
     for joint in joints.all:
         folded = joint.name.casefold()
-        if joint.name in _FRAMES or folded in RESERVED_COLUMNS or folded.endswith(DRIVE_SUFFIX):
+        if joint.name in RESERVED or folded in RESERVED_COLUMNS or folded.endswith(DRIVE_SUFFIX):
             names[joint.name] = free_name(f"{joint.name}_joint", names.values())
             text = f"joint {joint.name} is called {names[joint.name]}: every robot has a frame or column {joint.name}"
             collector.add("CB523", text, span=joint.span)
     return names
-
-
-def _axes(way: Iterable[UrdfJoint], joints: Joints, names: Mapping[str, str]) -> tuple[Axis, ...]:
-    """Return the axes that drive the joints on the way, in the order in which they come there first."""
-    moving = (joint for joint in way if joint.moves and joints.fixed_at(joint) is None)
-    drivers = dict.fromkeys(joints.follows(joint).driver for joint in moving)
-    return tuple(_axis(driver, joints, names) for driver in drivers)
 
 
 def _axis(joint: UrdfJoint, joints: Joints, names: Mapping[str, str]) -> Axis:
@@ -117,23 +116,17 @@ def _axis(joint: UrdfJoint, joints: Joints, names: Mapping[str, str]) -> Axis:
     return replace(axis, max_speed=max_speed, generic="" if name == joint.name else joint.name)
 
 
-def _elements(joint: UrdfJoint, joints: Joints, names: Mapping[str, str]) -> list[Element]:
-    """Return the fixed placement of a joint and, where it moves, the joint."""
-    elements: list[Element] = [] if joint.T_mm is None else [Fixed(joint.T_mm)]
-    if not joint.moves:
-        return elements
-    value = joints.fixed_at(joint)
-    if value is None:
-        return [*elements, _move(joint, joints, names)]
-    if joint.kind == "rotary":
-        return [*elements, Fixed(frames.transform(frames.rot_about(joint.direction, shown(value, "rotary"))))]
-    along = frames.unit(joint.direction) * shown(value, "linear")
-    return [*elements, Fixed(frames.translation(*along.tolist()))]
+def _joint(joint: UrdfJoint, tree: Tree, name: str) -> Joint:
+    """Return a joint of the chain: its value is the file's."""
+    parent, T = tree.T_parent_joint(joint)
+    direction = unit(joint.direction) + 0.0  # without signed zeros
+    return Joint(name, _KINDS[joint.kind], parent, tree.names[joint.child], T, direction, dynamics=joint.dynamics)
 
 
-def _move(joint: UrdfJoint, joints: Joints, names: Mapping[str, str]) -> Move:
-    follows = joints.follows(joint)
-    name = names[joint.name]
-    place = rotary(name, joint.direction) if joint.kind == "rotary" else linear(name, joint.direction)
-    drive = {names[follows.driver.name]: follows.factor}
-    return replace(place, drive=drive, offset=shown(follows.offset, joint.kind), follows=joint.mimic is not None)
+def _axis_map(tree: Tree, joints: Joints, axes: Sequence[Axis]) -> AffineMap:
+    """Return the map from the axes to the joints, which are driven by one each."""
+    A, b = np.zeros((len(tree.moving), len(axes))), np.zeros(len(tree.moving))
+    for row, joint in enumerate(tree.moving):
+        follows = joints.follows(joint)
+        A[row, tree.drivers.index(follows.driver)], b[row] = follows.factor, follows.offset
+    return AffineMap.of(A, b, [axis.kind for axis in axes])

@@ -15,14 +15,13 @@ from typing import Final, Literal
 from urllib.parse import unquote, urlsplit
 from urllib.request import url2pathname
 
-import numpy as np
-
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix
 from chainbuild.chain.bodies.body import Colour
 from chainbuild.chain.bodies.geometry import Geometry, Numbers, Shape, ShapeKind
 from chainbuild.errors import ChainbuildError, ParseError
 from chainbuild.findings import Collector
+from chainbuild.formats.urdf_joints import placement
 from chainbuild.formats.urdf_xml import Node
 from chainbuild.meshes import Scale, read_triangles
 from chainbuild.units import deg_from_rad
@@ -104,7 +103,7 @@ class _Reader:
         """Return the shapes of a <visual> or <collision>, none for one without extent; None: it cannot be read."""
         geometry = body.child("geometry")
         node = geometry.children[0] if geometry is not None and geometry.children else None
-        T = T_link @ _origin(body)
+        T = T_link @ placement(body.child("origin"), f"a body of link {name}")
         colour = self._colour(body, name)
         if node is None or node.name not in {"box", "sphere", "mesh", *_ROUND}:
             self._unread.setdefault(f"<{node.name if node else 'geometry'}> of link {name}", body)
@@ -172,19 +171,6 @@ def _own_colour(material: Node) -> Colour | None:
         return None
     red, green, blue, _ = (min(max(part, 0.0), 1.0) for part in node.numbers("rgba", (0.0, 0.0, 0.0, 1.0)))
     return red, green, blue
-
-
-def _origin(body: Node) -> Matrix:
-    """Return the placement (4, 4) of a body in the link of the file [m]."""
-    node = body.child("origin")
-    if node is None:
-        return np.eye(4)
-    xyz, rpy = node.numbers("xyz", (0.0, 0.0, 0.0)), node.numbers("rpy", (0.0, 0.0, 0.0))
-    if max(map(abs, xyz)) > tolerances.HUGE_POSITION_M or max(map(abs, rpy)) > tolerances.HUGE_AXIS_VALUE:
-        permitted = f"up to {tolerances.HUGE_POSITION_M:g} m and {tolerances.HUGE_AXIS_VALUE:.0e} radians"
-        raise ParseError("a body is too far away", span=node.span, parameter="xyz, rpy", permitted=permitted)
-    roll, pitch, yaw = (deg_from_rad(angle) for angle in rpy)
-    return frames.f_frame(xyz, (yaw, pitch, roll))
 
 
 def _place(T: Matrix) -> Numbers:

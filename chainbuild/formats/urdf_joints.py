@@ -10,8 +10,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix
+from chainbuild.chain.bodies.inertia import JointDynamics
 from chainbuild.errors import ParseError, Span
 from chainbuild.findings import Collector
 from chainbuild.formats.urdf_xml import Node
@@ -20,8 +23,32 @@ from chainbuild.units import AxisKind, deg_from_rad, m_from_mm, mm_from_m, rad_f
 Bounds = tuple[float, float]
 
 _KINDS: Final[Mapping[str, AxisKind]] = {"revolute": "rotary", "continuous": "rotary", "prismatic": "linear"}
+_STAYING: Final = ("floating", "planar")  # types of URDF with several degrees of freedom
 _ENDLESS: Final = (-math.inf, math.inf)
 _ONE_VALUE: Final = 1e-9  # m and rad: limits with rounded digits that leave one value miss each other by so much
+
+
+def placement(origin: Node | None, owner: str) -> Matrix:
+    """Return the (4, 4) placement [m] that an <origin> gives; None: the identity.
+
+    Args:
+        origin: The element.
+        owner: What is placed, for errors: "joint A1".
+
+    Raises:
+        ParseError: numbers that are none, or too large for the arithmetic.
+    """
+    if origin is None:
+        return np.eye(4)
+    roll, pitch, yaw = (deg_from_rad(angle) for angle in origin.numbers("rpy", (0.0, 0.0, 0.0)))
+    if max(abs(roll), abs(pitch), abs(yaw)) > tolerances.HUGE_AXIS_VALUE:
+        permitted = f"up to {tolerances.HUGE_AXIS_VALUE:.0e} degrees, in radians"
+        raise ParseError(f"{owner} is turned by too much", span=origin.span, parameter="rpy", permitted=permitted)
+    place = origin.numbers("xyz", (0.0, 0.0, 0.0))
+    if max(map(abs, place)) > tolerances.HUGE_POSITION_M:
+        permitted = f"up to {tolerances.HUGE_POSITION_M:g} m"
+        raise ParseError(f"{owner} is too far away", span=origin.span, parameter="xyz", permitted=permitted)
+    return frames.f_frame(place, (yaw, pitch, roll))
 
 
 def shown(value: float, kind: AxisKind) -> float:
@@ -65,6 +92,11 @@ class UrdfJoint:
         return self.type != "fixed"
 
     @property
+    def stays(self) -> bool:
+        """Whether it is of a type that chains do not have: beside the way to the tool it stays at its origin."""
+        return self.node.text("type") in _STAYING
+
+    @property
     def kind(self) -> AxisKind:
         """How it moves."""
         return _KINDS[self.type]
@@ -75,25 +107,18 @@ class UrdfJoint:
         return self.node.child("mimic") if self.moves else None
 
     @property
-    def T_mm(self) -> Matrix | None:
-        """(4, 4) its placement in the parent link, translation in mm; None: the link's origin."""
-        origin = self.node.child("origin")
-        if origin is None:
-            return None
-        roll, pitch, yaw = (deg_from_rad(angle) for angle in origin.numbers("rpy", (0.0, 0.0, 0.0)))
-        if max(abs(roll), abs(pitch), abs(yaw)) > tolerances.HUGE_AXIS_VALUE:
-            permitted = f"up to {tolerances.HUGE_AXIS_VALUE:.0e} degrees, in radians"
-            raise ParseError(
-                f"joint {self.name} is turned by too much", span=origin.span, parameter="rpy", permitted=permitted
-            )
-        place = origin.numbers("xyz", (0.0, 0.0, 0.0))
-        if max(map(abs, place)) > tolerances.HUGE_POSITION_M:
-            permitted = f"up to {tolerances.HUGE_POSITION_M:g} m"
-            raise ParseError(
-                f"joint {self.name} is too far away", span=origin.span, parameter="xyz", permitted=permitted
-            )
-        x, y, z = (mm_from_m(value) for value in place)
-        return frames.f_frame((x, y, z), (yaw, pitch, roll))
+    def T(self) -> Matrix:
+        """(4, 4) its placement in the parent link [m]."""
+        return placement(self.node.child("origin"), f"joint {self.name}")
+
+    def T_at(self, value: float) -> Matrix:
+        """Return the child link in the parent link [m] at a joint value, m or rad."""
+        T = self.T
+        if not value or self.stays:
+            return T
+        if self.kind == "linear":
+            return T @ frames.transform(None, frames.unit(self.direction) * value)
+        return T @ frames.transform(frames.rot_about(self.direction, deg_from_rad(value)))
 
     @property
     def direction(self) -> tuple[float, float, float]:
@@ -136,6 +161,22 @@ class UrdfJoint:
             text = f"the highest speed of joint {self.name} is {speed:g}"
             raise ParseError(text, span=limit.span, parameter="velocity", permitted="0 and more")
         return speed or math.inf
+
+    @property
+    def dynamics(self) -> JointDynamics:
+        """Its largest effort, its damping and its friction."""
+        limit, given = self.node.child("limit"), self.node.child("dynamics")
+        effort = None if limit is None or "effort" not in limit.attributes else self._at_least_0(limit, "effort")
+        if given is None:
+            return JointDynamics(effort)
+        return JointDynamics(effort, self._at_least_0(given, "damping"), self._at_least_0(given, "friction"))
+
+    def _at_least_0(self, node: Node, name: str) -> float:
+        value = node.numbers(name, (0.0,))[0]
+        if value < 0.0:
+            text = f"the {name} of joint {self.name} is {value:g}"
+            raise ParseError(text, span=node.span, parameter=name, permitted="0 and more")
+        return value
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -205,12 +205,27 @@ def joint_bounds(chain: Chain) -> tuple[NDArray[np.float64], NDArray[np.float64]
     return chain.axis_map.q_bounds(lower, upper)
 
 
+def joint_speed_limits(chain: Chain) -> Vector:
+    """Return the highest speed of every joint (n_q,), m/s or rad/s, by those of its axes; infinite: one is not known.
+
+    Args:
+        chain: The chain.
+    """
+    if not isinstance(chain.axis_map, AffineMap):
+        return np.full(len(chain.joints), np.inf)
+    A = np.abs(chain.axis_map.A)
+    known = [np.inf if axis.max_speed is None else axis.max_speed * si_factor(axis.kind) for axis in chain.axes]
+    speeds: Vector = np.where(A > 0.0, A, 1.0) * known
+    limits: Vector = np.where(A > 0.0, speeds, 0.0).sum(axis=1)
+    return np.where(A.any(axis=1), limits, np.inf)
+
+
 def build_model(chain: Chain) -> pin.Model:
     """Return the Pinocchio model of a chain.
 
     Joint n of the chain is joint n + 1 of the model and has one coordinate, so nq = nv = number of joints.
     Every link is a BODY frame, every frame of the chain an operational frame. Inertias, efforts and dampings are those
-    of a URDF; machine data hold none, and inertias are zero then.
+    of a URDF; machine data hold none, and inertias are zero then. Speeds are infinite where they are not known.
 
     Args:
         chain: A checked chain.
@@ -218,9 +233,10 @@ def build_model(chain: Chain) -> pin.Model:
     model = pin.Model()
     model.name = chain.name
     lower, upper = joint_bounds(chain)
+    speeds = joint_speed_limits(chain)
     ids = {BASE_LINK: 0}
     for n, joint in enumerate(chain.joints):
-        limits = (np.array([np.inf]), np.array([np.inf]), lower[n : n + 1], upper[n : n + 1])
+        limits = (np.array([np.inf]), speeds[n : n + 1], lower[n : n + 1], upper[n : n + 1])
         placement = pin.SE3(joint.T_parent_joint)
         index = model.addJoint(ids[joint.parent], _joint_model(joint), placement, joint.name, *limits)
         ids[joint.child] = index

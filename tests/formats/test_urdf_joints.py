@@ -126,7 +126,8 @@ def test_a_mimic_of_another_branch_has_that_ones_axis(tmp_path: Path) -> None:
     robot = robot_of(tmp_path, joint("a", "b", "c"), other, joint("x", "c", "d", inside=mimic("o", 2.0, 0.1)), tool="d")
     bound = round(math.degrees(0.5), 9)
     assert ranges(robot)[1] == ("o", -bound, bound, False)
-    np.testing.assert_allclose(robot.q([0.0, math.degrees(0.3)]), [0.0, 0.7])
+    assert [joint.name for joint in robot.chain.joints] == ["a", "x", "o"]
+    np.testing.assert_allclose(robot.q([0.0, math.degrees(0.3)]), [0.0, 0.7, 0.3])
     assert robot.ik(robot.fk([10.0, 20.0])).success
 
 

@@ -1,9 +1,12 @@
-"""Masses of links and the dynamics of joints, as far as a file gives them. Frozen data, no maths."""
+"""Masses of links and the dynamics of joints, as far as a file gives them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
+
+import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.shown import fields_shown
@@ -24,6 +27,30 @@ class Inertia:
     mass: float
     centre: Vector
     moments: Matrix
+
+    def seen_from(self, T: Matrix) -> Inertia:
+        """Return the same inertia in the axes of another link, in which its own stands at T (4, 4) [m]."""
+        R = T[:3, :3]
+        turned = R @ self.moments @ R.T
+        return Inertia(self.mass, R @ self.centre + T[:3, 3], (turned + turned.T) / 2.0)
+
+
+def lumped(parts: Sequence[Inertia]) -> Inertia:
+    """Return the inertia of rigidly joined parts, all in the axes of one link.
+
+    Moments are taken to the common centre (Huygens-Steiner); parts without mass add theirs as they are.
+
+    Args:
+        parts: At least one.
+    """
+    mass = sum(part.mass for part in parts)
+    centre = sum((part.mass * part.centre for part in parts), np.zeros(3)) / mass if mass else parts[0].centre
+    moments = np.zeros((3, 3))
+    for part in parts:
+        arm = part.centre - centre
+        across = (arm @ arm) * np.eye(3) - np.outer(arm, arm)
+        moments += part.moments + part.mass * across
+    return Inertia(mass, centre, moments)
 
 
 @dataclass(frozen=True, slots=True)
