@@ -162,9 +162,9 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.units import AxisLabels as AxisLabels
     from chainbuild.units import AxisUnit as AxisUnit
     from chainbuild.units import Units as Units
-    from chainbuild.writers.export import export as export
-    from chainbuild.writers.mjcf import write_mjcf as write_mjcf
-    from chainbuild.writers.urdf import write_urdf as write_urdf
+    from chainbuild.writers.models.export import export as export
+    from chainbuild.writers.models.mjcf import write_mjcf as write_mjcf
+    from chainbuild.writers.models.urdf import write_urdf as write_urdf
 
 __version__ = "0.1.0"
 
@@ -243,9 +243,9 @@ _HOMES = {
     "chainbuild.robot": "Robot",
     "chainbuild.tables.recording": "Recording read_recording",
     "chainbuild.units": "AxisKind AxisLabels AxisUnit Units",
-    "chainbuild.writers.export": "export",
-    "chainbuild.writers.mjcf": "write_mjcf",
-    "chainbuild.writers.urdf": "write_urdf",
+    "chainbuild.writers.models.export": "export",
+    "chainbuild.writers.models.mjcf": "write_mjcf",
+    "chainbuild.writers.models.urdf": "write_urdf",
 }
 _LAZY = {name: module for module, names in _HOMES.items() for name in names.split()}
 

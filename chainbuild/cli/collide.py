@@ -183,7 +183,7 @@ def _at_home(model: CollisionModel, contacts: list[Contact]) -> list[str]:
 
 def _sample(model: CollisionModel, sampling: PairOptions, as_json: bool) -> dict[str, Any]:
     from chainbuild.analysis.collision.pairs import classify_pairs
-    from chainbuild.writers.srdf import write_srdf
+    from chainbuild.writers.models.srdf import write_srdf
 
     found = classify_pairs(model.robot, sampling.samples)
     if sampling.srdf is not None:

@@ -36,7 +36,7 @@ def demo(
     """
     from chainbuild.machines import shipped
     from chainbuild.robot import Robot
-    from chainbuild.writers.urdf import write_urdf
+    from chainbuild.writers.models.urdf import write_urdf
 
     shown = empty_table("Written", "Name", "Kinematic", "Machine")
     shown.columns[0].no_wrap = shown.columns[1].no_wrap = True

@@ -39,8 +39,8 @@ def export(
         json: Print JSON.
         options: Which kinematic.
     """
-    from chainbuild.writers.export import FORMATS, ExportFormat
-    from chainbuild.writers.export import export as exported
+    from chainbuild.writers.models.export import FORMATS, ExportFormat
+    from chainbuild.writers.models.export import export as exported
 
     wanted: list[ExportFormat] = []
     for word in formats.split(","):

@@ -34,7 +34,7 @@ def urdf(
         json: Print JSON.
         options: Which kinematic.
     """
-    from chainbuild.writers.urdf import urdf_limitations, write_urdf
+    from chainbuild.writers.models.urdf import urdf_limitations, write_urdf
 
     robot = options.robot(file)
     path = write_urdf(robot, folder)

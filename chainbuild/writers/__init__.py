@@ -1,5 +1,4 @@
-"""Files that leave the package: URDF, MJCF, SRDF, reports, pictures.
+"""Files that leave the package: models of a machine, reports, pictures.
 
-In reading order: `urdf`, `notes`, `masses`, `mjcf`, `srdf`, `export`, `report`, `report_html`, `svg_plots`, `chart`,
-`picture`, `pathpicture`.
+In reading order: `models`, `report`, `report_html`, `svg_plots`, `chart`, `picture`, `pathpicture`.
 """

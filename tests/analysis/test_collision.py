@@ -17,7 +17,7 @@ from chainbuild.chain.bodies.geometry import Geometry, Shape
 from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError, FileAccessError
-from chainbuild.writers.srdf import write_srdf
+from chainbuild.writers.models.srdf import write_srdf
 from tests.kit.planar import segment_distance
 
 

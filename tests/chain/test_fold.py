@@ -24,8 +24,8 @@ from chainbuild.chain.followers import followers
 from chainbuild.chain.poses import link_placements
 from chainbuild.frames import f_frame, rot_z
 from chainbuild.kinematics.task_error import _joints
-from chainbuild.writers.notes import axis_map_in_words, header
-from chainbuild.writers.urdf import urdf_text
+from chainbuild.writers.models.notes import axis_map_in_words, header
+from chainbuild.writers.models.urdf import urdf_text
 from tests.kit import before_fold
 from tests.kit.straight import check_joint_values, sample_axes, straight_joints
 

@@ -10,8 +10,8 @@ import pytest
 import chainbuild
 from chainbuild.errors import ChainbuildError
 from chainbuild.robot import Robot
-from chainbuild.writers.mjcf import mjcf_text
-from chainbuild.writers.urdf import urdf_text
+from chainbuild.writers.models.mjcf import mjcf_text
+from chainbuild.writers.models.urdf import urdf_text
 from tests.kit.command_line import Run
 
 
@@ -43,7 +43,7 @@ def test_nothing_is_written_where_one_cannot_be_made(run: Run, monkeypatch: pyte
     def refuse(_robot: Robot) -> str:
         raise ChainbuildError("no position within the limits has a pose")
 
-    monkeypatch.setattr("chainbuild.writers.export.mjcf_text", refuse)
+    monkeypatch.setattr("chainbuild.writers.models.export.mjcf_text", refuse)
     outcome = run("export", "kr6r900", "--format", "urdf,mjcf")
     assert outcome.code == 1
     assert not Path("urdf_out").exists()

@@ -26,8 +26,8 @@ from chainbuild.chain.bodies.rods import (
 from chainbuild.chain.followers import followers
 from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.kinematics.closure import Closure, check_closure, closing_axes, closure_of
-from chainbuild.writers.notes import urdf_limitations
-from chainbuild.writers.srdf import write_srdf
+from chainbuild.writers.models.notes import urdf_limitations
+from chainbuild.writers.models.srdf import write_srdf
 from tests.hand.loops_cases import channel_list, random_closing, random_hd
 from tests.hand.loops_hand import LOOPS
 from tests.kit.six_rods import SixRods

@@ -17,7 +17,7 @@ from chainbuild.analysis.collision.pairs import classify_pairs
 from chainbuild.cli import main
 from chainbuild.errors import FileAccessError
 from chainbuild.machines import shipped_path
-from chainbuild.writers.srdf import write_srdf
+from chainbuild.writers.models.srdf import write_srdf
 from tests.kit.browser import document
 
 RUN = "document.body.dataset.ran='no'+6*7"  # what would run leaves no42 in the document

@@ -17,8 +17,8 @@ from chainbuild.kinematics.closure import closing_axes
 from chainbuild.machines import shipped
 from chainbuild.robot import Robot
 from chainbuild.units import si_factor
-from chainbuild.writers.masses import estimated
-from chainbuild.writers.mjcf import home, mjcf_text
+from chainbuild.writers.models.masses import estimated
+from chainbuild.writers.models.mjcf import home, mjcf_text
 
 CONSTRAINED = (
     "delta_kin37", "inclined_saw_kin207", "lambda_kin21", "palletiser_kin96", "rod_table_kin19", "tripod_kin12",

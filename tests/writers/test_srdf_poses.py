@@ -12,8 +12,8 @@ import pytest
 import chainbuild
 from chainbuild.analysis.collision.pairs import classify_pairs
 from chainbuild.chain.programmed.named import NamedPose
-from chainbuild.writers.srdf import srdf_text
-from chainbuild.writers.urdf import urdf_text, write_urdf
+from chainbuild.writers.models.srdf import srdf_text
+from chainbuild.writers.models.urdf import urdf_text, write_urdf
 
 
 def with_poses(name: str, **poses: tuple[float, ...]) -> chainbuild.Robot:

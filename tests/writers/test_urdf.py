@@ -25,7 +25,7 @@ from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.errors import ChainError, FileAccessError
 from chainbuild.frames import rot_x, rot_y, rot_z, urdf_rpy
 from chainbuild.robot import Robot
-from chainbuild.writers.urdf import joint_speeds, urdf_limitations, urdf_text, write_urdf
+from chainbuild.writers.models.urdf import joint_speeds, urdf_limitations, urdf_text, write_urdf
 from tests.kit.draws import random_axes
 from tests.kit.sample_chains import arm, chain_of, rotary_axis, table_machine
 

@@ -9,7 +9,7 @@ from chainbuild.convention import conventions
 from chainbuild.errors import ChainbuildError
 from chainbuild.formats.overlay import Overlay
 from chainbuild.frames import angles_from_matrix
-from chainbuild.writers.notes import header
+from chainbuild.writers.models.notes import header
 from tests.kit.robx_files import ARM5, CC4, FLANGE, NR6, TABLE, TE4_ARM, F, R, T, chain_of, close, pose_of
 
 AXES = np.array((31, -47, 53, 71, -37, 113), dtype=float)

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Final, Literal, get_args
 
 from chainbuild.errors import ChainbuildError
 from chainbuild.files import file_of, write_text
-from chainbuild.writers.mjcf import mjcf_text
-from chainbuild.writers.srdf import srdf_text
-from chainbuild.writers.urdf import check_robot, urdf_text
+from chainbuild.writers.models.mjcf import mjcf_text
+from chainbuild.writers.models.srdf import srdf_text
+from chainbuild.writers.models.urdf import check_robot, urdf_text
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism

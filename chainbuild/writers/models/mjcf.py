@@ -21,9 +21,9 @@ from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.files import number_text, numbers_text, xml_text
 from chainbuild.frames import quaternion_from_matrix
 from chainbuild.units import si_factor
-from chainbuild.writers import notes
-from chainbuild.writers.masses import estimated
-from chainbuild.writers.urdf import write_robot_file
+from chainbuild.writers.models import notes
+from chainbuild.writers.models.masses import estimated
+from chainbuild.writers.models.urdf import write_robot_file
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism

@@ -21,8 +21,8 @@ from chainbuild.errors import ChainbuildError, ChainError
 from chainbuild.files import angle_text, file_of, number_text, numbers_text, write_text, xml_text
 from chainbuild.frames import inverse, translation, urdf_rpy
 from chainbuild.units import m_from_mm, rad_from_deg, si_factor
-from chainbuild.writers import notes
-from chainbuild.writers.notes import urdf_limitations
+from chainbuild.writers.models import notes
+from chainbuild.writers.models.notes import urdf_limitations
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
