@@ -10,14 +10,12 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild import tolerances
-from chainbuild.arrays import Matrix
+from chainbuild.arrays import Indices, Matrix
 from chainbuild.errors import FileAccessError, FileContentError, Span
 from chainbuild.shown import fields_shown
 
-Corners = NDArray[np.int64]
 Scale = tuple[float, float, float]
 
 FLAT: Final = 1e-6  # share of the largest width: the hull of a flatter body crashes, and files hold six digits
@@ -38,7 +36,7 @@ class Triangles:
     __repr__ = fields_shown
 
     points: Matrix
-    corners: Corners
+    corners: Indices
 
     @property
     def normals(self) -> Matrix:
@@ -77,7 +75,7 @@ def _read(file: str, scale: Scale, hull: bool, _stamp: tuple[int, int]) -> Trian
     except ValueError:
         raise _unread(file) from None
     points = np.array(mesh.vertices(), dtype=float)
-    corners = np.array([(t[0], t[1], t[2]) for t in map(mesh.tri_indices, range(mesh.num_tris))], dtype=np.int64)
+    corners = np.array([(t[0], t[1], t[2]) for t in map(mesh.tri_indices, range(mesh.num_tris))], dtype=np.intp)
     if not len(corners):
         raise _unread(file)
     widths = principal_widths(points)
@@ -103,7 +101,7 @@ def _unread(file: Path | str) -> FileAccessError:
 def _of_hull(convex: Any) -> Triangles:
     points = np.array(convex.points(), dtype=float)
     found = (convex.polygons(n) for n in range(convex.num_polygons))
-    corners = np.array([(face[0], face[1], face[2]) for face in found], dtype=np.int64)
+    corners = np.array([(face[0], face[1], face[2]) for face in found], dtype=np.intp)
     surface = Triangles(points, corners)
     # The sense in which a hull's faces run is not told; its middle is inside.
     outwards = np.einsum("ij,ij->i", surface.normals, points[corners].mean(axis=1) - points.mean(axis=0))
@@ -147,7 +145,7 @@ def creased(surface: Triangles) -> Triangles:
     return Triangles(surface.points[vertex[kept]], corners.reshape(-1, 3))
 
 
-def _joined(count: int, a: Corners, b: Corners) -> Corners:
+def _joined(count: int, a: Indices, b: Indices) -> Indices:
     """Return of every one of some things the lowest that it is joined to, by way of others, too."""
     labels = np.arange(count)
     while True:
@@ -159,8 +157,8 @@ def _joined(count: int, a: Corners, b: Corners) -> Corners:
             return labels
 
 
-def lighter(surfaces: Sequence[Triangles], most: int) -> tuple[list[Triangles], float]:
-    """Return surfaces of so few triangles together, and within how much [m] their vertices were made one.
+def lighter(surfaces: Sequence[Triangles], most: int) -> list[Triangles]:
+    """Return surfaces of so few triangles together, where there are more with vertices that are near made one.
 
     Args:
         surfaces: The surfaces.
@@ -168,14 +166,14 @@ def lighter(surfaces: Sequence[Triangles], most: int) -> tuple[list[Triangles], 
     """
     count = sum(len(one.corners) for one in surfaces)
     if count <= most:
-        return list(surfaces), 0.0
+        return list(surfaces)
     area = sum(float(np.linalg.norm(one.normals, axis=1).sum()) for one in surfaces) / 2.0
-    cell = math.sqrt(area / most)  # a triangle would then be half a cell: rather too fine, and the search begins here
+    cell = math.sqrt(area / most) / 8.0  # far below the edge of triangles of that number: the search begins here
     found = list(surfaces)
     while sum(len(one.corners) for one in found) > most:
         cell *= _GROWTH
         found = [_merged(one, cell) for one in surfaces]
-    return found, cell
+    return found
 
 
 def _merged(surface: Triangles, cell: float) -> Triangles:

@@ -22,6 +22,7 @@ from chainbuild.findings import Collector, Finding
 
 if TYPE_CHECKING:
     from chainbuild.chain.bodies.geometry import Geometry
+    from chainbuild.chain.elements import Chain
     from chainbuild.tables.reader import Table
 
 Item = TypeVar("Item")
@@ -160,6 +161,16 @@ def note_undrawn(geometry: Geometry) -> None:
 
     if links := undrawn_meshes(geometry):
         note(f"meshes of {', '.join(links)} cannot be read: these links are drawn by rule")
+
+
+def note_lighter(chain: Chain) -> None:
+    """Print that a page shows meshes with fewer triangles than they have, if it does."""
+    from chainbuild.drawing.machine import drawn_bodies
+    from chainbuild.inspect.scene import MOST_TRIANGLES
+
+    count = sum(len(body.surface.corners) for body in drawn_bodies(chain) if body.surface is not None)
+    if count > MOST_TRIANGLES:
+        note(f"the meshes have {count:,} triangles: the page merges near vertices until {MOST_TRIANGLES:,} are left")
 
 
 @contextmanager

@@ -1,10 +1,14 @@
-"""Small mesh files: a box as STL, OBJ or DAE, and an L, which is not convex."""
+"""Small mesh files: a box as STL, OBJ or DAE, an L, which is not convex, and a URDF that has them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
+
+import numpy as np
+
+from chainbuild.meshes import Triangles
 
 # Corners of a box as numbers of the products of (0, 1), x first; counter-clockwise from outside.
 BOX_FACES = (
@@ -66,3 +70,29 @@ def write_dae(path: Path, mesh: tuple[Points, Faces], asset: str = "") -> Path:
         "utf-8",
     )
     return path
+
+
+def surface(mesh: tuple[Points, Faces]) -> Triangles:
+    """Return a mesh as the surface that is drawn."""
+    return Triangles(np.array(mesh[0], dtype=float), np.array(mesh[1]))
+
+
+ARM = """<robot name="arm"><material name="blue"><color rgba="0 0 1 1"/></material>
+  <link name="root"><visual><geometry><mesh filename="l.stl"/></geometry></visual></link>
+  <link name="one"><visual><origin xyz="0.1 0 0" rpy="0 0 1.5707963267948966"/>
+    <geometry><mesh filename="l.stl"/></geometry><material name="blue"/></visual>
+    <collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+  <link name="two"><visual><geometry><sphere radius="0.05"/></geometry></visual>
+    <collision><geometry><mesh filename="l.stl"/></geometry></collision></link>
+  <joint name="A" type="revolute"><parent link="root"/><child link="one"/><axis xyz="0 0 1"/>
+    <limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
+  <joint name="B" type="revolute"><origin xyz="0.5 0 0"/><parent link="one"/><child link="two"/><axis xyz="0 1 0"/>
+    <limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"""
+L_MESH = ((0.0, 0.0, 0.0), (0.3, 0.1, 0.05)), ((0.0, 0.0, 0.05), (0.05, 0.1, 0.3))
+
+
+def write_arm(folder: Path) -> Path:
+    """Write a URDF of two links with an L, a box and a ball to look at and to collide with."""
+    write_stl(folder / "l.stl", joined(*(box(low, high) for low, high in L_MESH)))
+    (folder / "arm.urdf").write_text(ARM, "utf-8")
+    return folder / "arm.urdf"

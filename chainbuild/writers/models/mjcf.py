@@ -133,7 +133,7 @@ def _add_bodies(world: ET.Element, robot: Mechanism, bodies: Sequence[Body]) -> 
         centre = numbers_text(round(value, _ESTIMATED) for value in inertia.centre.tolist())
         mass = number_text(float(f"{inertia.mass:.{_ESTIMATED}g}"))
         _sub(element, "inertial", pos=centre, mass=mass, fullinertia=numbers_text(round(v, digits) for v in moments))
-        for body in shown[link]:
+        for body in (body for body in shown[link] if body.kind != "mesh"):
             size = [value / 2.0 for value in body.dimensions] if body.kind == "box" else list(body.dimensions)
             if body.kind == "cylinder":
                 size[1] /= 2.0

@@ -88,7 +88,7 @@ def urdf_text(robot: Mechanism) -> str:
     root = ET.Element("robot", name=chain.name)
     root.append(ET.Comment(f"\n{notes.header(chain)}\n"))
     shown, solid = (
-        _by_link(drawn_bodies(chain)),
+        _by_link(body for body in drawn_bodies(chain) if body.kind != "mesh"),
         _by_link(body for body in solid_bodies(chain) if body.part not in _TIPS),
     )
     for link in chain.links:
