@@ -58,15 +58,31 @@ def read_triangles(file: Path | str, scale: Scale, *, hull: bool = False) -> Tri
         FileAccessError: the file is missing, or no mesh.
         FileContentError: it has vertices that are no places, or is flat and meant as a hull.
     """
+    return _surface(str(file), scale, hull, _stamp(file))
+
+
+def check_mesh(file: Path | str, scale: Scale) -> None:
+    """Read a mesh file without its triangles, which takes most of the time.
+
+    Raises:
+        FileAccessError: the file is missing, or no mesh.
+        FileContentError: it has vertices that are no places.
+    """
+    _read(str(file), scale, _stamp(file))
+
+
+def _stamp(file: Path | str) -> tuple[int, int]:
+    """Return what tells a file from a later one of its name."""
     try:
-        stamp = Path(file).stat()
+        found = Path(file).stat()
     except (OSError, ValueError):
         raise _unread(file) from None
-    return _read(str(file), scale, hull, (stamp.st_mtime_ns, stamp.st_size))
+    return found.st_mtime_ns, found.st_size
 
 
 @lru_cache(maxsize=_KEPT)
-def _read(file: str, scale: Scale, hull: bool, _stamp: tuple[int, int]) -> Triangles:
+def _read(file: str, scale: Scale, _stamp: tuple[int, int]) -> tuple[Any, Matrix]:
+    """Return coal's mesh of a file, and its vertices (n, 3) [m]."""
     import coal
 
     # Boxes are the tree of bounds that is built fastest; nobody asks it for anything.
@@ -74,24 +90,28 @@ def _read(file: str, scale: Scale, hull: bool, _stamp: tuple[int, int]) -> Trian
         mesh = coal.MeshLoader(coal.NODE_TYPE.BV_AABB).load(file, np.array(scale))
     except ValueError:
         raise _unread(file) from None
-    points = np.array(mesh.vertices(), dtype=float)
-    corners = np.array([(t[0], t[1], t[2]) for t in map(mesh.tri_indices, range(mesh.num_tris))], dtype=np.intp)
-    if not len(corners):
+    if not mesh.num_tris:
         raise _unread(file)
-    widths = principal_widths(points)
-    if not max(widths) < tolerances.HUGE_POSITION_M:
+    points = np.array(mesh.vertices(), dtype=float)
+    if not np.isfinite(points).all() or not np.abs(points).max() < tolerances.HUGE_POSITION_M:
         permitted = f"vertices within {tolerances.HUGE_POSITION_M:g} m"
         raise FileContentError("vertices are not finite or too far away", span=Span(file), permitted=permitted)
+    return mesh, points
+
+
+@lru_cache(maxsize=_KEPT)
+def _surface(file: str, scale: Scale, hull: bool, stamp: tuple[int, int]) -> Triangles:
+    mesh, points = _read(file, scale, stamp)
     if hull:
+        widths = principal_widths(points)
         if min(widths) <= FLAT * max(widths):
             raise FileContentError(
                 "the mesh is flat: it has no hull", span=Span(file), permitted="a body with a volume"
             )
         mesh.buildConvexHull(True, "Qt")
         return _of_hull(mesh.convex)
-    if np.prod(scale) < 0.0:
-        corners = corners[:, ::-1]
-    return Triangles(points, corners)
+    corners = np.array([(t[0], t[1], t[2]) for t in map(mesh.tri_indices, range(mesh.num_tris))], dtype=np.intp)
+    return Triangles(points, corners[:, ::-1] if np.prod(scale) < 0.0 else corners)
 
 
 def _unread(file: Path | str) -> FileAccessError:

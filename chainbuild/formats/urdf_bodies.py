@@ -23,7 +23,7 @@ from chainbuild.errors import ChainbuildError, ParseError
 from chainbuild.findings import Collector
 from chainbuild.formats.urdf_joints import placement
 from chainbuild.formats.urdf_xml import Node
-from chainbuild.meshes import Scale, read_triangles
+from chainbuild.meshes import Scale, check_mesh
 from chainbuild.units import deg_from_rad
 
 Places = Mapping[str, tuple[str, Matrix]]
@@ -245,7 +245,7 @@ def _dae_unit(file: Path) -> float:
 
 def _readable(file: Path, scale: Scale) -> bool:
     try:
-        read_triangles(file, scale)
+        check_mesh(file, scale)
     except ChainbuildError:
         return False
     return True
