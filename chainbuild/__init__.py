@@ -164,6 +164,7 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.units import Units as Units
     from chainbuild.writers.models.export import export as export
     from chainbuild.writers.models.mjcf import write_mjcf as write_mjcf
+    from chainbuild.writers.models.srdf import write_srdf as write_srdf
     from chainbuild.writers.models.urdf import write_urdf as write_urdf
 
 __version__ = "0.1.0"
@@ -245,6 +246,7 @@ _HOMES = {
     "chainbuild.units": "AxisKind AxisLabels AxisUnit Units",
     "chainbuild.writers.models.export": "export",
     "chainbuild.writers.models.mjcf": "write_mjcf",
+    "chainbuild.writers.models.srdf": "write_srdf",
     "chainbuild.writers.models.urdf": "write_urdf",
 }
 _LAZY = {name: module for module, names in _HOMES.items() for name in names.split()}

@@ -22,8 +22,8 @@ import secrets
 import stat
 import unicodedata
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from io import BufferedWriter, TextIOWrapper
 from pathlib import Path
 from typing import BinaryIO, Final, TextIO
@@ -117,6 +117,21 @@ def write_text(path: Path, text: str) -> None:
         stream.write(text)
 
 
+def write_all(contents: Mapping[Path, str | bytes]) -> None:
+    """Write several files, texts as UTF-8: none appears under its name before all of them are written.
+
+    Folders that are missing are created.
+
+    Raises:
+        FileAccessError: a file cannot be written; earlier files of these names are unchanged.
+    """
+    with ExitStack() as stack:
+        for path, content in contents.items():
+            make_folder(path.parent)
+            data = content.encode("utf-8") if isinstance(content, str) else content
+            stack.enter_context(open_binary_atomic(path)).write(data)
+
+
 def as_folder(path: Path | str) -> Path:
     """Return a path given as such or as a string.
 
@@ -150,17 +165,16 @@ def place_of(path: Path) -> FilePlace:
     return found.st_dev, found.st_ino
 
 
-def file_of(folder: Path | str, name: str, suffix: str) -> Path:
-    """Return folder/NAME/NAME.suffix for a robot's file, its folder created.
+def folder_of(folder: Path | str, name: str) -> Path:
+    """Return folder/NAME for a robot's files, not created.
 
     Raises:
-        FileAccessError: the folder is not a path or cannot be created, or the name would lead out of it.
+        FileAccessError: the folder is not a path, or the name would lead out of it.
     """
     place = as_folder(folder)
     if name in ("", ".", "..") or any(c in "/\\:" or not c.isprintable() for c in name):
         raise FileAccessError(f"{name[:80]!r} cannot be the name of a file", permitted="a name without / and \\")
-    make_folder(place / name)
-    return place / name / f"{name}.{suffix}"
+    return place / name
 
 
 @contextmanager

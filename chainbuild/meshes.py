@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -21,6 +22,8 @@ Scale = tuple[float, float, float]
 FLAT: Final = 1e-6  # share of the largest width: the hull of a flatter body crashes, and files hold six digits
 _KEPT: Final = 256  # meshes in memory: some robots
 _CREASE: Final = 0.82  # cosine of 35°: faces that meet under more are not one round face
+_HEAD: Final = 8192  # bytes in which a DAE names its unit
+_UNIT: Final = re.compile(rb"<unit\b[^>]*\bmeter\s*=\s*[\"']([^\"']+)[\"']")
 _GROWTH: Final = 1.25  # of the cells by which a mesh is made lighter, from one trial to the next
 
 
@@ -127,6 +130,23 @@ def _of_hull(convex: Any) -> Triangles:
     outwards = np.einsum("ij,ij->i", surface.normals, points[corners].mean(axis=1) - points.mean(axis=0))
     corners[outwards < 0.0] = corners[outwards < 0.0][:, ::-1]
     return surface
+
+
+def dae_unit(file: Path) -> float:
+    """Return the metres a unit of a DAE file has, 1 for other files.
+
+    A URDF means these: the viewers of ROS heed them. coal reads the numbers as they are, like trimesh. Which way is up
+    neither heeds, nor do those viewers.
+    """
+    if file.suffix.lower() != ".dae":
+        return 1.0
+    try:
+        with file.open("rb") as stream:
+            found = _UNIT.search(stream.read(_HEAD))
+        unit = float(found[1]) if found else 1.0
+    except (OSError, ValueError):
+        return 1.0
+    return unit if 0.0 < unit < math.inf else 1.0
 
 
 def principal_widths(points: Matrix) -> tuple[float, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Protocol, runtime_checkable
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError, ChainError
+from chainbuild.files import number_text
 from chainbuild.shown import fields_shown
 from chainbuild.units import AxisKind, si_factor
 
@@ -75,6 +76,28 @@ class TurningMap(Protocol):
     @property
     def periodic(self) -> tuple[int, ...]:
         """Indices of the axes whose whole turn leads to the same pose."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Formulas:
+    """A nonlinear axis map written down: expressions of sin, cos, asin, atan2, min, max, round, copysign, pi.
+
+    Attributes:
+        steps: Names and expressions, each of axis values (SI) and of the steps before.
+        joints: An expression for each joint value (SI).
+    """
+
+    steps: tuple[tuple[str, str], ...]
+    joints: tuple[str, ...]
+
+
+@runtime_checkable
+class FormulaMap(Protocol):
+    """A nonlinear axis map that can be written down, for readers of files without this library."""
+
+    def formulas(self, symbols: Sequence[str]) -> Formulas | None:
+        """Return its formulas, the axes (SI) called by symbols; None where there are none."""
         ...
 
 
@@ -193,6 +216,11 @@ class AffineMap:
         result: Matrix = rows @ (self.A * self.si_factors).T + self.b
         return result
 
+    def sums(self, symbols: Sequence[str]) -> tuple[str, ...]:
+        """Return each joint value (SI) as a sum, the axes (SI) called by symbols."""
+        rows = zip(self.A.tolist(), self.b.tolist(), strict=True)
+        return tuple(_sum(zip(symbols, factors, strict=True), offset) for factors, offset in rows)
+
     def axes(self, q: Vector) -> Vector:
         """Return the axis values of joint values."""
         result: Vector = (self.back @ (q - self.b)) / self.si_factors
@@ -207,6 +235,13 @@ class AffineMap:
         low, high = lower * self.si_factors, upper * self.si_factors
         positive, negative = np.maximum(self.A, 0.0), np.minimum(self.A, 0.0)
         return positive @ low + negative @ high + self.b, positive @ high + negative @ low + self.b
+
+
+def _sum(terms: Iterable[tuple[str, float]], offset: float) -> str:
+    parts = [name if factor == 1.0 else f"{number_text(factor)}*{name}" for name, factor in terms if factor != 0.0]
+    if offset != 0.0 or not parts:
+        parts.append(number_text(offset))
+    return " + ".join(parts)
 
 
 def joint_values(axis_map: AxisMap, axes: Vector) -> Vector:

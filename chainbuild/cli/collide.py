@@ -183,11 +183,14 @@ def _at_home(model: CollisionModel, contacts: list[Contact]) -> list[str]:
 
 def _sample(model: CollisionModel, sampling: PairOptions, as_json: bool) -> dict[str, Any]:
     from chainbuild.analysis.collision.pairs import classify_pairs
-    from chainbuild.writers.models.srdf import write_srdf
+    from chainbuild.writers.models.robotfiles import write_robot_files
+    from chainbuild.writers.models.srdf import srdf_text
 
     found = classify_pairs(model.robot, sampling.samples)
     if sampling.srdf is not None:
-        note(f"wrote {write_srdf(model.robot, found, sampling.srdf)}")
+        name = f"{model.robot.name}.srdf"
+        files = write_robot_files(model.robot, sampling.srdf, {name: srdf_text(model.robot, found)})
+        note(f"wrote {files[name]}")
     if not as_json:
         shown = empty_table(f"Pairs of links at {found.samples} positions", "Links", "Collide", "Positions")
         for pair in found.pairs:

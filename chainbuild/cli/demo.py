@@ -5,13 +5,18 @@ from __future__ import annotations
 import shutil
 import sys
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from chainbuild.cli.show import console, counted_findings, empty_table
 from chainbuild.cli.urdf import Folder
 from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, all_findings
 
+if TYPE_CHECKING:
+    from chainbuild.kinematics.mechanism import Mechanism
+    from chainbuild.writers.models.export import ExportFormat
+
 _EXAMPLE: Final = "kr6r900"
+_SAMPLED: Final = ("srdf",)
 _LOOK: Final = (
     (
         "inspect {} --export page.html",
@@ -25,7 +30,9 @@ _LOOK: Final = (
 def demo(
     file: str | None = None, /, *, folder: Folder = Path("urdf_out"), options: MachineOptions = DEFAULT_OPTIONS
 ) -> int:
-    """Build the shipped machines, write their URDF and print commands to view them.
+    """Build the shipped machines, write them as URDF and MJCF and print commands to view them.
+
+    One machine alone, and the example, get every file that `chainbuild export` writes.
 
     Example: `chainbuild demo kr6r900`
 
@@ -36,7 +43,7 @@ def demo(
     """
     from chainbuild.machines import shipped
     from chainbuild.robot import Robot
-    from chainbuild.writers.models.urdf import write_urdf
+    from chainbuild.writers.models.export import export
 
     shown = empty_table("Written", "Name", "Kinematic", "Machine")
     shown.columns[0].no_wrap = shown.columns[1].no_wrap = True
@@ -46,14 +53,16 @@ def demo(
         machine = options.machine(name)
         chain = options.chain(machine)
         robot = Robot(chain)
-        write_urdf(robot, folder)
+        export(robot, folder, formats=_formats(robot, everything=name == _EXAMPLE or file is not None))
         count = sum(finding.severity != "info" for finding in all_findings(machine, robot.chain))
         warnings.update({name: count} if count else {})
         shown.add_row(name, chain.kinematic, chain.title)
     out = console()
     out.print(shown)
     example, command = _EXAMPLE if _EXAMPLE in names else names[-1], command_name()
-    out.print(f"{len(names)} robot{'s' * (len(names) != 1)} written: {folder}/NAME/NAME.urdf", soft_wrap=True)
+    out.print(
+        f"{len(names)} robot{'s' * (len(names) != 1)} written: {folder}/NAME/NAME.urdf, NAME.xml, …", soft_wrap=True
+    )
     if warnings:
         total, where = counted_findings(sum(warnings.values())), ", ".join(warnings)
         out.print(f"{total} in {where}; {command} check NAME lists them", soft_wrap=True)
@@ -61,6 +70,13 @@ def demo(
     for arguments, what in _LOOK:
         out.print(f"  {command} {arguments.format(example)}", f"    {what}", sep="\n", soft_wrap=True, highlight=False)
     return 0
+
+
+def _formats(robot: Mechanism, *, everything: bool) -> list[ExportFormat]:
+    """Return the formats to write: all, or those that take no sampling, which takes seconds for some machines."""
+    from chainbuild.writers.models.export import formats_of
+
+    return [one for one in formats_of(robot) if everything or one not in _SAMPLED]
 
 
 def command_name() -> str:

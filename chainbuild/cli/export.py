@@ -18,24 +18,27 @@ def export(
     file: str,
     /,
     *,
-    formats: Formats = "urdf,mjcf,srdf",
+    formats: Formats = "all",
     folder: Folder = Path("urdf_out"),
     samples: int = 10_000,
+    inertia: bool = True,
     json: Json = False,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
-    """Write a machine as URDF, MJCF for MuJoCo and SRDF.
+    """Write a machine as URDF, MJCF for MuJoCo, SRDF, and parameters of ortho-parallel arms.
 
-    The files are FOLDER/NAME/NAME.urdf, NAME.xml and NAME.srdf; all of them are made before the first is written. The
-    head of each says what it cannot express.
+    The files are FOLDER/NAME/NAME.urdf (with NAME.loops.yaml where loops or couplings have to be told, and meshes),
+    NAME.xml, NAME.srdf and NAME.opw.yaml; all of them are made before the first is written. The head of each says what
+    it cannot express.
 
     Example: `chainbuild export tripod_kin12 --format urdf,mjcf`
 
     Args:
         file: A machine file, or the name of a shipped machine.
-        formats: Formats, separated by commas: urdf, mjcf, srdf.
+        formats: Formats, separated by commas: urdf, mjcf, srdf, opw; or all, which are those that the machine has.
         folder: Folder to write to.
         samples: Number of random positions by which the SRDF tells pairs that never collide.
+        inertia: Write masses into the URDF; they are estimates.
         json: Print JSON.
         options: Which kinematic.
     """
@@ -43,14 +46,17 @@ def export(
     from chainbuild.writers.models.export import export as exported
 
     wanted: list[ExportFormat] = []
-    for word in formats.split(","):
+    everything = formats.strip().lower() == "all"
+    for word in formats.split(",") if not everything else ():
         match = [one for one in FORMATS if one == word.strip().lower()]
         if not match:
-            raise UsageError(f"--format {formats}: expected a list of {', '.join(FORMATS)}")
+            raise UsageError(f"--format {formats}: expected all, or a list of {', '.join(FORMATS)}")
         wanted += match
     if samples < 1:
         raise UsageError(f"--samples {samples}: expected at least 1")
-    paths = exported(options.robot(file), folder, formats=wanted, samples=samples)
+    paths = exported(
+        options.robot(file), folder, formats=None if everything else wanted, samples=samples, inertia=inertia
+    )
     if json:
         print_json({"paths": {name: str(path) for name, path in paths.items()}})
     for path in paths.values() if not json else ():

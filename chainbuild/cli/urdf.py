@@ -18,26 +18,29 @@ def urdf(
     /,
     *,
     folder: Folder = Path("urdf_out"),
+    inertia: bool = True,
     json: Json = False,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
     """Write a machine as URDF.
 
     The file is FOLDER/NAME/NAME.urdf. Its joint values are Pinocchio's; its header states how they follow from the
-    controller's axis values, which conventions were used and what the file cannot express.
+    controller's axis values, which conventions were used and what the file cannot express. NAME.loops.yaml beside it
+    says how to drive loops and couplings.
 
     Example: `chainbuild urdf kr6r900 -o urdf_out`
 
     Args:
         file: A machine file, or the name of a shipped machine.
         folder: Folder to write to.
+        inertia: Write masses; they are estimates.
         json: Print JSON.
         options: Which kinematic.
     """
     from chainbuild.writers.models.urdf import urdf_limitations, write_urdf
 
     robot = options.robot(file)
-    path = write_urdf(robot, folder)
+    path = write_urdf(robot, folder, inertia=inertia)
     limitations = urdf_limitations(robot.chain)
     shaping = [used for used in robot.chain.conventions if used.convention.poses]
     if json:

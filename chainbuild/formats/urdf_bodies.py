@@ -6,9 +6,7 @@ means these. One without either leaves the bodies to the rules of drawing, as ma
 
 from __future__ import annotations
 
-import math
 import os
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final, Literal
@@ -23,14 +21,12 @@ from chainbuild.errors import ChainbuildError, ParseError
 from chainbuild.findings import Collector
 from chainbuild.formats.urdf_joints import placement
 from chainbuild.formats.urdf_xml import Node
-from chainbuild.meshes import Scale, check_mesh
+from chainbuild.meshes import Scale, check_mesh, dae_unit
 from chainbuild.units import deg_from_rad
 
 Places = Mapping[str, tuple[str, Matrix]]
 _Tag = Literal["visual", "collision"]
 
-_HEAD: Final = 8192  # bytes in which a DAE names its unit
-_UNIT: Final = re.compile(rb"<unit\b[^>]*\bmeter\s*=\s*[\"']([^\"']+)[\"']")
 _TOLD: Final = 5  # files that a finding names
 _WHERE: Final = "package://NAME/… is sought in the folders above the URDF, ROS_PACKAGE_PATH and AMENT_PREFIX_PATH"
 _ROUND: Final[Mapping[str, ShapeKind]] = {"cylinder": "cylinder", "capsule": "capsule"}
@@ -136,7 +132,7 @@ class _Reader:
             )  # fmt: skip
         file = _found(name, self._file)
         if file is not None:
-            unit = _dae_unit(file)
+            unit = dae_unit(file)
             scale = (x * unit, y * unit, z * unit)
             if _readable(file, scale):
                 return [Shape("mesh", place=_place(T), file=file, scale=scale, colour=colour)]
@@ -224,23 +220,6 @@ def _is_file(path: Path) -> bool:
         return path.is_file()
     except (OSError, ValueError):
         return False
-
-
-def _dae_unit(file: Path) -> float:
-    """Return the metres a unit of a DAE file has, 1 for other files.
-
-    The viewers of ROS heed it; coal, like trimesh, reads the numbers as they are, so it is made part of the scale.
-    Neither heeds which way is up, nor do those viewers.
-    """
-    if file.suffix.lower() != ".dae":
-        return 1.0
-    with file.open("rb") as stream:
-        found = _UNIT.search(stream.read(_HEAD))
-    try:
-        unit = float(found[1]) if found else 1.0
-    except ValueError:
-        return 1.0
-    return unit if 0.0 < unit < math.inf else 1.0
 
 
 def _readable(file: Path, scale: Scale) -> bool:

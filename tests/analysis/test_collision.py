@@ -17,7 +17,7 @@ from chainbuild.chain.bodies.geometry import Geometry, Shape
 from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.collision.model import CollisionModel
 from chainbuild.errors import ChainbuildError, FileAccessError
-from chainbuild.writers.models.srdf import write_srdf
+from chainbuild.writers.models.srdf import srdf_text
 from tests.kit.planar import segment_distance
 
 
@@ -288,7 +288,7 @@ def test_ik_keeps_clear_when_asked() -> None:
     assert kept == 3
 
 
-def test_pairs_by_sampling_and_their_srdf(tmp_path: Path) -> None:
+def test_pairs_by_sampling_and_their_srdf() -> None:
     robot = arm()
     table = classify_pairs(robot, 400, seed=1)
     assert table == classify_pairs(robot, 400, seed=1)
@@ -298,8 +298,7 @@ def test_pairs_by_sampling_and_their_srdf(tmp_path: Path) -> None:
     assert ("B2_link", "B3_link") in table.of("always")
     assert table.of("never")
     assert table.bound == pytest.approx(1.0 - 0.05 ** (1 / 400))
-    path = write_srdf(robot, table, tmp_path)
-    root = ET.parse(path).getroot()
+    root = ET.fromstring(srdf_text(robot, table))
     assert root.get("name") == robot.name
     reasons = [(e.get("link1"), e.get("link2"), e.get("reason")) for e in root.findall("disable_collisions")]
     assert ("base", "C1_link", "Adjacent") in reasons

@@ -194,7 +194,7 @@ def test_demo_builds_every_shipped_machine(run: Run, monkeypatch: pytest.MonkeyP
     for name in chainbuild.shipped():
         assert f" {name} " in outcome.out, f"{name} is broken"
         assert Path(f"urdf_out/{name}/{name}.urdf").is_file()
-    assert f"{len(chainbuild.shipped())} robots written: urdf_out/NAME/NAME.urdf\n" in outcome.out
+    assert f"{len(chainbuild.shipped())} robots written: urdf_out/NAME/NAME.urdf, NAME.xml, …\n" in outcome.out
     (line,) = (line for line in outcome.out.splitlines() if "(warnings) in " in line)
     named = line.partition("(warnings) in ")[2].partition("; chainbuild check NAME lists them")[0].split(", ")
     warned = {

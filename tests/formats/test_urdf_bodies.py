@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import chainbuild
 from chainbuild import frames
 from chainbuild.arrays import Matrix
 from chainbuild.chain.bodies.geometry import Geometry, Shape
@@ -16,7 +17,7 @@ from chainbuild.findings import Collector, Finding
 from chainbuild.formats.urdf_bodies import urdf_bodies
 from chainbuild.formats.urdf_xml import parse
 from chainbuild.meshes import read_triangles
-from tests.kit.mesh_files import box, write_dae, write_obj, write_stl
+from tests.kit.mesh_files import box, write_arm, write_dae, write_obj, write_stl
 
 T_FORE = frames.f_frame((0.1, 0.2, 0.3), (40.0, -20.0, 70.0))
 # The camera stands on the forearm: both are one link of the chain.
@@ -88,6 +89,17 @@ def test_meshes_have_the_scale_of_the_file(tmp_path: Path, write, suffix: str) -
 def test_the_unit_of_a_dae_file_counts(tmp_path: Path, asset: str, unit: float) -> None:
     write_dae(tmp_path / "part.dae", box((0, 0, 0), (1, 2, 3)), asset)
     assert one(tmp_path, '<mesh filename="part.dae" scale="2 2 2"/>').scale == (2 * unit,) * 3
+
+
+def test_a_dae_file_in_millimetres_is_written_as_it_was_read(tmp_path: Path) -> None:
+    write_dae(tmp_path / "l.dae", box((0, 0, 0), (100, 200, 300)), '<unit name="millimeter" meter="0.001"/>')
+    path = write_arm(tmp_path)
+    path.write_text(path.read_text("utf-8").replace("l.stl", "l.dae"), "utf-8")
+    robot = chainbuild.Robot.from_urdf(path)
+    again = chainbuild.from_urdf(chainbuild.write_urdf(robot, tmp_path / "out"), tool="tool")
+    for chain in (robot.chain, again):
+        (shape,) = chain.geometry.shapes["two"]
+        assert shape.scale == pytest.approx((0.001,) * 3)
 
 
 def test_links_without_collision_have_no_body_where_others_have_one(tmp_path: Path) -> None:

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from chainbuild import Loop, Robot, load, write_urdf
-from chainbuild.analysis.collision.pairs import classify_pairs
 from chainbuild.chain.bodies.geometry import RodData
 from chainbuild.chain.bodies.linkage import rod_loops, with_linkage
 from chainbuild.chain.bodies.rods import (
@@ -319,7 +318,7 @@ def test_six_rods_keep_the_platform_from_turning() -> None:
 
 def test_outputs_name_the_loops_and_their_passive_joints(tmp_path: Path) -> None:
     robot = Robot.load("delta_kin37")
-    written = write_srdf(robot, classify_pairs(robot, samples=5), tmp_path).read_text("utf-8")
+    written = write_srdf(robot, tmp_path, samples=5).read_text("utf-8")
     passive = [joint.name for joint in robot.chain.joints if joint.name not in ("J1", "J2", "J3")]
     assert re.findall(r'passive_joint name="([^"]+)"', written) == passive
     assert len(passive) == 9
@@ -329,4 +328,4 @@ def test_outputs_name_the_loops_and_their_passive_joints(tmp_path: Path) -> None
         assert f"loop {loop.name} (ball between {loop.frame_a} and {loop.frame_b}) is open" in text
     assert all(f'<joint name="{joint.name}"' in text for joint in robot.chain.joints)
     plain = Robot.load("kr6r900")
-    assert "passive_joint" not in write_srdf(plain, classify_pairs(plain, samples=5), tmp_path).read_text("utf-8")
+    assert "passive_joint" not in write_srdf(plain, tmp_path, samples=5).read_text("utf-8")

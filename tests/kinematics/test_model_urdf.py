@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import coal
+import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -19,6 +20,7 @@ from chainbuild.kinematics.model_urdf import model_to_urdf
 QUICK = ("ur5_robot.urdf", "panda.urdf", "anymal.urdf", "tiago_pro.urdf", "kinova.urdf", "so101.urdf", "xarm7.urdf")
 # Pinocchio's reader refuses their mimic joints, whose drivers hang in other branches; without them it reads the file.
 OTHER_BRANCH = {"romeo", "alex_psyonic_hands", "talos_full_v2", "talos_full_v2_box"}
+IMPOSSIBLE = {"romeo_small", "romeo_laas_small"}  # moments that no body has: MuJoCo refuses them
 NO_MODEL = {"ur3"}  # an included part: no reader takes it for a robot
 
 
@@ -104,6 +106,38 @@ def frame_of(model: pin.Model, frame: pin.Frame) -> int:
     return found[0]
 
 
+def check_by_mujoco(model: pin.Model) -> None:
+    """Compare a model with what MuJoCo reads of its file: poses of links, mass, gravity; it reads no free-flyers.
+
+    MuJoCo refuses links that move without a mass: a nanogram, and an inertia as small, is put there.
+    """
+    settings = '<mujoco><compiler fusestatic="false" boundmass="1e-12" boundinertia="1e-12"/></mujoco>'
+    its = mujoco.MjModel.from_xml_string(model_to_urdf(model).replace("</robot>", f"{settings}</robot>"))
+    store, data, rng = mujoco.MjData(its), model.createData(), np.random.default_rng(4)
+    assert its.body_mass.sum() == pytest.approx(sum(inertia.mass for inertia in model.inertias), abs=1e-9)
+    bodies = [frame for frame in model.frames if frame.type == pin.FrameType.BODY and frame.name != "universe"]
+    assert bodies
+    for _ in range(3):
+        q = pin.integrate(model, pin.neutral(model), rng.uniform(-1, 1, model.nv))
+        for name, joint in zip(model.names[1:], list(model.joints)[1:], strict=True):
+            own = q[joint.idx_q : joint.idx_q + joint.nq]
+            if joint.nq == 7:
+                store.joint(name).qpos = [*own[:3], own[6], *own[3:6]]
+            elif joint.nq:
+                store.joint(name).qpos[0] = own[0] if joint.nq == 1 else np.arctan2(own[1], own[0])
+        mujoco.mj_forward(its, store)
+        pin.framesForwardKinematics(model, data, q)
+        for frame in bodies:
+            place, found = data.oMf[model.getFrameId(frame.name, pin.FrameType.BODY)], store.body(frame.name)
+            np.testing.assert_allclose(found.xpos, place.translation, rtol=0, atol=1e-9)
+            np.testing.assert_allclose(found.xmat.reshape(3, 3), place.rotation, rtol=0, atol=1e-9)
+        gravity = pin.computeGeneralizedGravity(model, data, q)
+        for name, joint in zip(model.names[1:], list(model.joints)[1:], strict=True):
+            if joint.nv == 1:
+                bias = store.qfrc_bias[its.joint(name).dofadr[0]]
+                assert bias == pytest.approx(gravity[joint.idx_v], abs=1e-7)
+
+
 @pytest.mark.parametrize("name", SAMPLES)
 def test_sample_models(name: str) -> None:
     check(SAMPLES[name]())
@@ -112,6 +146,18 @@ def test_sample_models(name: str) -> None:
 @pytest.mark.parametrize("path", [path for path in FILES if path.name in QUICK], ids=lambda path: path.stem)
 def test_robots(path: Path) -> None:
     check(pin.buildModelFromUrdf(str(path), mimic=True))
+    check_by_mujoco(pin.buildModelFromUrdf(str(path)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", [path for path in FILES if path.stem not in NO_MODEL], ids=lambda path: path.stem)
+def test_mujoco_sees_every_robot(path: Path) -> None:
+    model = pin.buildModelFromUrdf(str(path))
+    if path.stem in IMPOSSIBLE:
+        with pytest.raises(ValueError, match="inertia"):
+            check_by_mujoco(model)
+    else:
+        check_by_mujoco(model)
 
 
 @pytest.mark.slow

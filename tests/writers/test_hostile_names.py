@@ -13,7 +13,6 @@ from pathlib import Path
 import pytest
 
 import chainbuild
-from chainbuild.analysis.collision.pairs import classify_pairs
 from chainbuild.cli import main
 from chainbuild.errors import FileAccessError
 from chainbuild.machines import shipped_path
@@ -193,5 +192,5 @@ def test_a_name_that_is_a_path_is_refused(name: str, tmp_path: Path) -> None:
     with pytest.raises(FileAccessError, match="cannot be the name of a file"):
         chainbuild.write_urdf(robot, tmp_path / "out")
     with pytest.raises(FileAccessError, match="cannot be the name of a file"):
-        write_srdf(robot, classify_pairs(robot, 3), tmp_path / "out")
+        write_srdf(robot, tmp_path / "out", samples=3)
     assert not list(tmp_path.rglob("*"))

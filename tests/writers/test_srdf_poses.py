@@ -67,10 +67,20 @@ def test_rods_follow_and_have_no_value(tmp_path: Path) -> None:
     assert list(found["park"]) == joints
 
 
-def test_without_poses_there_is_no_group() -> None:
+def test_the_group_of_axes_stands_there_without_poses() -> None:
     robot = chainbuild.Robot.load("irb2600")
-    text = srdf_text(robot, classify_pairs(robot, samples=3))
-    assert "group" not in text
+    root = ET.fromstring(srdf_text(robot, classify_pairs(robot, samples=3)))
+    [group] = root.findall("group")
+    assert [joint.get("name") for joint in group] == [joint.name for joint in robot.chain.joints]
+    assert root.find("group_state") is None
+
+
+def test_reasons_stand_with_their_confidence(tmp_path: Path) -> None:
+    robot = chainbuild.Robot.load("kr6r900")
+    text = chainbuild.write_srdf(robot, tmp_path, samples=59).read_text("utf-8")
+    assert "Never: they touched at none of 59 positions, and with 95% confidence do at less than 0.05 of all" in text
+    assert text.index("Never: ") < text.index('reason="Never"')
+    assert "Adjacent: a joint connects them" in text
 
 
 def test_linear_axes_are_metres() -> None:

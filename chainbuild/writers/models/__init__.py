@@ -1,4 +1,4 @@
-"""A machine for other programs: URDF, MJCF, SRDF.
+"""A machine for other programs: URDF, MJCF, SRDF, parameters of ortho-parallel arms.
 
-In reading order: `notes`, `masses`, `urdf`, `mjcf`, `srdf`, `export`.
+In reading order: `robotfiles`, `masses`, `notes`, `home`, `loops`, `meshes`, `urdf`, `mjcf`, `srdf`, `opw`, `export`.
 """

@@ -7,58 +7,78 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal, get_args
 
 from chainbuild.errors import ChainbuildError
-from chainbuild.files import file_of, write_text
 from chainbuild.writers.models.mjcf import mjcf_text
-from chainbuild.writers.models.srdf import srdf_text
-from chainbuild.writers.models.urdf import check_robot, urdf_text
+from chainbuild.writers.models.opw import opw_text
+from chainbuild.writers.models.robotfiles import RobotFiles, check_robot, write_robot_files
+from chainbuild.writers.models.srdf import SRDF_SAMPLES, pair_table, srdf_text
+from chainbuild.writers.models.urdf import urdf_files
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
 
-ExportFormat = Literal["urdf", "mjcf", "srdf"]
+ExportFormat = Literal["urdf", "mjcf", "srdf", "opw"]
 FORMATS: Final[tuple[ExportFormat, ...]] = get_args(ExportFormat)
-_SUFFIXES: Final[dict[ExportFormat, str]] = {"urdf": "urdf", "mjcf": "xml", "srdf": "srdf"}
-_SAMPLES: Final = 10_000  # as `collide --srdf` draws
+_SUFFIXES: Final[dict[ExportFormat, str]] = {"urdf": ".urdf", "mjcf": ".xml", "srdf": ".srdf", "opw": ".opw.yaml"}
 
 
 def export(
     robot: Mechanism,
     folder: Path | str = "urdf_out",
     *,
-    formats: Sequence[ExportFormat] = FORMATS,
-    samples: int = _SAMPLES,
+    formats: Sequence[ExportFormat] | None = None,
+    samples: int = SRDF_SAMPLES,
+    inertia: bool = True,
 ) -> dict[str, Path]:
-    """Write a robot's files to folder/NAME/: URDF, MJCF for MuJoCo, SRDF; return the path of each format.
+    """Write a robot's files to folder/NAME/ and return the path of each format.
+
+    The formats are "urdf" (with NAME.loops.yaml and meshes where it has any), "mjcf" for MuJoCo, "srdf" and "opw", the
+    parameters of ortho-parallel arms.
 
     Args:
         robot: The robot.
         folder: Folder in which the folder NAME is created.
-        formats: Which files.
+        formats: Which files; None: all that the robot has.
         samples: Random positions by which the SRDF tells pairs of links that never collide.
+        inertia: False: a URDF without masses.
 
     Raises:
-        ChainbuildError: the argument is not a robot, there is no such format, or the kinematic has no pose to begin
-            with.
-        FileAccessError: the folder is not a path, or a file cannot be written.
+        ChainbuildError: the argument is not a robot, there is no such format, the kinematic has no pose to begin with,
+            or it is no ortho-parallel arm and "opw" is asked for.
+        FileAccessError: the folder is not a path, a file cannot be written, or a mesh cannot be read.
     """
     check_robot(robot)
-    unknown = [one for one in formats if one not in FORMATS]
-    if unknown or not formats or isinstance(formats, str):
+    unknown = [one for one in formats or () if one not in FORMATS]
+    if unknown or isinstance(formats, str) or (formats is not None and not formats):
         shown = f"unknown format {unknown[0]!r:.40}" if unknown else f"the formats are {formats!r:.40}"
         raise ChainbuildError(shown, parameter="formats", permitted=f"a list of {', '.join(FORMATS)}")
-    texts = {one: _text(robot, one, samples) for one in dict.fromkeys(formats)}
-    paths: dict[str, Path] = {}
-    for one, text in texts.items():
-        paths[one] = file_of(folder, robot.name, _SUFFIXES[one])
-        write_text(paths[one], text)
-    return paths
+    wanted = tuple(dict.fromkeys(formats or formats_of(robot)))
+    files: RobotFiles = {}
+    for one in wanted:
+        files |= _files(robot, one, samples, inertia)
+    paths = write_robot_files(robot, folder, files)
+    return {one: paths[robot.name + _SUFFIXES[one]] for one in wanted}
 
 
-def _text(robot: Mechanism, one: ExportFormat, samples: int) -> str:
+def formats_of(robot: Mechanism) -> tuple[ExportFormat, ...]:
+    """Return the formats in which a robot can be written."""
+    return tuple(one for one in FORMATS if one != "opw" or opw_text(robot) is not None)
+
+
+def _files(robot: Mechanism, one: ExportFormat, samples: int, inertia: bool) -> RobotFiles:
+    """Return the files of a format.
+
+    Raises:
+        ChainbuildError: the robot has none.
+    """
     if one == "urdf":
-        return urdf_text(robot)
+        return urdf_files(robot, inertia=inertia)
+    name = robot.name + _SUFFIXES[one]
     if one == "mjcf":
-        return mjcf_text(robot)
-    from chainbuild.analysis.collision.pairs import classify_pairs
-
-    return srdf_text(robot, classify_pairs(robot, samples))
+        return {name: mjcf_text(robot)}
+    if one == "srdf":
+        return {name: srdf_text(robot, pair_table(robot, samples))}
+    text = opw_text(robot)
+    if text is None:
+        permitted = "an ortho-parallel arm of six axes with a spherical wrist"
+        raise ChainbuildError("there are no opw parameters of this kinematic", parameter="formats", permitted=permitted)
+    return {name: text}

@@ -1,9 +1,9 @@
-"""Masses that nobody has measured: those of drawn bodies of one density, for simulators that must have some."""
+"""Masses that nobody has measured: those of bodies of one density, for simulators that must have some."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -12,10 +12,68 @@ import numpy as np
 from chainbuild.arrays import Vector
 from chainbuild.chain.bodies.body import Body
 from chainbuild.chain.bodies.inertia import Inertia
+from chainbuild.chain.bodies.shapes import machine_size, shown_limits
+from chainbuild.chain.elements import Chain
+from chainbuild.collision.solids import Solid, solids_of
 from chainbuild.meshes import Triangles
 
 DENSITY: Final = 2700.0  # kg/m³: of aluminium, between hollow castings of iron and covers
-_BARE: Final = (0.1, 1e-5)  # kg and kg·m² of a link without bodies: simulators divide by them
+# Of a link without bodies or mass: simulators divide by it.
+MASSLESS: Final = Inertia(0.1, np.zeros(3), 1e-5 * np.eye(3))
+_GRAVITY: Final = 9.81  # m/s²
+_DIGITS: Final = 6  # of estimates: their last bits differ between machines
+
+
+def link_inertias(chain: Chain, bodies: Iterable[Body], density: float = DENSITY) -> dict[str, Inertia]:
+    """Return the inertia of every link: those given, or estimates, rounded.
+
+    Where a file gives any, links of which it gives none are left out: they have no mass there.
+
+    Args:
+        chain: The chain.
+        bodies: What is drawn of it; bodies of the overlay count in their place.
+        density: [kg/m³] of estimates.
+    """
+    if chain.geometry.inertias:
+        return dict(chain.geometry.inertias)
+    drawn: dict[str, list[Body]] = {link.name: [] for link in chain.links}
+    for body in bodies:
+        drawn[body.link].append(body)
+    given = [link for link, shapes in chain.geometry.shapes.items() if shapes]
+    solids = [solid for solid in solids_of(chain) if solid.link in given] if given else []
+    return {
+        link: _rounded(
+            _together([_of_solid(solid, density) for solid in solids if solid.link == link])
+            if link in given
+            else estimated(drawn[link], density)
+        )
+        for link in drawn
+    }
+
+
+def holding_efforts(chain: Chain, inertias: Mapping[str, Inertia]) -> Vector:
+    """Return an effort (n_q,) that holds what a joint carries in any position [N·m, N].
+
+    It is a bound: all masses beyond the joint with their arms outstretched, in closed loops those of the whole machine.
+    """
+    weights = {link: _GRAVITY * inertia.mass for link, inertia in inertias.items()}
+    efforts, size = np.zeros(len(chain.joints)), machine_size(chain)
+    if chain.loops:
+        whole = sum(weights.values())
+        return np.array([whole * (1.0 if joint.kind == "prismatic" else size) for joint in chain.joints])
+    bounds = np.abs(chain.axis_map.q_bounds(*shown_limits(chain))).max(axis=0)
+    carrier = {joint.child: n for n, joint in enumerate(chain.joints)}
+    for link, inertia in inertias.items():
+        place, arm = link, float(np.linalg.norm(inertia.centre))
+        while place in carrier:
+            n = carrier[place]
+            joint = chain.joints[n]
+            linear = joint.kind == "prismatic"
+            efforts[n] += weights[link] * (1.0 if linear else arm)
+            stroke = float(bounds[n]) if linear else 0.0
+            arm += float(np.linalg.norm(joint.T_parent_joint[:3, 3])) + (stroke if math.isfinite(stroke) else size)
+            place = joint.parent
+    return efforts
 
 
 def estimated(bodies: Iterable[Body], density: float = DENSITY) -> Inertia:
@@ -25,10 +83,14 @@ def estimated(bodies: Iterable[Body], density: float = DENSITY) -> Inertia:
         bodies: The link's bodies.
         density: [kg/m³].
     """
-    parts = [_part(body, density) for body in bodies]
+    return _together([_part(body, density) for body in bodies])
+
+
+def _together(parts: Sequence[Inertia]) -> Inertia:
+    """Return the inertia of several bodies of one link, or a bare one where there are none."""
     mass = sum(part.mass for part in parts)
     if mass <= 0.0:
-        return Inertia(_BARE[0], np.zeros(3), _BARE[1] * np.eye(3))
+        return MASSLESS
     centre: Vector = np.sum([part.mass * part.centre for part in parts], axis=0) / mass
     moments = np.zeros((3, 3))
     for part in parts:
@@ -72,3 +134,19 @@ def _of_mesh(body: Body, surface: Triangles, density: float) -> Inertia:
     T = body.T_link_body
     moments = T[:3, :3] @ (np.trace(second) * np.eye(3) - second) @ T[:3, :3].T
     return Inertia(density * volume, T[:3, :3] @ centre + T[:3, 3], moments)
+
+
+def _of_solid(solid: Solid, density: float) -> Inertia:
+    """Return the inertia of one body of the overlay; a mesh counts as its hull, for it need not be closed."""
+    geometry = solid.around
+    T, mass = solid.T_link_solid, density * float(geometry.computeVolume())
+    centre, moments = np.asarray(geometry.computeCOM()), np.asarray(geometry.computeMomentofInertiaRelatedToCOM())
+    R = T[:3, :3]
+    return Inertia(mass, R @ centre.ravel() + T[:3, 3], density * R @ moments @ R.T)
+
+
+def _rounded(inertia: Inertia) -> Inertia:
+    """Return an estimate without the last bits, which differ between machines."""
+    places = _DIGITS - 1 - math.floor(math.log10(float(np.diag(inertia.moments).max())))
+    mass = float(f"{inertia.mass:.{_DIGITS}g}")
+    return Inertia(mass, inertia.centre.round(_DIGITS), inertia.moments.round(places))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,17 +12,18 @@ import numpy as np
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.bodies.body import Body
+from chainbuild.chain.bodies.inertia import Inertia
 from chainbuild.chain.bodies.shapes import machine_size
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain
-from chainbuild.chain.followers import axis_joints_first
 from chainbuild.drawing.machine import drawn_bodies
-from chainbuild.errors import ChainbuildError, ChainError
+from chainbuild.errors import ChainError
 from chainbuild.files import number_text, numbers_text, xml_text
 from chainbuild.frames import quaternion_from_matrix
 from chainbuild.units import si_factor
 from chainbuild.writers.models import notes
-from chainbuild.writers.models.masses import estimated
-from chainbuild.writers.models.urdf import write_robot_file
+from chainbuild.writers.models.home import home, leading_joints
+from chainbuild.writers.models.masses import MASSLESS, link_inertias
+from chainbuild.writers.models.robotfiles import check_robot, write_robot_files
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 # Joint of MuJoCo by that of the chain.
 _KINDS: Final = {"revolute": "hinge", "prismatic": "slide"}
 _SHAPES: Final = {"box": "box", "cylinder": "cylinder", "sphere": "sphere"}
-_ESTIMATED: Final = 6  # digits of masses and moments, decimals of centres in m
 _RIGHT: Final = 1e-9  # factors below this are rounding
 # Constraints: as stiff as the step permits, so that a loop stays closed under its weight and while it moves.
 _STEP_S: Final = 0.0005
@@ -55,7 +54,9 @@ def write_mjcf(robot: Mechanism, folder: Path | str = "urdf_out") -> Path:
         ChainbuildError: the argument is not a robot, or the kinematic has no pose to start from.
         FileAccessError: the folder is not a path, or the file cannot be written.
     """
-    return write_robot_file(robot, folder, "xml", mjcf_text)
+    check_robot(robot)
+    name = f"{robot.name}.xml"
+    return write_robot_files(robot, folder, {name: mjcf_text(robot)})[name]
 
 
 def mjcf_text(robot: Mechanism) -> str:
@@ -66,15 +67,17 @@ def mjcf_text(robot: Mechanism) -> str:
     root.append(ET.Comment(f"\n{notes.mjcf_header(chain)}\n"))
     _sub(root, "compiler", angle="radian", autolimits="false", balanceinertia="true")
     _sub(root, "option", timestep=number_text(_STEP_S), integrator="implicitfast", iterations="200", tolerance="1e-12")
-    _add_bodies(_sub(root, "worldbody"), robot, bodies)
+    inertias = link_inertias(chain, bodies)
+    _add_bodies(_sub(root, "worldbody"), robot, bodies, inertias)
     tendons, equality = _sub(root, "tendon"), _sub(root, "equality")
     for loop in chain.loops:
         if loop.kind != "ball":
             raise ChainError(f"loop {loop.name}: MJCF is written for balls only")
         _sub(equality, "connect", name=loop.name, site1=loop.frame_a, site2=loop.frame_b, **_STIFF)
-    actuators = _Drives(_sub(root, "actuator"), estimated(bodies).mass, machine_size(chain))
+    mass = sum(inertia.mass for inertia in inertias.values())
+    actuators = _Drives(_sub(root, "actuator"), mass, machine_size(chain))
     if isinstance(chain.axis_map, AffineMap):
-        lead = _leading(chain, chain.axis_map)
+        lead = leading_joints(chain, chain.axis_map)
         _add_couplings(chain, chain.axis_map, lead, tendons, equality)
         _add_coupled_actuators(robot, chain.axis_map, lead, tendons, actuators)
     else:
@@ -89,26 +92,7 @@ def mjcf_text(robot: Mechanism) -> str:
     return xml_text(root)
 
 
-def home(robot: Mechanism) -> Vector:
-    """Return axis values (n_axes,), mm and degrees, at which the file begins: zero, or the nearest limit, if it closes.
-
-    Raises:
-        ChainbuildError: no pose is found.
-    """
-    from chainbuild.kinematics.closure import closing_axes
-
-    lower, upper = np.array([axis.range for axis in robot.axes]).T
-    found: Vector = np.clip(0.0, lower, upper)
-    if np.isfinite(robot.chain.axis_map.q(found)).all():
-        return found
-    closing = closing_axes(robot, np.random.default_rng(5), 1)
-    if not len(closing):
-        raise ChainbuildError("no position within the limits has a pose")
-    first: Vector = np.round(closing[0], 3)
-    return first if np.isfinite(robot.chain.axis_map.q(first)).all() else closing[0]
-
-
-def _add_bodies(world: ET.Element, robot: Mechanism, bodies: Sequence[Body]) -> None:
+def _add_bodies(world: ET.Element, robot: Mechanism, bodies: Sequence[Body], inertias: Mapping[str, Inertia]) -> None:
     """Write the tree of links with joints, inertias, bodies to look at, and frames as sites."""
     chain = robot.chain
     shown: dict[str, list[Body]] = {link.name: [] for link in chain.links}
@@ -122,17 +106,17 @@ def _add_bodies(world: ET.Element, robot: Mechanism, bodies: Sequence[Body]) -> 
         kind = _KINDS[joint.kind]
         limited = bool(np.isfinite([lower[n], upper[n]]).all())
         more = {"limited": "true", "range": numbers_text([lower[n], upper[n]])} if limited else {"limited": "false"}
-        axis = numbers_text(joint.direction.tolist())
+        axis, given = numbers_text(joint.direction.tolist()), joint.dynamics
+        losses = {"damping": given.damping, "frictionloss": given.friction}
+        more |= {name: number_text(loss) for name, loss in losses.items() if loss}
         armature = number_text(_ARMATURE[kind])
         _sub(element, "joint", name=joint.name, type=kind, axis=axis, armature=armature, **more)
     for link, element in made.items():
-        inertia = estimated(shown[link])
+        own = inertias.get(link, MASSLESS)
+        inertia = own if own.mass > 0.0 else MASSLESS
         moments = [float(inertia.moments[place]) for place in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
-        # Estimates need no last bits, which differ between machines.
-        digits = _ESTIMATED - 1 - math.floor(math.log10(max(moments[:3])))
-        centre = numbers_text(round(value, _ESTIMATED) for value in inertia.centre.tolist())
-        mass = number_text(float(f"{inertia.mass:.{_ESTIMATED}g}"))
-        _sub(element, "inertial", pos=centre, mass=mass, fullinertia=numbers_text(round(v, digits) for v in moments))
+        place = {"pos": numbers_text(inertia.centre.tolist()), "mass": f"{inertia.mass:.15g}"}
+        _sub(element, "inertial", **place, fullinertia=" ".join(f"{moment + 0.0:.15g}" for moment in moments))
         for body in (body for body in shown[link] if body.kind != "mesh"):
             size = [value / 2.0 for value in body.dimensions] if body.kind == "box" else list(body.dimensions)
             if body.kind == "cylinder":
@@ -169,15 +153,6 @@ def _in_order(robot: Mechanism, q: Vector) -> list[float]:
 
     walk(BASE_LINK)
     return found
-
-
-def _leading(chain: Chain, axis_map: AffineMap) -> list[int]:
-    """Return joints that together determine every other: those named after axes first."""
-    lead: list[int] = []
-    for n in axis_joints_first(chain):
-        if np.linalg.matrix_rank(axis_map.A[[*lead, n]], tol=_RIGHT) > len(lead):
-            lead.append(n)
-    return lead
 
 
 def _add_couplings(

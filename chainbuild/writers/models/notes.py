@@ -12,6 +12,7 @@ from chainbuild.chain.elements import Axis, Chain, Joint
 from chainbuild.chain.followers import followers
 from chainbuild.files import number_text
 from chainbuild.units import deg_from_rad, mm_from_m
+from chainbuild.writers.models.masses import DENSITY
 
 _SLIGHT: Final = 1e-12  # factors below this are rounding of folded directions
 
@@ -108,10 +109,14 @@ def _sum(terms: list[tuple[str, float]], offset: float) -> str:
     return " ".join([head, *(f"{sign} {text}" for sign, text in parts[1:])])
 
 
-def header(chain: Chain) -> str:
+def header(chain: Chain, *, inertia: bool = True) -> str:
     """Return the header comment of a URDF as plain text lines.
 
     It names no folder and no date, so that the same chain gives the same file anywhere.
+
+    Args:
+        chain: The chain.
+        inertia: Whether the file holds masses.
     """
     lines = [
         f"{chain.title}: {chain.kinematic} ({chain.dialect}), written by chainbuild.",
@@ -119,8 +124,7 @@ def header(chain: Chain) -> str:
         "Metres and radians. The links tool and workpiece are the tips: a programmed pose is tool seen from workpiece.",
         *_joint_values(chain),
         "Readers order joints differently: map them by name.",
-        "Bodies are default primitives; machine data contain neither shapes nor masses. Effort limits, and velocity",
-        "limits of axes of unknown speed, are placeholders.",
+        *_origins(chain, inertia),
     ]
     shaping = [used for used in chain.conventions if used.convention.poses]
     if shaping:
@@ -135,6 +139,19 @@ def header(chain: Chain) -> str:
     return "\n".join(_safe(line) for line in lines)
 
 
+def _origins(chain: Chain, inertia: bool) -> list[str]:
+    """Return where bodies, masses, efforts and speeds come from."""
+    geometry = chain.geometry
+    given = bool(geometry.shapes or geometry.visuals)
+    lines = ["Bodies are those given, else primitives by rule." if given else "Bodies are primitives by rule."]
+    if geometry.inertias:
+        lines.append("Masses are those given." if inertia else "Masses are left out.")
+    elif inertia:
+        lines.append(f"Masses are ESTIMATES: the bodies solid, of {DENSITY:g} kg/m3; none at all for the base.")
+    lines.append("Efforts that nobody gives are placeholders that hold estimated masses; so are speeds of joints whose")
+    return [*lines, "axes have no known one."]
+
+
 def mjcf_header(chain: Chain) -> str:
     """Return the header comment of an MJCF as plain text lines, without folder and date."""
     lines = [
@@ -143,8 +160,10 @@ def mjcf_header(chain: Chain) -> str:
         "Metres, radians, kilograms. The sites tool and workpiece are the tips: a programmed pose is tool seen from",
         "workpiece. Actuators are the axes: a control is an axis value in metres or radians.",
         *_joint_values(chain),
-        "Masses are estimates: the drawn bodies, solid, of one density; so are the stiffness of the drives and the",
-        "inertia of their rotors. Bodies are drawn by rule and do not collide.",
+        "Masses are those given."
+        if chain.geometry.inertias
+        else "Masses are ESTIMATES: the bodies, solid, of one density.",
+        "Stiffness of drives and inertia of rotors are estimates. Bodies do not collide.",
     ]
     if not isinstance(chain.axis_map, AffineMap):
         joints = {joint.name for joint in chain.joints}

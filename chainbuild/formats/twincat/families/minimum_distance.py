@@ -116,6 +116,9 @@ class DistanceExtension:
         """Return the error of a tilt above the limit, or None."""
         return self.law.refusal(deg_from_rad(remainder(angle, tau))) if isnan(self._tilt_deg(angle)) else None
 
+    def formula(self, angle: str) -> None:
+        """Return None: the law has three ranges."""
+
     def _tilt_deg(self, angle: float) -> float:
         """Return the signed tilt, brought to the limit where rounding has led beyond; not a number above it."""
         tilt, limit = deg_from_rad(remainder(angle, tau)), self.law.limit_deg

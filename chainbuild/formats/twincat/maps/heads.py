@@ -15,8 +15,9 @@ import numpy as np
 
 from chainbuild import tolerances
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.axismap import AffineMap, Formulas
 from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.files import number_text
 from chainbuild.frames import cos_sin_deg
 from chainbuild.units import AxisKind, deg_from_rad, rad_from_deg
 
@@ -74,6 +75,22 @@ class VirtualTurnMap:
             a_turned = math.pi - a_turned
         b_turned = math.atan2(side * x, side * z)
         return np.array([*inner[:3], _nearest_turn(b_turned, b), _nearest_turn(a_turned, a)])
+
+    def formulas(self, symbols: Sequence[str]) -> Formulas:
+        """Return the map written down."""
+        *slides, b, a, cv = self.straight.sums(symbols)
+        steps = (
+            ("b", b),
+            ("a", a),
+            ("cv", cv),
+            ("side", "copysign(1, cos(a))"),
+            ("x", "cos(cv)*sin(b)*cos(a) + sin(cv)*sin(a)"),
+            ("y", "sin(cv)*sin(b)*cos(a) - cos(cv)*sin(a)"),
+            ("tilt", "pi/2 + side*(asin(max(-1, min(1, -y))) - pi/2)"),
+            ("turn", "atan2(side*x, side*cos(b)*cos(a))"),
+        )
+        nearest = "{0} + 2*pi*round(({1} - {0})/(2*pi))"
+        return Formulas(steps, (*slides, nearest.format("turn", "b"), nearest.format("tilt", "a")))
 
     def axes(self, q: Vector) -> Vector:
         """Return axis values with CV = 0: the joints do not show by which CV they were reached."""
@@ -197,6 +214,16 @@ class SpatialAnglesMap:
         q[_C] += -self._turn_of_c(machine) - self.zero[0]
         q[_A] = machine - self.zero[1]
         return q
+
+    def formulas(self, symbols: Sequence[str]) -> Formulas:
+        """Return the map written down."""
+        *slides, turn, lean = self.straight.sums(symbols)
+        zero_c, zero_a = (number_text(value) for value in self.zero)
+        # All digits: close to the largest lean an arc sine makes much of the last of them.
+        cosine, ratio = f"{self.cos_tilt:.15g}", f"sin(lean/2)/({self.sin_tilt:.15g})"
+        steps = (("lean", lean), ("machine", f"{number_text(self.side)}*2*asin(max(-1, min(1, {ratio})))"))
+        c = f"{turn} - atan2({cosine}*sin(machine/2), cos(machine/2)) - ({zero_c})"
+        return Formulas(steps, (*slides, c, f"machine - ({zero_a})"))
 
     def axes(self, q: Vector) -> Vector:
         """Return the axis values (5,) of joint values (5,)."""

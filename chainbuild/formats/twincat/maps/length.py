@@ -15,8 +15,9 @@ import numpy as np
 
 from chainbuild import tolerances
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.axismap import AffineMap, Formulas
 from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.files import number_text
 from chainbuild.formats.twincat.maps.heads import FIVE_AXES, nonzero, straight_map
 from chainbuild.units import m_from_mm, rad_from_deg
 
@@ -40,6 +41,10 @@ class TiltLaw(Protocol):
 
     def refusal(self, angle: float) -> ChainbuildError | None:
         """Return the error of an angle that is not permitted, or None."""
+        ...
+
+    def formula(self, angle: str) -> str | None:
+        """Return the extension [m] as an expression of an angle, or None where it has cases."""
         ...
 
 
@@ -79,6 +84,12 @@ class TiltLengthMap:
     def q(self, axes: Vector) -> Vector:
         """Return the joint values (6,) of axis values (5,); the last not a number where the law permits no tilt."""
         return np.append(self.straight.q(axes), self.law.extension(self._tilt(axes)))
+
+    def formulas(self, symbols: Sequence[str]) -> Formulas | None:
+        """Return the map written down; None where its law is no formula."""
+        law = self.law.formula("tilt")
+        rows = self.straight.sums(symbols)
+        return None if law is None else Formulas((("tilt", f"{rows[_A]} + {number_text(self.offset)}"),), (*rows, law))
 
     def axes(self, q: Vector) -> Vector:
         """Return the axis values of joint values; the last one's follows from them."""
@@ -142,3 +153,7 @@ class NozzleLaw:
             "the nozzle is horizontal: no length would keep its height",
             permitted="less than 90 deg off 0",
         )
+
+    def formula(self, angle: str) -> str:
+        """Return the extension [m] as an expression of an angle."""
+        return f"{number_text(self.length)}*(1/cos({angle}) - 1)"

@@ -1,0 +1,138 @@
+"""Bodies of an overlay or a URDF as URDF elements, and the meshes they are made of, copied beside the file."""
+
+from __future__ import annotations
+
+import struct
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from chainbuild.arrays import Matrix
+from chainbuild.chain.bodies.body import along
+from chainbuild.chain.bodies.geometry import Shape
+from chainbuild.chain.elements import Chain
+from chainbuild.collision.solids import solids_of
+from chainbuild.errors import FileAccessError, Span
+from chainbuild.files import angle_text, number_text, numbers_text
+from chainbuild.frames import f_frame, translation, urdf_rpy
+from chainbuild.meshes import dae_unit
+from chainbuild.writers.models.robotfiles import RobotFiles
+
+_FOLDER: Final = "meshes"
+_HEADER: Final = b"chainbuild: convex hull".ljust(80)  # binary STL begins with 80 bytes that nobody reads
+_UNSCALED: Final = (1.0, 1.0, 1.0)  # hulls are written in metres
+
+
+class Meshes:
+    """Collects the meshes of one file.
+
+    Attributes:
+        files: Path beside the file → content.
+    """
+
+    def __init__(self, chain: Chain) -> None:
+        self.files: RobotFiles = {}
+        self._chain = chain
+        self._names: dict[tuple[Path, str, object], str] = {}
+
+    def add_bodies(
+        self, link: ET.Element, tag: str, shapes: Iterable[Shape], root: Matrix | None = None
+    ) -> list[tuple[ET.Element, Shape]]:
+        """Write the bodies of a link and return their elements.
+
+        Args:
+            link: Its element.
+            tag: "visual" or "collision".
+            shapes: Its bodies, in the frame of the chain's link.
+            root: (4, 4) the chain's link in the element's [m]; None: they are the same.
+        """
+        found = []
+        for shape in shapes:
+            for T, kind, attributes in self._parts(shape):
+                element = ET.SubElement(link, tag)
+                placed = T if root is None else root @ T
+                rpy = " ".join(angle_text(angle) for angle in urdf_rpy(placed[:3, :3], _as_written))
+                ET.SubElement(element, "origin", xyz=numbers_text(placed[:3, 3].tolist()), rpy=rpy)
+                ET.SubElement(ET.SubElement(element, "geometry"), kind, attributes)
+                found.append((element, shape))
+        return found
+
+    def _parts(self, shape: Shape) -> list[tuple[Matrix, str, dict[str, str]]]:
+        """Return placement, kind and measures of what a body is in a URDF: a capsule is a cylinder and two balls."""
+        if shape.kind == "box":
+            return [(_place(shape), "box", {"size": numbers_text(shape.size)})]
+        radius = number_text(shape.radius)
+        if shape.kind == "sphere":
+            return [(translation(*shape.points), "sphere", {"radius": radius})]
+        if shape.file is not None:
+            # Who reads the file multiplies by its own unit.
+            unit = dae_unit(shape.file)
+            scale = [factor / unit for factor in shape.scale] if shape.kind == "mesh" else _UNSCALED
+            return [(_place(shape), "mesh", {"filename": self._name(shape), "scale": numbers_text(scale)})]
+        start, end = np.array(shape.points[:3]), np.array(shape.points[3:])
+        length = number_text(float(np.linalg.norm(end - start)))
+        found = [(along(end - start, (start + end) / 2), "cylinder", {"radius": radius, "length": length})]
+        if shape.kind == "capsule":
+            found += [(translation(*point.tolist()), "sphere", {"radius": radius}) for point in (start, end)]
+        return found
+
+    def _name(self, shape: Shape) -> str:
+        """Return the path of a body's mesh, relative to the file that refers to it; it is added to the files."""
+        assert shape.file is not None
+        hull = shape.kind == "hull"
+        key = (shape.file.resolve(), shape.kind, shape.scale if hull else None)
+        if key not in self._names:
+            stem = "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in shape.file.stem)
+            suffix = "_hull.stl" if hull else shape.file.suffix.lower()
+            taken, number = {name.lower() for name in self.files}, 1
+            name = f"{_FOLDER}/{stem}{suffix}"
+            while name.lower() in taken:
+                number += 1
+                name = f"{_FOLDER}/{stem}_{number}{suffix}"
+            self.files[name] = _hull_stl(self._hull(shape)) if hull else _content(shape.file)
+            self._names[key] = name
+        return self._names[key]
+
+    def _hull(self, shape: Shape) -> Any:
+        """Return coal's hull of a body."""
+        for link, own in self._chain.geometry.shapes.items():
+            if shape in own:
+                solids = [solid for solid in solids_of(self._chain) if solid.link == link]
+                return solids[own.index(shape)].geometry
+        raise AssertionError("a hull is the body of some link")
+
+
+def _hull_stl(hull: Any) -> bytes:
+    """Return a convex body as binary STL, its triangles in an order that does not depend on how it was made."""
+    points = np.array(hull.points(), dtype=np.float32)
+    triangles = np.array([[hull.polygons(n)[k] for k in range(3)] for n in range(hull.num_polygons)])
+    corners = points[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inwards = np.einsum("ij,ij->i", normals, corners[:, 0] - points.mean(axis=0)) < 0.0
+    corners[inwards] = corners[inwards][:, ::-1]
+    turned = []
+    for triangle in corners.tolist():
+        first = triangle.index(min(triangle))
+        turned.append(triangle[first:] + triangle[:first])
+    facets = b"".join(
+        struct.pack("<12fH", 0, 0, 0, *(x for corner in triangle for x in corner), 0) for triangle in sorted(turned)
+    )
+    return _HEADER + struct.pack("<I", len(turned)) + facets
+
+
+def _content(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except OSError as error:
+        raise FileAccessError(f"the mesh cannot be read: {error.strerror or error}", span=Span(str(file))) from None
+
+
+def _place(shape: Shape) -> Matrix:
+    return f_frame(shape.place[:3], shape.place[3:])
+
+
+def _as_written(angle: float) -> float:
+    return float(angle_text(angle))
