@@ -64,19 +64,17 @@ class Robot(Mechanism):
         return cls(load(path, overlay=overlay).chain(kinematic, channel, tool_length_mm, conventions))
 
     @classmethod
-    def from_urdf(cls, path: str | os.PathLike[str], *, tool: str | None = None) -> Self:
+    def from_urdf(
+        cls, path: str | os.PathLike[str], *, tool: str | None = None, overlay: str | os.PathLike[str] | None = None
+    ) -> Self:
         """Read a URDF file from its root link to a tool link; see `chainbuild.from_urdf`.
 
-        Args:
-            path: The file (plain URDF, not xacro).
-            tool: Name of the link whose frame is the tool; None: the only link without children.
-
         Raises:
-            ChainbuildError: the file is not a URDF, or there is no such link.
+            ChainbuildError: the file is not a URDF, there is no such link, or the overlay does not fit.
         """
         from chainbuild.formats.urdf import from_urdf
 
-        return cls(from_urdf(path, tool=tool))
+        return cls(from_urdf(path, tool=tool, overlay=overlay))
 
     def ik(  # noqa: PLR0913 (every option by name)
         self,

@@ -8,16 +8,10 @@ import numpy as np
 
 from chainbuild.chain.bodies.body import Body, Colour, along, mesh_body, rounded_body
 from chainbuild.chain.bodies.geometry import Geometry, Shape
-from chainbuild.chain.elements import Chain
 from chainbuild.drawing.site import Site
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import f_frame, translation
 from chainbuild.meshes import read_triangles
-
-
-def looks_given(chain: Chain) -> bool:
-    """Return whether the looks of every link are given, so that no rule draws any."""
-    return all(link.name in _looks(chain.geometry) for link in chain.links)
 
 
 def with_given(site: Site, draw: Callable[[Site], list[Body]]) -> list[Body]:

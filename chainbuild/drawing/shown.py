@@ -13,7 +13,6 @@ from chainbuild.chain.bodies.linkage import with_linkage
 from chainbuild.chain.bodies.rods import has_rods
 from chainbuild.chain.elements import Chain, Joint
 from chainbuild.chain.fold import drawn
-from chainbuild.drawing.given import looks_given
 
 _ROUNDING: Final = 1e-9  # factors and sines below this are rounding
 
@@ -21,26 +20,25 @@ _ROUNDING: Final = 1e-9  # factors and sines below this are rounding
 def shown_chain(chain: Chain) -> Chain:
     """Return the chain with crank, rod and level linkage where it is a parallelogram arm, else the same chain.
 
-    Poses and axes stay the same. An arm whose looks are given has its rods among them.
+    Poses and axes stay the same.
 
     Args:
         chain: The chain, with rods or without.
     """
-    if has_rods(chain) or looks_given(chain) or not has_parallelogram(chain):
-        return chain
-    return with_linkage(chain, chain.geometry.rod_data)
+    return with_linkage(chain, chain.geometry.rod_data) if has_parallelogram(chain) and not has_rods(chain) else chain
 
 
 def has_parallelogram(chain: Chain) -> bool:
     """Return whether a parallelogram turns the forearm of an arm.
 
     Its motor stands beside that of the shoulder and turns the forearm against the frame: the shoulder's axis then
-    moves the elbow back by as much as it moves the shoulder. On a serial arm it leaves the elbow alone.
+    moves the elbow back by as much as it moves the shoulder. On a serial arm it leaves the elbow alone. A URDF has its
+    links itself: fingers that mimic one another are no rods.
 
     Args:
         chain: The chain, without rods.
     """
-    if chain.loops or not isinstance(chain.axis_map, AffineMap):
+    if chain.loops or chain.dialect == "URDF" or not isinstance(chain.axis_map, AffineMap):
         return False
     at = {joint.child: n for n, joint in enumerate(chain.joints)}
     for n, elbow in enumerate(chain.joints):

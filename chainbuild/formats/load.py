@@ -20,7 +20,7 @@ from chainbuild.errors import (
 from chainbuild.findings import Collector, Findings
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay, overlay_path, read_overlay
-from chainbuild.formats.text import SourceText, is_sinumerik, is_twincat, read_source
+from chainbuild.formats.text import COUPLED, SUMS, SourceText, is_sinumerik, is_twincat, read_source
 from chainbuild.machines import shipped, shipped_path
 
 
@@ -121,6 +121,9 @@ def _read(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None, 
     file = find_machine(path)
     source = read_source(file)
     beside: Overlay = find_overlay(file, _as_path(overlay) if overlay is not None else None)
+    if beside.sums or beside.coupling:
+        keys = ("limits", SUMS) if beside.sums else (COUPLED,)
+        raise beside.error("the table is for a URDF alone", keys, "limits of axes and of drives; couplings of the file")
     # A dialect is imported when it is needed: most users have one. TwinCAT comes first: its container is XML, whose
     # text could hold anything.
     if is_twincat(source.text):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 from chainbuild.chain.bodies.geometry import NO_GEOMETRY, Geometry
 from chainbuild.chain.bodies.geometry_table import geometry_from_table
@@ -16,11 +16,14 @@ from chainbuild.chain.names import DRIVE_SUFFIX, axis_index, link_names, name_me
 from chainbuild.convention import check_choice
 from chainbuild.errors import ChainError, MachineDataError, OverlayError, Span
 from chainbuild.formats.text import (
+    COUPLED,
     DRIVES,
     POSES,
+    SUMS,
     parsed_toml,
     read_source,
     toml_number,
+    toml_number_tables,
     toml_refusal,
     toml_span,
     toml_table,
@@ -30,6 +33,7 @@ from chainbuild.formats.text import (
 SUFFIX = ".chainbuild.toml"
 _T = TypeVar("_T")
 _Ends = tuple[float, float]
+_INNER: Final = {("limits", DRIVES): "drive_limits", ("limits", SUMS): "sums", ("speeds", DRIVES): "drive_speeds"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +46,7 @@ class Overlay:
         source: Where its numbers come from.
         limits: Axis name, the channel's or the generic one → (lower, upper) in mm or degrees.
         drive_limits: The same of drives (`[limits.drives]`), by the names of their axes.
+        sums: Sum of axes such as "A2+A3" → (lower, upper) (`[limits.sums]`).
         speeds: Axis name → mm/s or deg/s.
         drive_speeds: The same of drives (`[speeds.drives]`).
         endless: Names of axes that turn without end.
@@ -52,6 +57,7 @@ class Overlay:
         kinematic: Default kinematic id, name or transformation number, or a pair of these for two steps.
         poses: Name of a pose → its axis values in channel order, or axis name → value; mm or degrees.
         geometry: Bodies for drawings and collision.
+        coupling: Axis name → name of another axis → share of that one's value in the joint of the first.
     """
 
     path: Path | None = None
@@ -59,6 +65,7 @@ class Overlay:
     source: str | None = None
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     drive_limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    sums: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     speeds: Mapping[str, float] = field(default_factory=dict)
     drive_speeds: Mapping[str, float] = field(default_factory=dict)
     endless: tuple[str, ...] = ()
@@ -69,6 +76,7 @@ class Overlay:
     kinematic: int | str | tuple[int | str, int | str] | None = None
     poses: Mapping[str, Mapping[str, float] | tuple[float, ...]] = field(default_factory=dict)
     geometry: Geometry = NO_GEOMETRY
+    coupling: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def apply_limits(self, axes: tuple[Axis, ...], behind: Collection[int] = ()) -> tuple[Axis, ...]:
         """Return the axes with the overlay's limits, speeds and endless axes.
@@ -148,8 +156,8 @@ class Overlay:
             found[n], names[n] = value, name
         return found
 
-    def apply_geometry(self, chain: Chain) -> Chain:
-        """Return the chain with the overlay's radii, bodies and rods.
+    def apply_geometry(self, chain: Chain, also: Mapping[str, str] | None = None) -> Chain:
+        """Return the chain with the overlay's radii, bodies and rods; `also`: other names of links → their names there.
 
         Raises:
             OverlayError: the overlay names a link that the chain does not have, or rods where there can be none.
@@ -162,7 +170,7 @@ class Overlay:
             except ChainError as error:
                 permitted = "rods of arms whose axes 2 and 3 are parallel"
                 raise self.error(error.message, ("geometry", "rods"), permitted) from None
-        names = link_names(chain)
+        names = {**(also or {}), **link_names(chain)}
         for name in self.geometry.links:
             if name not in names:
                 known = ", ".join(link.name for link in chain.links)
@@ -173,7 +181,7 @@ class Overlay:
                 if (other := seen.setdefault(names[name], name)) != name:
                     text = f"'{other}' and '{name}' are the same link {names[name]}"
                     raise self.error(text, ("geometry", name), "one of the two")
-        geometry = self.geometry.renamed(names)
+        geometry = self.geometry.renamed(names).over(chain.geometry)
         links = tuple(Link(link.name, geometry.radii.get(link.name, link.radius)) for link in chain.links)
         return replace(chain, links=links, geometry=geometry)
 
@@ -206,6 +214,9 @@ class Overlay:
         return OverlayError(text, span=self.span(*keys), parameter=".".join(keys), permitted=permitted)
 
 
+NO_OVERLAY: Final = Overlay()
+
+
 def overlay_path(machine_file: Path) -> Path:
     """Return where the overlay of a machine file is looked for."""
     return machine_file.with_name(machine_file.stem + SUFFIX)
@@ -226,10 +237,10 @@ def read_overlay(path: Path) -> Overlay:
         if reader is None:
             known = ", ".join(_READERS)
             raise OverlayError(f"unknown key '{key}'", span=toml_span(path, key), parameter=key, permitted=known)
-        if key in ("limits", "speeds") and isinstance(value, dict) and isinstance(value.get(DRIVES), dict):
-            given = {name.removesuffix(DRIVE_SUFFIX): one for name, one in value[DRIVES].items()}
-            values[f"drive_{key}"] = reader(path, f"{key}.{DRIVES}", given)
-            value = {name: one for name, one in value.items() if name != DRIVES}  # noqa: PLW2901
+        inner = [name for table, name in _INNER if table == key and isinstance(value, dict)]
+        for name in (name for name in inner if isinstance(value.get(name), dict)):
+            given = {axis.removesuffix(DRIVE_SUFFIX): one for axis, one in value.pop(name).items()}
+            values[_INNER[key, name]] = reader(path, f"{key}.{name}", given)
         values[key] = reader(path, key, value)
     return Overlay(path=path, **values)
 
@@ -335,4 +346,5 @@ _READERS = {
     "kinematic": _kinematic,
     POSES: _poses,
     "geometry": _geometry,
+    COUPLED: toml_number_tables,
 }

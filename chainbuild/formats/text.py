@@ -18,6 +18,8 @@ from chainbuild import tolerances
 from chainbuild.errors import FileAccessError, FileContentError, OverlayError, Span
 
 DRIVES: Final = "drives"  # the table within [limits] and [speeds] of an overlay
+SUMS: Final = "sums"  # the table within [limits] of an overlay
+COUPLED: Final = "coupling"  # the overlay's table of axes that others move along
 POSES: Final = "poses"  # the overlay's table of named poses, which may be tables
 _TOML_HEADER = re.compile(r"\s*\[\[?([^\[\]]+)\]")
 _DEEP_KEY = re.compile(r"""(?:\.[ \t]*["']?[\w-]+["']?[ \t]*){50}""")
@@ -227,7 +229,7 @@ def toml_refusal(path: Path, key: str, permitted: str, text: str = "") -> Overla
     text = text or f"the value of '{key}' has the wrong type"
     table, _, name = key.partition(".")
     inner, _, last = name.partition(".")
-    nested = last and (table == POSES or inner == DRIVES)  # other names may hold a dot
+    nested = last and (table in (POSES, COUPLED) or inner in (DRIVES, SUMS))  # other names may hold a dot
     keys = (inner, last) if nested else (name,) if name else ()
     return OverlayError(text, span=toml_span(path, table, *keys), parameter=key, permitted=permitted)
 
@@ -247,6 +249,15 @@ def toml_text(path: Path, key: str, value: object) -> str:
     if not isinstance(value, str):
         raise toml_refusal(path, key, "a string")
     return value
+
+
+def toml_number_tables(path: Path, key: str, value: object) -> dict[str, dict[str, float]]:
+    """Return a value that must be a table of tables of finite numbers; `key` as for `toml_refusal`."""
+    inner = {name: toml_table(path, f"{key}.{name}", given) for name, given in toml_table(path, key, value).items()}
+    return {
+        name: {last: toml_number(path, f"{key}.{name}.{last}", number) for last, number in table.items()}
+        for name, table in inner.items()
+    }
 
 
 def toml_table(path: Path, key: str, value: object) -> dict[str, object]:

@@ -13,6 +13,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
@@ -21,7 +22,11 @@ from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint, JointKind, 
 from chainbuild.chain.names import DRIVE_SUFFIX, RESERVED_COLUMNS, free_name
 from chainbuild.errors import ChainbuildError, ParseError, Span
 from chainbuild.findings import Collector, Findings
-from chainbuild.formats.text import read_source
+from chainbuild.formats.load import find_overlay
+from chainbuild.formats.overlay import NO_OVERLAY, Overlay
+from chainbuild.formats.overlay_poses import with_named_poses
+from chainbuild.formats.overlay_sums import with_coupling, with_sums
+from chainbuild.formats.text import DRIVES, read_source
 from chainbuild.formats.urdf_bodies import urdf_bodies
 from chainbuild.formats.urdf_joints import Joints, UrdfJoint, shown
 from chainbuild.formats.urdf_tree import RESERVED, Tree, link_places
@@ -29,18 +34,33 @@ from chainbuild.formats.urdf_xml import parse
 from chainbuild.frames import unit
 from chainbuild.units import AxisKind
 
-_KINDS: Mapping[AxisKind, JointKind] = {"rotary": "revolute", "linear": "prismatic"}
+# What an overlay says to machine data alone, and what to a URDF, too.
+_USELESS: Final = {
+    "conventions": ("conventions",),
+    "tool_length_mm": ("tool_length_mm",),
+    "tool": ("tool",),
+    "axis_lists": ("axis_lists",),
+    "kinematic": ("kinematic",),
+    "drive_limits": ("limits", DRIVES),
+    "drive_speeds": ("speeds", DRIVES),
+}
+_USEFUL: Final = "name, source, endless, [limits], [limits.sums], [speeds], [poses], [geometry], [coupling]"
+_KINDS: Final[Mapping[AxisKind, JointKind]] = {"rotary": "revolute", "linear": "prismatic"}
 
 
-def from_urdf(path: str | os.PathLike[str], *, tool: str | None = None) -> Chain:
+def from_urdf(
+    path: str | os.PathLike[str], *, tool: str | None = None, overlay: str | os.PathLike[str] | None = None
+) -> Chain:
     """Read a URDF file into a chain from its root link to a tool link.
 
     Args:
         path: The file (plain URDF, not xacro).
         tool: Name of the link whose frame is the tool; None: the only link without children.
+        overlay: An overlay file in place of the one beside the URDF.
 
     Raises:
-        FileAccessError: the file cannot be read.
+        FileAccessError: the file or its overlay cannot be read.
+        OverlayError: the overlay says what a URDF has no use for, or what does not fit the chain.
         ParseError: no URDF, a bad number, a link with two parents, limits that leave nothing, or a joint type other
             than revolute, continuous, prismatic, fixed.
         ChainbuildError: the tool link does not exist or is not the only candidate, or no joint on the way moves.
@@ -64,7 +84,26 @@ def from_urdf(path: str | os.PathLike[str], *, tool: str | None = None) -> Chain
     links = (Link(BASE_LINK), *(Link(joint.child) for joint in moving))
     body = (links, moving, tree.frames, axes, _axis_map(tree, joints, axes))
     geometry = replace(urdf_bodies(robot, link_places(tree), file, collector), inertias=tree.inertias())
-    return Chain(name, title, "URDF", "URDF", *body, "orirpy", findings=Findings(collector.findings), geometry=geometry)
+    chain = Chain(name, title, "URDF", "URDF", *body, "orirpy", geometry=geometry)
+    chain = _with_overlay(chain, find_overlay(file, None if overlay is None else Path(overlay)), tree, collector)
+    return replace(chain, findings=Findings(collector.findings))
+
+
+def _with_overlay(chain: Chain, overlay: Overlay, tree: Tree, collector: Collector) -> Chain:
+    """Return a chain with what an overlay says; links go by the file's names and by the chain's."""
+    for attribute, keys in _USELESS.items():
+        if getattr(overlay, attribute) != getattr(NO_OVERLAY, attribute):
+            text = f"a URDF has no use for '{'.'.join(keys)}'"
+            raise overlay.error(text, keys, _USEFUL)
+    for link in overlay.geometry.links:
+        carrier, _ = tree.places.get(link, (link, None))
+        if carrier != link:
+            text = f"link '{link}' is fixed to link '{carrier}': as a body it is part of that one"
+            raise overlay.error(text, ("geometry", link), f"{carrier}, in its axes")
+    chain = with_coupling(chain, overlay)
+    chain = with_sums(chain.with_axes(overlay.apply_limits(chain.axes)), overlay)
+    chain = overlay.apply_geometry(chain, tree.names)
+    return with_named_poses(replace(chain, title=overlay.name or chain.title), overlay, collector)
 
 
 def _way_to(tool: str | None, joints: Sequence[UrdfJoint], file: Span) -> list[UrdfJoint]:

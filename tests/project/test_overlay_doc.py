@@ -15,7 +15,7 @@ from chainbuild.machines import shipped_path
 from tests.kit.paths import ROOT
 
 PAGE = (ROOT / "docs/overlay.md").read_text("utf-8")
-ROBX, TWINCAT = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+ROBX, TWINCAT, URDF = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
 
 
 def copy_of(name: str, folder: Path, overlay: str) -> Path:
@@ -38,7 +38,7 @@ def test_the_complete_example_loads(tmp_path: Path) -> None:
     robot = chainbuild.Robot(chain)
     overlay = machine.overlay
     used = {key for key in _READERS if getattr(overlay, key) not in (None, (), {}, 0.0)}
-    assert used == {*_READERS} - {"axis_lists"}
+    assert used == {*_READERS} - {"axis_lists", "coupling"}
     assert machine.title == "Handling arm, cell 7"
     assert (chain.axes[0].lower, chain.axes[0].max_speed, chain.axes[5].endless) == (-170.0, 100.0, True)
     chosen = {used.convention.name: used.choice for used in chain.conventions}
@@ -109,3 +109,20 @@ def test_the_bodies_of_every_example_are_free_of_collision_at_home(block: str, t
     for home in (zero, elbow):
         assert chainbuild.CollisionModel(robot).colliding_pairs(home) == ()
     assert chainbuild.swept_limits(robot, steps=2).touching == ()
+
+
+def test_the_example_beside_a_urdf_loads(tmp_path: Path) -> None:
+    limit = '<limit lower="-2" upper="2" effort="1" velocity="1"/>'
+    links = [f"link_{n}" for n in range(1, 7)]
+    carried = zip(["base_link", *links], links, range(1, 7), "zyyxyx", strict=False)
+    text = "".join(
+        f'<joint name="A{n}" type="revolute"><parent link="{parent}"/><child link="{child}"/><origin xyz="0.1 0 0.2"/>'
+        f'<axis xyz="{int(axis == "x")} {int(axis == "y")} {int(axis == "z")}"/>{limit}</joint>'
+        for parent, child, n, axis in carried
+    )
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{text}</robot>', "utf-8")
+    (tmp_path / "arm.chainbuild.toml").write_text(URDF, "utf-8")
+    chain = chainbuild.Robot.from_urdf(tmp_path / "arm.urdf").chain
+    assert chain.title == "Handling arm, cell 3"
+    assert [one.name for one in chain.constraints] == ["joint A3", "A2+A3", "A4 - 0.5*A6"]
+    assert (chain.axes[1].lower, chain.axes[1].upper) == (-100.0, 145.0)

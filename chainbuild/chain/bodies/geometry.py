@@ -112,6 +112,15 @@ class Geometry:
         """Every link that is named, in order."""
         return (*self.radii, *self.shapes, *(link for pair in self.ignore for link in pair))
 
+    def over(self, given: Geometry) -> Geometry:
+        """Return this with a file's masses, and with its bodies of the links that have none here.
+
+        Args:
+            given: What the file gives.
+        """
+        visuals = {link: shapes for link, shapes in given.visuals.items() if link not in self.shapes}
+        return replace(self, shapes={**given.shapes, **self.shapes}, visuals=visuals, inertias=given.inertias)
+
     def renamed(self, names: Mapping[str, str]) -> Geometry:
         """Return the same of links with other names.
 

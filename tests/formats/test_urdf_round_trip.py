@@ -1,0 +1,91 @@
+"""Public URDF files read, written and read again: axes, mimic, masses, efforts, dampings, frames and poses stay."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike
+
+import chainbuild
+from chainbuild.chain.axismap import AffineMap
+from tests.kit.urdf_files import deepest_link, example_files, few_files
+
+
+def same(found: ArrayLike, expected: ArrayLike) -> None:
+    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
+
+
+def round_trip(path: Path, folder: Path) -> None:
+    """Compare a robot with what its URDF gives; speeds and efforts that are unknown are written as some."""
+    first = chainbuild.Robot.from_urdf(path, tool=deepest_link(path))
+    masses = first.chain.geometry.inertias
+    file = chainbuild.write_urdf(first, folder, inertia=bool(masses))
+    second = chainbuild.Robot.from_urdf(file, tool="tool")
+    same_axes(first, second)
+    same_joints(first, second)
+    assert second.chain.geometry.inertias.keys() == masses.keys()
+    for name, one in masses.items():
+        other = second.chain.geometry.inertias[name]
+        assert other.mass == pytest.approx(one.mass, rel=1e-14)
+        same(other.centre, one.centre)
+        np.testing.assert_allclose(other.moments, one.moments, rtol=1e-12, atol=1e-12 * np.abs(one.moments).max())
+    assert [one.name for one in second.chain.links] == [one.name for one in first.chain.links]
+    assert {frame.name: frame.link for frame in second.chain.frames} == {
+        frame.name: frame.link for frame in first.chain.frames
+    }
+    for frame in first.chain.frames:
+        placed = second.chain.frame(frame.name).T_link_frame
+        same(placed, frame.T_link_frame)
+    assert not {"CB523", "CB524", "CB525"} & {finding.code for finding in second.chain.findings}
+    rng = np.random.default_rng(5)
+    for _ in range(3):
+        axes = [rng.uniform(axis.lower, axis.upper) for axis in first.axes]
+        places, again = first.frame_placements(axes), second.frame_placements(axes)
+        assert places.keys() == again.keys()
+        for name, place in places.items():
+            same(again[name].homogeneous, place.homogeneous)
+
+
+def same_axes(first: chainbuild.Robot, second: chainbuild.Robot) -> None:
+    assert [(axis.name, axis.kind) for axis in second.axes] == [(axis.name, axis.kind) for axis in first.axes]
+    for one, other in zip(first.axes, second.axes, strict=True):
+        same([other.lower, other.upper], [one.lower, one.upper])
+        assert one.max_speed is None or other.max_speed == pytest.approx(one.max_speed, rel=1e-12)
+
+
+def same_joints(first: chainbuild.Robot, second: chainbuild.Robot) -> None:
+    """Compare joints by name: those on one link may change places."""
+    before = [joint.name for joint in first.chain.joints]
+    after = [joint.name for joint in second.chain.joints]
+    order = [after.index(name) for name in before]
+    assert len(before) == len(after)
+    own, other = first.chain.axis_map, second.chain.axis_map
+    assert isinstance(own, AffineMap)
+    assert isinstance(other, AffineMap)
+    same(other.A[order], own.A)
+    same(other.b[order], own.b)
+    for n, one in zip(order, first.chain.joints, strict=True):
+        again = second.chain.joints[n]
+        assert (again.parent, again.child, again.kind) == (one.parent, one.child, one.kind)
+        assert one.dynamics.effort is None or again.dynamics.effort == pytest.approx(one.dynamics.effort, rel=1e-14)
+        given = one.dynamics.damping, one.dynamics.friction
+        assert (again.dynamics.damping, again.dynamics.friction) == pytest.approx(given, rel=1e-14)
+        same(again.T_parent_joint, one.T_parent_joint)
+        same(again.direction, one.direction)
+
+
+@pytest.mark.parametrize("path", few_files(), ids=lambda path: path.stem)
+def test_some_public_files_come_back(path: Path, tmp_path: Path) -> None:
+    round_trip(path, tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", example_files())
+def test_all_public_files_come_back(name: str, tmp_path: Path) -> None:
+    round_trip(example_files()[name], tmp_path)
+
+
+def test_there_are_many_public_files() -> None:
+    assert len(example_files()) >= 60
