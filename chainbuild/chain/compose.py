@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import Block, side_by_side
 from chainbuild.chain.bodies.geometry import Geometry
+from chainbuild.chain.bodies.inertia import joined_inertias
 from chainbuild.chain.drives import joined_drives
 from chainbuild.chain.elements import Axis, Chain, Frame, Joint, Link, Loop, Partial
 from chainbuild.chain.fold import drawn, joint_motion
@@ -229,6 +230,9 @@ def _graft(host: Chain, link: str, T: Matrix, guest: Chain, prefix: str, *, root
     """Return host and guest as one tree: the guest's root frame sits on a link of the host at T."""
     tree = _reroot(guest, root)
     names = Names.of(host, guest, prefix, link, tree.root)
+    places = {**tree.placements, tree.root: T @ tree.placements[tree.root]}
+    inertias = joined_inertias(host.geometry.inertias, guest.geometry.inertias, names.links, places)
+    bodies = joined_geometry(host.geometry, guest.geometry, names, [*tree.placements])
     return replace(
         host,
         links=(*host.links, *(_link(known, names) for known in guest.links if known.name != tree.root)),
@@ -249,7 +253,7 @@ def _graft(host: Chain, link: str, T: Matrix, guest: Chain, prefix: str, *, root
         follows_c=False,
         controller_solver=None,
         named_poses=(),
-        geometry=joined_geometry(host.geometry, guest.geometry, names, [*tree.placements]),
+        geometry=replace(bodies, inertias=inertias),
         conventions=tuple({used.convention.name: used for used in (*host.conventions, *guest.conventions)}.values()),
         findings=Findings(dict.fromkeys((*host.findings, *guest.findings))),
     )

@@ -42,8 +42,8 @@ def export(
         json: Print JSON.
         options: Which kinematic.
     """
-    from chainbuild.writers.models.export import FORMATS, ExportFormat
-    from chainbuild.writers.models.export import export as exported
+    from chainbuild.writers.models.export import FORMATS, ExportFormat, export_files
+    from chainbuild.writers.models.robotfiles import write_robot_files
 
     wanted: list[ExportFormat] = []
     everything = formats.strip().lower() == "all"
@@ -54,11 +54,11 @@ def export(
         wanted += match
     if samples < 1:
         raise UsageError(f"--samples {samples}: expected at least 1")
-    paths = exported(
-        options.robot(file), folder, formats=None if everything else wanted, samples=samples, inertia=inertia
-    )
+    robot = options.robot(file)
+    files = export_files(robot, None if everything else wanted, samples, inertia)
+    paths = write_robot_files(robot, folder, {name: text for own in files.values() for name, text in own.items()})
     if json:
-        print_json({"paths": {name: str(path) for name, path in paths.items()}})
+        print_json({"paths": {one: [str(paths[name]) for name in own] for one, own in files.items()}})
     for path in paths.values() if not json else ():
         say(path)
     return 0

@@ -37,17 +37,23 @@ def urdf(
         json: Print JSON.
         options: Which kinematic.
     """
-    from chainbuild.writers.models.urdf import urdf_limitations, write_urdf
+    from chainbuild.writers.models.robotfiles import write_robot_files
+    from chainbuild.writers.models.urdf import urdf_files, urdf_limitations
 
     robot = options.robot(file)
-    path = write_urdf(robot, folder, inertia=inertia)
+    path, *others = write_robot_files(robot, folder, urdf_files(robot, inertia=inertia)).values()
     limitations = urdf_limitations(robot.chain)
     shaping = [used for used in robot.chain.conventions if used.convention.poses]
     if json:
         conventions = {used.convention.name: used.choice for used in shaping}
-        print_json({"path": str(path), "not_expressed": list(limitations), "conventions": conventions})
+        beside = [str(other) for other in others]
+        print_json(
+            {"path": str(path), "beside": beside, "not_expressed": list(limitations), "conventions": conventions}
+        )
         return 0
     say(path)
+    for other in others:
+        say(f"  beside it {other.relative_to(path.parent)}")
     for used in shaping:
         say(f"  convention {used.convention.name}={used.choice}{'' if used.by_user else ' (default)'}")
     for limitation in limitations:

@@ -19,7 +19,8 @@ def test_the_files_are_those_of_their_writers(run: Run) -> None:
     outcome = run("export", "tripod_kin12", "--samples", "200", "-o", "out")
     folder = Path("out/tripod_kin12")
     assert outcome.code == 0
-    assert outcome.out.splitlines() == [str(folder / f"tripod_kin12.{suffix}") for suffix in ("urdf", "xml", "srdf")]
+    suffixes = ("urdf", "loops.yaml", "xml", "srdf")
+    assert outcome.out.splitlines() == [str(folder / f"tripod_kin12.{suffix}") for suffix in suffixes]
     robot = Robot.load("tripod_kin12")
     assert (folder / "tripod_kin12.urdf").read_text("utf-8") == urdf_text(robot)
     assert (folder / "tripod_kin12.xml").read_text("utf-8") == mjcf_text(robot)
@@ -28,7 +29,7 @@ def test_the_files_are_those_of_their_writers(run: Run) -> None:
 
 def test_formats_are_chosen(run: Run) -> None:
     data = json.loads(run("export", "kr6r900", "--format", "MJCF", "--json").out)
-    assert data == {"paths": {"mjcf": "urdf_out/kr6r900/kr6r900.xml"}}
+    assert data == {"paths": {"mjcf": ["urdf_out/kr6r900/kr6r900.xml"]}}
     assert [path.name for path in Path("urdf_out/kr6r900").iterdir()] == ["kr6r900.xml"]
 
 
@@ -37,6 +38,15 @@ def test_what_is_not_offered_is_refused(run: Run, words: list[str]) -> None:
     outcome = run("export", "kr6r900", *words)
     assert outcome.code == 2
     assert not Path("urdf_out").exists()
+
+
+def test_all_are_those_that_the_machine_has(run: Run) -> None:
+    data = json.loads(run("export", "kr6r900", "--samples", "5", "--no-inertia", "--json").out)
+    assert list(data["paths"]) == ["urdf", "mjcf", "srdf", "opw"]
+    assert "inertial" not in Path("urdf_out/kr6r900/kr6r900.urdf").read_text("utf-8")
+    outcome = run("urdf", "lambda_kin21", "-o", "out")
+    assert outcome.out.splitlines()[:2] == ["out/lambda_kin21/lambda_kin21.urdf", "  beside it lambda_kin21.loops.yaml"]
+    assert "inertial" in Path("out/lambda_kin21/lambda_kin21.urdf").read_text("utf-8")
 
 
 def test_nothing_is_written_where_one_cannot_be_made(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -52,6 +62,6 @@ def test_nothing_is_written_where_one_cannot_be_made(run: Run, monkeypatch: pyte
 def test_python_refuses_formats_that_are_none(tmp_path: Path) -> None:
     robot = Robot.load("kr6r900")
     for formats in (["usd"], [], "urdf"):
-        with pytest.raises(ChainbuildError, match="urdf, mjcf, srdf"):
+        with pytest.raises(ChainbuildError, match="urdf, mjcf, srdf, opw"):
             chainbuild.export(robot, tmp_path, formats=formats)  # type: ignore[arg-type]
     assert list(tmp_path.iterdir()) == []

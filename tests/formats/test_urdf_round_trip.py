@@ -14,7 +14,7 @@ from tests.kit.urdf_files import deepest_link, example_files, few_files
 
 
 def same(found: ArrayLike, expected: ArrayLike) -> None:
-    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(np.asarray(found, float), np.asarray(expected, float), rtol=1e-12, atol=1e-12)
 
 
 def round_trip(path: Path, folder: Path) -> None:

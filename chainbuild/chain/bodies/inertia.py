@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -43,6 +43,8 @@ def lumped(parts: Sequence[Inertia]) -> Inertia:
     Args:
         parts: At least one.
     """
+    if len(parts) == 1:
+        return parts[0]
     mass = sum(part.mass for part in parts)
     centre = sum((part.mass * part.centre for part in parts), np.zeros(3)) / mass if mass else parts[0].centre
     moments = np.zeros((3, 3))
@@ -51,6 +53,23 @@ def lumped(parts: Sequence[Inertia]) -> Inertia:
         across = (arm @ arm) * np.eye(3) - np.outer(arm, arm)
         moments += part.moments + part.mass * across
     return Inertia(mass, centre, moments)
+
+
+def joined_inertias(
+    host: Mapping[str, Inertia], guest: Mapping[str, Inertia], names: Mapping[str, str], places: Mapping[str, Matrix]
+) -> dict[str, Inertia]:
+    """Return the inertias of the links of two chains that become one.
+
+    Args:
+        host: Link → inertia of the chain that is grafted on.
+        guest: The same of the other.
+        names: The guest's links → their names in both; its root is a link of the host.
+        places: The guest's links whose axes are others now → (4, 4) the old ones in the new [m].
+    """
+    parts = {link: [one] for link, one in host.items()}
+    for link, one in guest.items():
+        parts.setdefault(names[link], []).append(one.seen_from(places[link]) if link in places else one)
+    return {link: lumped(found) for link, found in parts.items()}
 
 
 @dataclass(frozen=True, slots=True)

@@ -46,17 +46,25 @@ def export(
             or it is no ortho-parallel arm and "opw" is asked for.
         FileAccessError: the folder is not a path, a file cannot be written, or a mesh cannot be read.
     """
+    files = export_files(robot, formats, samples, inertia)
+    paths = write_robot_files(robot, folder, {name: text for own in files.values() for name, text in own.items()})
+    return {one: paths[next(iter(own))] for one, own in files.items()}
+
+
+def export_files(
+    robot: Mechanism, formats: Sequence[ExportFormat] | None, samples: int, inertia: bool
+) -> dict[ExportFormat, RobotFiles]:
+    """Return the files of each format, the one that gives the format its name first; arguments as for `export`.
+
+    Raises:
+        ChainbuildError: as `export` does.
+    """
     check_robot(robot)
     unknown = [one for one in formats or () if one not in FORMATS]
     if unknown or isinstance(formats, str) or (formats is not None and not formats):
         shown = f"unknown format {unknown[0]!r:.40}" if unknown else f"the formats are {formats!r:.40}"
         raise ChainbuildError(shown, parameter="formats", permitted=f"a list of {', '.join(FORMATS)}")
-    wanted = tuple(dict.fromkeys(formats or formats_of(robot)))
-    files: RobotFiles = {}
-    for one in wanted:
-        files |= _files(robot, one, samples, inertia)
-    paths = write_robot_files(robot, folder, files)
-    return {one: paths[robot.name + _SUFFIXES[one]] for one in wanted}
+    return {one: _files(robot, one, samples, inertia) for one in dict.fromkeys(formats or formats_of(robot))}
 
 
 def formats_of(robot: Mechanism) -> tuple[ExportFormat, ...]:
