@@ -13,16 +13,16 @@ from typing import Final, Literal
 from urllib.parse import unquote, urlsplit
 from urllib.request import url2pathname
 
-from chainbuild import frames, tolerances
+from chainbuild import tolerances
 from chainbuild.arrays import Matrix
 from chainbuild.chain.bodies.body import Colour
 from chainbuild.chain.bodies.geometry import Geometry, Numbers, Shape, ShapeKind
+from chainbuild.chain.bodies.placed import shape_place
 from chainbuild.errors import ChainbuildError, ParseError
 from chainbuild.findings import Collector
 from chainbuild.formats.urdf_joints import placement
 from chainbuild.formats.urdf_xml import Node
 from chainbuild.meshes import Scale, check_mesh, dae_unit
-from chainbuild.units import deg_from_rad
 
 Places = Mapping[str, tuple[str, Matrix]]
 _Tag = Literal["visual", "collision"]
@@ -108,7 +108,7 @@ class _Reader:
             return self._mesh(node, T, colour)
         if node.name == "box":
             size = _lengths(node, "size", 3)
-            return [Shape("box", size=size, place=_place(T), colour=colour)] if min(size) > 0.0 else []
+            return [Shape("box", size=size, place=shape_place(T), colour=colour)] if min(size) > 0.0 else []
         [radius] = _lengths(node, "radius", 1)
         centre = T[:3, 3]
         if node.name == "sphere":
@@ -135,7 +135,7 @@ class _Reader:
             unit = dae_unit(file)
             scale = (x * unit, y * unit, z * unit)
             if _readable(file, scale):
-                return [Shape("mesh", place=_place(T), file=file, scale=scale, colour=colour)]
+                return [Shape("mesh", place=shape_place(T), file=file, scale=scale, colour=colour)]
         self._unread.setdefault(name if file is not None else f"{name} (not found)", node)
         return None
 
@@ -167,12 +167,6 @@ def _own_colour(material: Node) -> Colour | None:
         return None
     red, green, blue, _ = (min(max(part, 0.0), 1.0) for part in node.numbers("rgba", (0.0, 0.0, 0.0, 1.0)))
     return red, green, blue
-
-
-def _place(T: Matrix) -> Numbers:
-    """Return a placement (4, 4) as shapes hold it: x, y, z [m] and A, B, C [deg]."""
-    roll, pitch, yaw = (deg_from_rad(angle) for angle in frames.urdf_rpy(T[:3, :3]))
-    return (*T[:3, 3].tolist(), yaw, pitch, roll)
 
 
 def _lengths(node: Node, name: str, count: int) -> Numbers:
