@@ -7,7 +7,7 @@ point the other way, their placements are inverted as drawn. That is exact, and 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import Block, side_by_side
-from chainbuild.chain.bodies.geometry import Geometry
 from chainbuild.chain.bodies.inertia import joined_inertias
+from chainbuild.chain.bodies.placed import joined_geometry
 from chainbuild.chain.drives import joined_drives
 from chainbuild.chain.elements import Axis, Chain, Frame, Joint, Link, Loop, Partial
 from chainbuild.chain.fold import drawn, joint_motion
@@ -46,24 +46,6 @@ def carried_c(lower: Chain, T_offset: Matrix, upper: Chain) -> AxisSum | None:
     if upper.absolute_c is None or turned:
         return None
     return padded(upper.absolute_c, len(lower.axes), 0)
-
-
-def joined_geometry(host: Geometry, guest: Geometry, names: Names, moved: Sequence[str]) -> Geometry:
-    """Return what overlays say about the bodies of both.
-
-    Args:
-        host: Of the chain that is grafted on.
-        guest: Of the chain that is grafted.
-        names: The guest's new names.
-        moved: The guest's links whose frames are elsewhere now: their shapes are drawn by rule again.
-    """
-    named = {link: new for link, new in names.links.items() if link not in moved}
-    return replace(
-        host,
-        radii={**{named[link]: r for link, r in guest.radii.items() if link in named}, **host.radii},
-        shapes={**{named[link]: s for link, s in guest.shapes.items() if link in named}, **host.shapes},
-        ignore=(*host.ignore, *((names.links[a], names.links[b]) for a, b in guest.ignore)),
-    )
 
 
 def stack(
@@ -231,7 +213,7 @@ def _graft(host: Chain, link: str, T: Matrix, guest: Chain, prefix: str, *, root
     names = Names.of(host, guest, prefix, link, tree.root)
     places = {**tree.placements, tree.root: T @ tree.placements[tree.root]}
     inertias = joined_inertias(host.geometry.inertias, guest.geometry.inertias, names.links, places)
-    bodies = joined_geometry(host.geometry, guest.geometry, names, [*tree.placements])
+    bodies = joined_geometry(host.geometry, guest.geometry, names.links, places, tree.root)
     return replace(
         host,
         links=(*host.links, *(_link(known, names) for known in guest.links if known.name != tree.root)),

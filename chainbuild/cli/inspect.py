@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from chainbuild.cli.show import note, note_undrawn, say
+from chainbuild.cli.show import note, note_lighter, note_undrawn, say
 from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, UsageError
 
 if TYPE_CHECKING:
@@ -167,6 +167,7 @@ def inspect(
         values = values_of(robot, at)
     shown = playback.playback(robot)
     note_undrawn(robot.chain.geometry)
+    note_lighter(robot.chain)
     if export is None:
         return _serve(machine, options, values, shown, live)
     from chainbuild.inspect.export import export_page

@@ -22,6 +22,7 @@ from chainbuild.findings import Collector, Finding
 
 if TYPE_CHECKING:
     from chainbuild.chain.bodies.geometry import Geometry
+    from chainbuild.chain.elements import Chain
     from chainbuild.tables.reader import Table
 
 Item = TypeVar("Item")
@@ -155,11 +156,21 @@ def note(text: str) -> None:
 
 
 def note_undrawn(geometry: Geometry) -> None:
-    """Print which links have meshes that are not drawn, if any have."""
+    """Print which links have meshes that cannot be read, if any have."""
     from chainbuild.drawing.given import undrawn_meshes
 
     if links := undrawn_meshes(geometry):
-        note(f"meshes of {', '.join(links)} are not drawn: they count in collisions")
+        note(f"meshes of {', '.join(links)} cannot be read: these links are drawn by rule")
+
+
+def note_lighter(chain: Chain) -> None:
+    """Print that a page shows meshes with fewer triangles than they have, if it does."""
+    from chainbuild.drawing.machine import drawn_bodies
+    from chainbuild.inspect.scene import MOST_TRIANGLES
+
+    count = sum(len(body.surface.corners) for body in drawn_bodies(chain) if body.surface is not None)
+    if count > MOST_TRIANGLES:
+        note(f"the meshes have {count:,} triangles: the page merges near vertices until {MOST_TRIANGLES:,} are left")
 
 
 @contextmanager

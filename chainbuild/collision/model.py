@@ -57,11 +57,13 @@ class _Scratch(local):
     Attributes:
         found: The results of the last query.
         parts: Arguments of a query: model, data, bodies, results.
+        around: Likewise with meshes in their hulls; None: there is no mesh.
     """
 
-    def __init__(self, model: pin.Model, bodies: pin.GeometryModel) -> None:
+    def __init__(self, model: pin.Model, bodies: pin.GeometryModel, hulls: pin.GeometryModel | None) -> None:
         self.found = pin.GeometryData(bodies)
         self.parts = model, model.createData(), bodies, self.found
+        self.around = None if hulls is None else (model, self.parts[1], hulls, pin.GeometryData(hulls))
 
 
 class CollisionModel:
@@ -136,17 +138,14 @@ class CollisionModel:
         """Return the smallest distance of all watched pairs; None where none is watched."""
         if not self.pairs:
             return None
-        scratch = self._scratch
-        best = pin.computeDistances(*scratch.parts, self._q(axes))
-        return self._distance(int(best))
+        return self._distance(self._nearest_pair(self._q(axes)))
 
     def smallest_at(self, q: Vector) -> float:
         """Return the smallest distance [m] at joint values (n_q,), SI: the fastest query; inf without a pair."""
         if not self.pairs:
             return math.inf
-        scratch = self._scratch
-        best = pin.computeDistances(*scratch.parts, q)
-        return float(scratch.found.distanceResults[best].min_distance)
+        best = self._nearest_pair(q)
+        return float(self._scratch.found.distanceResults[best].min_distance)
 
     def distances(self, axes: ArrayLike) -> Vector:
         """Return the distances (n_pairs,) [m] of all watched pairs, in the order of `pairs`.
@@ -169,6 +168,27 @@ class CollisionModel:
             return self.robot.q(axes)  # raises the reason
         return self.robot.chain.axis_map.q(values)
 
+    def _nearest_pair(self, q: Vector) -> int:
+        """Measure the pair with the smallest distance, and return its number.
+
+        A mesh is no nearer than its hull: pairs whose hulls are farther apart than meshes already measured, which
+        takes a hundred times as long, are left out.
+        """
+        scratch = self._scratch
+        if scratch.around is None:
+            return int(pin.computeDistances(*scratch.parts, q))
+        pin.computeDistances(*scratch.around, q)
+        bounds = np.array([result.min_distance for result in scratch.around[3].distanceResults])
+        pin.updateGeometryPlacements(*scratch.parts)
+        best, least = 0, math.inf
+        for n in np.argsort(bounds, kind="stable").tolist():
+            if bounds[n] >= least:
+                break
+            distance = float(pin.computeDistance(scratch.parts[2], scratch.found, n).min_distance)
+            if distance < least:
+                best, least = n, distance
+        return best
+
     def _names(self, n: int) -> LinkPair:
         a, b = self.pairs[n]
         return self.solids[a].name, self.solids[b].name
@@ -180,15 +200,19 @@ class CollisionModel:
 
     def _watch(self, pairs: list[tuple[int, int]]) -> None:
         self.pairs = tuple(pairs)
+        meshes = any(solid.around is not solid.geometry for solid in self.solids)
+        hulls = self._bodies([solid.around for solid in self.solids]) if meshes else None
+        self._scratch = _Scratch(self.robot.model, self._bodies([solid.geometry for solid in self.solids]), hulls)
+
+    def _bodies(self, geometries: Iterable[Any]) -> pin.GeometryModel:
+        """Return the solids with some geometries, and the pairs watched."""
         model = pin.GeometryModel()
-        for solid in self.solids:
+        for solid, geometry in zip(self.solids, geometries, strict=True):
             placement = pin.SE3(solid.T_link_solid)
-            model.addGeometryObject(
-                pin.GeometryObject(solid.name, self._joint_of[solid.link], placement, solid.geometry)
-            )
+            model.addGeometryObject(pin.GeometryObject(solid.name, self._joint_of[solid.link], placement, geometry))
         for a, b in self.pairs:
             model.addCollisionPair(pin.CollisionPair(a, b))
-        self._scratch = _Scratch(self.robot.model, model)
+        return model
 
     def _chosen(self, watched: tuple[LinkPair, ...]) -> list[tuple[int, int]]:
         known = {link.name for link in self.robot.chain.links}

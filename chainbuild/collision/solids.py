@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any, Final, Literal
+from typing import Any, Literal
 
 import coal
 import numpy as np
@@ -16,8 +16,7 @@ from chainbuild.chain.bodies.geometry import Shape
 from chainbuild.chain.bodies.shapes import solid_bodies
 from chainbuild.chain.elements import Chain
 from chainbuild.errors import FileAccessError, FileContentError, Span
-
-_FLAT: Final = 1e-6  # share of the largest width: the hull of a flatter body crashes, and files hold six digits
+from chainbuild.meshes import FLAT, Scale, principal_widths
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,6 +31,7 @@ class Solid:
         reach: Radius [m] of a ball about the link's origin that holds it.
         size: Capsule and cylinder: (radius, length of the axis); sphere: (radius,); box: edges; else empty [m].
         geometry: Coal's geometry.
+        around: Of a mesh: its convex hull, which coal measures many times faster; else the geometry itself.
     """
 
     name: str
@@ -41,6 +41,7 @@ class Solid:
     reach: float
     size: tuple[float, ...]
     geometry: Any
+    around: Any
 
 
 def solids_of(chain: Chain) -> tuple[Solid, ...]:
@@ -90,10 +91,11 @@ def _given(link: str, shape: Shape) -> Solid:
     T = frames.f_frame(shape.place[:3], shape.place[3:])
     if shape.kind == "box":
         return _solid(link, "box", T, shape.size, coal.Box(*shape.size))
-    return _solid(link, shape.kind, T, (), _mesh(link, str(shape.file), shape.scale, shape.kind == "hull"))
+    return _solid(link, shape.kind, T, (), *_mesh(link, str(shape.file), shape.scale, shape.kind == "hull"))
 
 
-def _mesh(link: str, file: str, scale: tuple[float, float, float], hull: bool) -> Any:
+def _mesh(link: str, file: str, scale: Scale, hull: bool) -> tuple[Any, Any]:
+    """Return a mesh or its hull, and its hull; of a flat mesh, which has none, itself."""
     body = f"{'hull' if hull else 'mesh'} of link {link}"
     try:
         mesh, extents = _loaded(file, scale)
@@ -106,32 +108,28 @@ def _mesh(link: str, file: str, scale: tuple[float, float, float], hull: bool) -
             f"the {body} has vertices that are not finite or too far away",
             span=Span(file), parameter=link, permitted=permitted,
         )  # fmt: skip
-    if not hull:
-        return mesh
-    if min(extents) <= _FLAT * max(extents):
+    flat = min(extents) <= FLAT * max(extents)
+    if flat and hull:
         hint = 'a flat body can be given as "mesh" or as a thin box'
         raise FileContentError(
             f"the {body} is flat: its {len(mesh.vertices())} vertices lie in a plane",
             span=Span(file), parameter=link, permitted="a body with a volume", hint=hint,
         )  # fmt: skip
-    if mesh.convex is None:
+    if not flat and mesh.convex is None:
         mesh.buildConvexHull(True, "Qt")
-    return mesh.convex
+    around = mesh if flat else mesh.convex
+    return around if hull else mesh, around
 
 
 @cache
-def _loaded(file: str, scale: tuple[float, float, float]) -> tuple[Any, tuple[float, ...]]:
+def _loaded(file: str, scale: Scale) -> tuple[Any, tuple[float, ...]]:
     """Return a mesh and its three widths [m] along its principal axes; infinite where a vertex is no place."""
     mesh = coal.MeshLoader().load(file, np.array(scale))
-    points = np.array(mesh.vertices())
-    if not np.isfinite(points).all() or not np.abs(points).max() < tolerances.HUGE_POSITION_M:
-        return mesh, (np.inf,) * 3
-    directions = np.linalg.eigh(np.cov(points.T))[1]
-    return mesh, tuple(np.ptp(points @ directions, axis=0).tolist())
+    return mesh, principal_widths(np.array(mesh.vertices()))
 
 
-def _solid(link: str, kind: Any, T: Matrix, size: tuple[float, ...], geometry: Any) -> Solid:
+def _solid(link: str, kind: Any, T: Matrix, size: tuple[float, ...], geometry: Any, around: Any = None) -> Solid:
     geometry.computeLocalAABB()
     centre = T[:3, :3] @ np.asarray(geometry.aabb_center) + T[:3, 3]
     reach = float(np.linalg.norm(centre)) + float(geometry.aabb_radius)
-    return Solid(link, link, kind, T, reach, tuple(size), geometry)
+    return Solid(link, link, kind, T, reach, tuple(size), geometry, around or geometry)

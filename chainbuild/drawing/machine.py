@@ -40,7 +40,7 @@ _RULES: Final[dict[Build, Callable[[Site], list[Body]]]] = {
 
 
 def drawn_bodies(chain: Chain) -> tuple[Body, ...]:
-    """Return the bodies that show a machine, several a link: by the rule of its build, and what the overlay gives.
+    """Return the bodies that show a machine, several a link: by the rule of its build, and what is given.
 
     Closed loops that no rule knows, or that have no pose to draw, keep the skeleton.
     """
@@ -49,7 +49,7 @@ def drawn_bodies(chain: Chain) -> tuple[Body, ...]:
     if holds_workpiece(chain):
         return tuple(recoloured(chain, drawn_bodies(as_tool_carrier(chain))))
     site = Site(chain)
-    return tuple(with_given(site, _RULES[build_of(site)](site)))
+    return tuple(with_given(site, _RULES[build_of(site)]))
 
 
 def _known_loops(chain: Chain) -> bool:

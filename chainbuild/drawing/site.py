@@ -195,7 +195,7 @@ class Site:
         """Return the lowest and highest x, y, z (2, 3) [m] of a body at home."""
         T = self.links[body.link] @ body.T_link_body
         turn, size = T[:3, :3], np.array(body.dimensions)
-        if body.kind == "box":
+        if body.kind in ("box", "mesh"):
             half = np.abs(turn) @ size / 2
         elif body.kind == "sphere":
             half = np.full(3, size[0])

@@ -2,9 +2,9 @@
 
 The axes are the moving joints in the order of the chain, shown in mm and degrees. A joint that mimics another one is
 driven by that one's axis, with multiplier and offset of the file, so that joint values are the file's; its limits bind
-the axis, on whatever branch it is. A joint whose limits leave one value is fixed there. Links keep their names, masses
-and places: those that no axis moves are frames, and on other branches (grippers, cameras) joints that no axis drives
-are held.
+the axis, on whatever branch it is. A joint whose limits leave one value is fixed there. Links keep their names, masses,
+bodies and places: those that no axis moves are frames, and on other branches (grippers, cameras) joints that no axis
+drives are held.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from typing import Final
 import numpy as np
 
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.chain.bodies.geometry import Geometry
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint, JointKind, Link
 from chainbuild.chain.names import DRIVE_SUFFIX, RESERVED_COLUMNS, free_name
 from chainbuild.errors import ChainbuildError, ParseError, Span
@@ -28,8 +27,9 @@ from chainbuild.formats.overlay import NO_OVERLAY, Overlay
 from chainbuild.formats.overlay_poses import with_named_poses
 from chainbuild.formats.overlay_sums import with_coupling, with_sums
 from chainbuild.formats.text import DRIVES, read_source
+from chainbuild.formats.urdf_bodies import urdf_bodies
 from chainbuild.formats.urdf_joints import Joints, UrdfJoint, shown
-from chainbuild.formats.urdf_tree import RESERVED, Tree
+from chainbuild.formats.urdf_tree import RESERVED, Tree, link_places
 from chainbuild.formats.urdf_xml import parse
 from chainbuild.frames import unit
 from chainbuild.units import AxisKind
@@ -83,7 +83,7 @@ def from_urdf(
     moving = tuple(_joint(joint, tree, names[joint.name]) for joint in tree.moving)
     links = (Link(BASE_LINK), *(Link(joint.child) for joint in moving))
     body = (links, moving, tree.frames, axes, _axis_map(tree, joints, axes))
-    geometry = Geometry(inertias=tree.inertias())
+    geometry = replace(urdf_bodies(robot, link_places(tree), file, collector), inertias=tree.inertias())
     chain = Chain(name, title, "URDF", "URDF", *body, "orirpy", geometry=geometry)
     chain = _with_overlay(chain, find_overlay(file, None if overlay is None else Path(overlay)), tree, collector)
     return replace(chain, findings=Findings(collector.findings))

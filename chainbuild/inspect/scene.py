@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
@@ -19,6 +20,7 @@ from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.drawing.shown import shown_chain
 from chainbuild.inspect.labels import Side, draw_label
 from chainbuild.inspect.sweep import joint_transforms
+from chainbuild.meshes import Triangles, creased, lighter
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -29,6 +31,7 @@ BACKGROUND_BOTTOM: Final[Colour] = (0.80, 0.84, 0.88)
 GRID_COLOUR: Final[Colour] = (0.62, 0.67, 0.72)
 # Red, green, blue for x, y, z, as everywhere.
 _TRIAD_COLOURS: Final[tuple[Colour, Colour, Colour]] = ((0.86, 0.16, 0.16), (0.13, 0.62, 0.20), (0.13, 0.33, 0.87))
+MOST_TRIANGLES: Final = 150_000  # of a page, which they make 4 MB larger; browsers turn as many without a hitch
 _TRIAD_SHARE: Final = 0.13  # length of a triad's arms over the machine's size
 
 
@@ -57,7 +60,7 @@ class Scene:
         self.robot = robot
         chain = robot.chain
         self.size = machine_size(chain)
-        self.bodies = drawn_bodies(chain)
+        self.bodies = _light_enough(drawn_bodies(chain))
         self.link_paths = _link_paths(chain, root)
 
     def draw(self, axes: ArrayLike, *, labels: bool = True) -> None:
@@ -116,7 +119,10 @@ class Scene:
         from meshcat import geometry
 
         T = body.T_link_body
-        if body.kind == "box":
+        if body.surface is not None:
+            # The viewer makes the normals: means of the triangles at each vertex.
+            shape = geometry.TriangularMeshGeometry(*_for_light(body.surface))
+        elif body.kind == "box":
             shape = geometry.Box(list(body.dimensions))
         elif body.kind == "sphere":
             shape = geometry.Sphere(body.dimensions[0])
@@ -181,6 +187,18 @@ def labelled_frames(chain: Chain) -> list[tuple[str, Frame]]:
     return [(" = ".join(frame.name for frame in group), group[0]) for group in groups]
 
 
+def _light_enough(bodies: Sequence[Body]) -> tuple[Body, ...]:
+    """Return the bodies with so few triangles that a page can hold them; what is too small for these is left out."""
+    surfaces = iter(lighter([body.surface for body in bodies if body.surface is not None], MOST_TRIANGLES))
+    made = (body if body.surface is None else replace(body, surface=next(surfaces)) for body in bodies)
+    return tuple(body for body in made if body.surface is None or len(body.surface.corners))
+
+
+def _for_light(surface: Triangles) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+    found = creased(surface)
+    return found.points.astype(np.float32), found.corners.astype(np.uint32)
+
+
 def _link_paths(chain: Chain, root: str) -> dict[str, str]:
     """Return the scene path of every link; children are nested in their parents: a joint moves one node only."""
     paths = {BASE_LINK: root}
@@ -191,7 +209,7 @@ def _link_paths(chain: Chain, root: str) -> dict[str, str]:
 
 def _corners(body: Body) -> Matrix:
     """Return the corners (8, 3) [m] of a box around a body, in its link."""
-    if body.kind == "box":
+    if body.kind in ("box", "mesh"):
         half = np.array(body.dimensions) / 2
     elif body.kind == "sphere":
         half = np.full(3, body.dimensions[0])

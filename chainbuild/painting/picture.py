@@ -66,7 +66,8 @@ def picture(
 ) -> Path:
     """Write a picture of a machine, as SVG or PNG by the suffix of its name.
 
-    The same machine gives the same bytes on every processor.
+    The same machine gives the same bytes on every processor. A machine that has meshes is painted in pixels, in an
+    SVG, too.
 
     Args:
         robot: The machine.
@@ -184,6 +185,10 @@ def _svg(stage: Stage, panes: Sequence[_Pane], size: tuple[int, int], marks: Mar
     sheet = Sheet(*size)
     for pane in panes:
         shown = within(stage.bodies, pane.view, pane.window)
+        if any(placed.body.kind == "mesh" for placed in shown):
+            # As polygons its triangles would make a file of many MB, and hide each other in minutes.
+            sheet.place(painted(shown, pane.view, pane.window), pane.x, pane.y)
+            continue
         sheet.paint(shown, pane.view, pane.window.moved(pane.x, pane.y))
     sheet.mark(marks)
     return sheet.text()

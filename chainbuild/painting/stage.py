@@ -139,7 +139,7 @@ def half_span(placed: PlacedBody, direction: Arrow) -> float:
     """Return how far [m] a body extends from its centre in a direction, given as a unit vector."""
     a, b, c = (coordinate(placed.T[:3, n], direction) for n in range(3))
     size = placed.body.dimensions
-    if placed.body.kind == "box":
+    if placed.body.kind in ("box", "mesh"):
         return (abs(a) * size[0] + abs(b) * size[1] + abs(c) * size[2]) / 2.0
     if placed.body.kind == "sphere":
         return size[0]

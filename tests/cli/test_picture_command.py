@@ -57,6 +57,6 @@ def test_meshes_that_are_not_drawn_are_named(run: Run) -> None:
     Path("own.toml").write_text('[geometry.shapes]\nA3_link = [{mesh = "a.stl"}]\n', "utf-8")
     outcome = run("picture", "kr6r900", "-o", "m.svg", "--overlay", "own.toml")
     assert (outcome.code, outcome.out) == (0, "m.svg\n")
-    assert "meshes of A3_link are not drawn" in outcome.err
-    assert "not drawn" in run("inspect", "kr6r900", "--export", "m.html", "--overlay", "own.toml").err
-    assert "not drawn" not in run("picture", "kr6r900", "-o", "m.svg").err
+    assert "meshes of A3_link cannot be read: these links are drawn by rule" in outcome.err
+    assert "drawn by rule" in run("inspect", "kr6r900", "--export", "m.html", "--overlay", "own.toml").err
+    assert "drawn by rule" not in run("picture", "kr6r900", "-o", "m.svg").err

@@ -13,6 +13,7 @@ from chainbuild.chain.elements import Chain
 from chainbuild.drawing.given import undrawn_meshes
 from chainbuild.drawing.machine import drawn_bodies
 from tests.kit.drawings import check_laws, home_and_middle, placements
+from tests.kit.mesh_files import box, joined, write_stl
 
 
 def chain_with(folder: Path, name: str, text: str) -> Chain:
@@ -75,7 +76,8 @@ def test_given_bodies_stand_in_place_of_the_drawn(tmp_path: Path) -> None:
     text = """[geometry.shapes]
 Z_link = [{capsule = [0, 0, 100, 0, 0, 300], radius_mm = 40}, {box = [10, 20, 30], at = [1, 2, 3, 0, 0, 0]}]
 X_link = [{mesh = "x.stl"}]
-Y_link = [{sphere = [5, 0, 0], radius_mm = 20}, {hull = "y.stl"}]"""
+Y_link = [{sphere = [5, 0, 0], radius_mm = 20}, {hull = "y.stl"}]
+base = []"""
     chain = chain_with(tmp_path, "ac_table_kin58", text)
     bodies = drawn_bodies(chain)
     ram = [body for body in bodies if body.link == "Z_link"]
@@ -84,6 +86,30 @@ Y_link = [{sphere = [5, 0, 0], radius_mm = 20}, {hull = "y.stl"}]"""
     ]  # fmt: skip
     np.testing.assert_allclose([body.T_link_body[2, 3] for body in ram], [0.2, 0.1, 0.3, 0.003])
     assert ram[0].dimensions == pytest.approx((0.04, 0.2))
-    assert [body.kind for body in bodies if body.link == "Y_link"] == ["sphere"]
-    assert all(body.origin == "drawn" for body in bodies if body.link == "X_link")
+    assert not any(body.link == "base" for body in bodies)
+    # What cannot be read is drawn by rule.
     assert undrawn_meshes(chain.geometry) == ("X_link", "Y_link")
+    assert all(body.origin == "drawn" for body in bodies if body.link in ("X_link", "Y_link"))
+
+
+def test_meshes_and_hulls_are_drawn_where_they_count(tmp_path: Path) -> None:
+    part = joined(box((0, 0, 0), (300, 100, 50)), box((0, 0, 0), (50, 100, 300)))
+    write_stl(tmp_path / "part.stl", part)
+    text = """[geometry.shapes]
+X_link = [{mesh = "part.stl", at = [10, 20, 30, 90, 0, 0]}, {sphere = [5, 0, 0], radius_mm = 20}]
+Y_link = [{hull = "part.stl"}]"""
+    chain = chain_with(tmp_path, "ac_table_kin58", text)
+    assert undrawn_meshes(chain.geometry) == ()
+    mesh, ball = (body for body in drawn_bodies(chain) if body.link == "X_link")
+    assert (mesh.kind, ball.kind, mesh.origin) == ("mesh", "sphere", "data")
+    assert mesh.dimensions == pytest.approx((0.3, 0.1, 0.3))
+    assert mesh.surface is not None
+    points = mesh.surface.points @ mesh.T_link_body[:3, :3].T + mesh.T_link_body[:3, 3]
+    # Turned by 90° about z: x of the file is y of the link, y of the file is −x.
+    np.testing.assert_allclose(points.min(axis=0), (0.01 - 0.1, 0.02, 0.03), atol=1e-6)
+    np.testing.assert_allclose(points.max(axis=0), (0.01, 0.02 + 0.3, 0.03 + 0.3), atol=1e-6)
+    (hull,) = (body for body in drawn_bodies(chain) if body.link == "Y_link")
+    assert hull.surface is not None
+    volume = np.einsum("ij,ij->", hull.surface.points[hull.surface.corners[:, 0]], hull.surface.normals) / 6
+    # The hull of an L: a prism with five corners.
+    assert volume == pytest.approx(0.1 * (0.3 * 0.3 - 0.25 * 0.25 / 2))

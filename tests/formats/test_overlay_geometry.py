@@ -43,8 +43,8 @@ def test_every_kind_of_body_in_metres(tmp_path: Path) -> None:
     assert (box.kind, box.size) == ("box", (0.1, 0.08, 0.06))
     np.testing.assert_allclose(box.place, (0.01, 0.02, 0.03, 90.0, 0.0, 0.0))
     hull, mesh = geometry.shapes["A1_link"]
-    assert (hull.kind, hull.file, hull.scale) == ("hull", tmp_path / "link4.stl", 1.0)
-    assert (mesh.kind, mesh.scale) == ("mesh", 0.001)
+    assert (hull.kind, hull.file, hull.scale) == ("hull", tmp_path / "link4.stl", (1.0,) * 3)
+    assert (mesh.kind, mesh.scale) == ("mesh", (0.001,) * 3)
     assert geometry.ignore == (("base", "B3_link"),)
     assert not geometry.rods
 

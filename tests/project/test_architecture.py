@@ -16,7 +16,7 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 # From the ground up. A room may import rooms below it and its own. The longest name that fits a file is its room.
 ORDER = [
     "arrays", "errors", "tolerances", "closest", "units", "shown", "html", "findings", "frames", "convention", "files",
-    "progress",
+    "progress", "meshes",
     "chain",
     "drawing",
     "kinematics",
@@ -49,8 +49,9 @@ ORDER = [
     "__main__",
 ]  # fmt: skip
 
-# What may import pinocchio and coal. The page that `inspect` serves draws with meshcat, not with pinocchio.
-BUILT_ON_PINOCCHIO = {"kinematics", "collision"}
+# What may import pinocchio and coal: `meshes` reads files with coal's reader. The page that `inspect` serves draws
+# with meshcat, not with pinocchio.
+BUILT_ON_PINOCCHIO = {"meshes", "kinematics", "collision"}
 
 
 def module_of(path: Path) -> str:

@@ -11,14 +11,17 @@ import pytest
 
 import chainbuild
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.chain.bodies.body import Body
+from chainbuild.chain.bodies.body import Body, mesh_body
 from chainbuild.errors import ChainbuildError
+from chainbuild.frames import f_frame
 from chainbuild.kinematics.closure import closing_axes
 from chainbuild.machines import shipped
+from chainbuild.meshes import Triangles
 from chainbuild.robot import Robot
 from chainbuild.units import si_factor
 from chainbuild.writers.models.masses import estimated
 from chainbuild.writers.models.mjcf import home, mjcf_text
+from tests.kit.mesh_files import box, surface, write_arm
 
 CONSTRAINED = (
     "delta_kin37", "inclined_saw_kin207", "lambda_kin21", "palletiser_kin96", "rod_table_kin19", "tripod_kin12",
@@ -191,6 +194,22 @@ def test_masses_are_those_of_solid_bodies() -> None:
     tube = estimated([Body("l", "link", np.eye(4), "cylinder", (0.1, 2.0), (0, 0, 0))], density=1000.0)
     assert tube.mass == pytest.approx(np.pi * 0.01 * 2 * 1000)
     np.testing.assert_allclose(np.diag(tube.moments) / tube.mass, [0.01 / 4 + 4 / 12, 0.01 / 4 + 4 / 12, 0.005])
+
+
+def test_masses_of_meshes_are_those_of_what_they_enclose(tmp_path: Path) -> None:
+    T = f_frame((1.0, 2.0, 3.0), (20.0, 30.0, 40.0))
+    block = Body("l", "link", T, "box", (0.1, 0.2, 0.3), (0, 0, 0))
+    half = np.array(block.dimensions) / 2
+    # Off the origin of its file, as meshes are.
+    mesh = mesh_body("l", T, surface(box(1 - half, 1 + half)), (0, 0, 0))
+    known, found = estimated([block]), estimated([mesh])
+    assert found.mass == pytest.approx(known.mass)
+    np.testing.assert_allclose(found.centre, (T @ (1, 1, 1, 1))[:3], atol=1e-12)
+    np.testing.assert_allclose(found.moments, known.moments, atol=1e-12)
+    assert mesh.surface is not None
+    open_one = replace(mesh, surface=Triangles(mesh.surface.points, mesh.surface.corners[:0]))
+    assert estimated([open_one]).mass == pytest.approx(known.mass)
+    assert mujoco.MjModel.from_xml_string(mjcf_text(Robot.from_urdf(write_arm(tmp_path)))).nbody == 4
 
 
 def test_the_file_is_the_same_each_time_and_lies_beside_the_urdf(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""A body of a drawing: a box, a cylinder or a ball fixed to a link, and where its measures come from."""
+"""A body of a drawing: a box, a cylinder, a ball or a mesh fixed to a link, and where its measures come from."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ import numpy as np
 
 from chainbuild import frames
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.meshes import Triangles
 from chainbuild.shown import fields_shown
 
 Colour = tuple[float, float, float]
-BodyKind = Literal["cylinder", "box", "sphere"]
+BodyKind = Literal["cylinder", "box", "sphere", "mesh"]
 Part = Literal[
     "link", "joint", "rail", "lever", "flange", "tool", "table",
     "foot", "arm", "yoke", "neck", "spindle", "ram", "guide", "slide", "bridge", "beam", "post", "column", "bed",
@@ -31,17 +32,18 @@ WORKPIECE_SIDE: Final[tuple[Colour, Colour]] = ((0.10, 0.55, 0.55), (0.33, 0.71,
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:
-    """A primitive fixed to a link.
+    """A primitive or a mesh fixed to a link.
 
     Attributes:
         link: Name of the link that carries it.
         part: What it stands for; "link" for the one body that every link of the skeleton has.
         T_link_body: (4, 4) placement of its centre [m].
-        kind: "cylinder" (along its z), "box" or "sphere".
-        dimensions: (radius, length), (x, y, z) or (radius,) [m].
+        kind: "cylinder" (along its z), "box", "sphere" or "mesh".
+        dimensions: (radius, length), (x, y, z) or (radius,) [m]; of a mesh: edges of the box around it.
         colour: Red, green, blue in 0…1.
         origin: "data": it lies where machine data or the overlay put it; "drawn": a rule assumes it to show how
             the machine is built.
+        surface: Of a mesh: its triangles, about the middle of the box around it.
     """
 
     __repr__ = fields_shown
@@ -53,6 +55,23 @@ class Body:
     dimensions: tuple[float, ...]
     colour: Colour
     origin: Origin = "drawn"
+    surface: Triangles | None = None
+
+
+def mesh_body(link: str, T: Matrix, surface: Triangles, colour: Colour) -> Body:
+    """Return a mesh that a link carries.
+
+    Args:
+        link: The link.
+        T: (4, 4) placement of the mesh in it [m].
+        surface: The mesh.
+        colour: Its colour.
+    """
+    low, high = surface.points.min(axis=0), surface.points.max(axis=0)
+    middle = (low + high) / 2
+    centred = Triangles(surface.points - middle, surface.corners)
+    place = T @ frames.translation(*middle.tolist())
+    return Body(link, "link", place, "mesh", tuple((high - low).tolist()), colour, "data", centred)
 
 
 def rounded_body(

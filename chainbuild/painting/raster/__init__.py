@@ -1,5 +1,5 @@
 """Bodies as pixels.
 
-In reading order: `sight` (which body and face every pixel shows), `pixels` (colours, light and outlines), `letters`,
-`lines` (lines and texts), `png` (the file).
+In reading order: `surfaces` (meshes), `sight` (which body and face every pixel shows), `pixels` (colours, light and
+outlines), `letters`, `lines` (lines and texts), `png` (the file).
 """

@@ -1,6 +1,6 @@
 """Bodies as pixels: along the line of sight of every pixel, the nearest point of boxes, cylinders and balls, exactly.
 
-Nothing is cut into facets: the line of sight meets each body where an equation says, so round bodies are round.
+None of these is cut into facets: the line of sight meets each body where an equation says, so round bodies are round.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.painting.colours import GAIN, LIGHT, MIDDLE
+from chainbuild.painting.raster.surfaces import MeshPixels, mesh_pixels
 from chainbuild.painting.stage import PlacedBody, coordinate, half_span
 from chainbuild.painting.views import View, Window
 from chainbuild.shown import fields_shown
@@ -135,10 +136,22 @@ def render(solids: Sequence[PlacedBody], view: View, window: Window) -> Buffers:
         np.full(shape, -np.inf, dtype=np.float32), np.full(shape, -1, dtype=np.int32), np.ones(shape, dtype=np.float32)
     )
     for number, solid in enumerate(solids):
+        if solid.body.surface is not None:
+            _draw_mesh(buffers, number, mesh_pixels(solid, solid.body.surface, view, window))
+            continue
         sight = _Sight(solid, view, window)
         if not sight.empty:
             _draw(buffers, number, solid, sight)
     return buffers
+
+
+def _draw_mesh(buffers: Buffers, number: int, found: MeshPixels) -> None:
+    depth = found.depth.astype(np.float32)
+    seen = depth > buffers.depth.ravel()[found.place] + np.float32(_NEARER)
+    place = found.place[seen]
+    for plane, values in ((buffers.depth, depth), (buffers.shade, found.shade.astype(np.float32))):
+        plane.ravel()[place] = values[seen]
+    buffers.face.ravel()[place] = number * _FACES
 
 
 def _draw(buffers: Buffers, number: int, solid: PlacedBody, sight: _Sight) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from typing import Final
@@ -10,6 +11,7 @@ from chainbuild.chain.bodies.body import Body, Colour
 from chainbuild.files import printable_tree
 from chainbuild.painting.colours import GAIN, GROUND_COLOUR, INK_COLOUR, LIGHT, MIDDLE, hex_colour, lit
 from chainbuild.painting.marks import HALO, Marks
+from chainbuild.painting.raster.png import Pixels, png_bytes
 from chainbuild.painting.stage import PlacedBody
 from chainbuild.painting.vector.facets import (
     CONTACT_EDGE,
@@ -61,6 +63,13 @@ class Sheet:
         for number, pieces in enumerate(seen_pieces(hulls, view.toward)):
             brush.fill(parent, number, pieces)
         brush.draw_lines(parent)
+
+    def place(self, pixels: Pixels, x: int, y: int) -> None:
+        """Put in a picture of pixels at a place."""
+        height, width, _ = pixels.shape
+        data = base64.b64encode(png_bytes(pixels)).decode("ascii")
+        box = {"x": tenths(x), "y": tenths(y), "width": tenths(width), "height": tenths(height)}
+        ET.SubElement(self.root, "image", {**box, "href": f"data:image/png;base64,{data}"})
 
     def mark(self, marks: Marks) -> None:
         """Draw lines, then texts."""

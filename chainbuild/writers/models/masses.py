@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -14,6 +15,7 @@ from chainbuild.chain.bodies.inertia import Inertia
 from chainbuild.chain.bodies.shapes import machine_size, shown_limits
 from chainbuild.chain.elements import Chain
 from chainbuild.collision.solids import Solid, solids_of
+from chainbuild.meshes import Triangles
 
 DENSITY: Final = 2700.0  # kg/m³: of aluminium, between hollow castings of iron and covers
 # Of a link without bodies or mass: simulators divide by it.
@@ -99,6 +101,8 @@ def _together(parts: Sequence[Inertia]) -> Inertia:
 
 def _part(body: Body, density: float) -> Inertia:
     """Return the inertia of one body in its link."""
+    if body.surface is not None:
+        return _of_mesh(body, body.surface, density)
     if body.kind == "box":
         x, y, z = body.dimensions
         mass = density * x * y * z
@@ -116,13 +120,25 @@ def _part(body: Body, density: float) -> Inertia:
     return Inertia(mass, body.T_link_body[:3, 3], R @ np.diag(own) @ R.T)
 
 
+def _of_mesh(body: Body, surface: Triangles, density: float) -> Inertia:
+    """Return the inertia of what a mesh encloses, by the tetrahedra of its triangles and a point; open: of its box."""
+    a, b, c = (surface.points[surface.corners[:, n]] for n in range(3))
+    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+    volume = float(volumes.sum())
+    if not 0.0 < volume <= math.prod(body.dimensions):
+        return _part(replace(body, kind="box", surface=None), density)
+    total = a + b + c
+    centre = np.einsum("i,ij->j", volumes, total) / (4.0 * volume)
+    second = sum(np.einsum("i,ij,ik->jk", volumes, one, one) for one in (a, b, c, total)) / 20.0
+    second = density * (second - volume * np.outer(centre, centre))
+    T = body.T_link_body
+    moments = T[:3, :3] @ (np.trace(second) * np.eye(3) - second) @ T[:3, :3].T
+    return Inertia(density * volume, T[:3, :3] @ centre + T[:3, 3], moments)
+
+
 def _of_solid(solid: Solid, density: float) -> Inertia:
     """Return the inertia of one body of the overlay; a mesh counts as its hull, for it need not be closed."""
-    geometry = solid.geometry
-    if solid.kind == "mesh":
-        if geometry.convex is None:
-            geometry.buildConvexHull(True, "Qt")
-        geometry = geometry.convex
+    geometry = solid.around
     T, mass = solid.T_link_solid, density * float(geometry.computeVolume())
     centre, moments = np.asarray(geometry.computeCOM()), np.asarray(geometry.computeMomentofInertiaRelatedToCOM())
     R = T[:3, :3]

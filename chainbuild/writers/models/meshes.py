@@ -18,6 +18,7 @@ from chainbuild.collision.solids import solids_of
 from chainbuild.errors import FileAccessError, Span
 from chainbuild.files import angle_text, number_text, numbers_text
 from chainbuild.frames import f_frame, translation, urdf_rpy
+from chainbuild.meshes import dae_unit
 from chainbuild.writers.models.robotfiles import RobotFiles
 
 _FOLDER: Final = "meshes"
@@ -67,7 +68,9 @@ class Meshes:
         if shape.kind == "sphere":
             return [(translation(*shape.points), "sphere", {"radius": radius})]
         if shape.file is not None:
-            scale = shape.scale if shape.kind == "mesh" else _UNSCALED
+            # Who reads the file multiplies by its own unit.
+            unit = dae_unit(shape.file)
+            scale = [factor / unit for factor in shape.scale] if shape.kind == "mesh" else _UNSCALED
             return [(_place(shape), "mesh", {"filename": self._name(shape), "scale": numbers_text(scale)})]
         start, end = np.array(shape.points[:3]), np.array(shape.points[3:])
         length = number_text(float(np.linalg.norm(end - start)))
