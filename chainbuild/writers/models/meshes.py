@@ -6,19 +6,17 @@ import struct
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from chainbuild.arrays import Matrix
 from chainbuild.chain.bodies.body import along
 from chainbuild.chain.bodies.geometry import Shape
-from chainbuild.chain.elements import Chain
-from chainbuild.collision.solids import solids_of
 from chainbuild.errors import FileAccessError, Span
 from chainbuild.files import angle_text, number_text, numbers_text
 from chainbuild.frames import f_frame, translation, urdf_rpy
-from chainbuild.meshes import dae_unit
+from chainbuild.meshes import Triangles, dae_unit, read_triangles
 from chainbuild.writers.models.robotfiles import RobotFiles
 
 _FOLDER: Final = "meshes"
@@ -33,29 +31,24 @@ class Meshes:
         files: Path beside the file → content.
     """
 
-    def __init__(self, chain: Chain) -> None:
+    def __init__(self) -> None:
         self.files: RobotFiles = {}
-        self._chain = chain
         self._names: dict[tuple[Path, str, object], str] = {}
 
-    def add_bodies(
-        self, link: ET.Element, tag: str, shapes: Iterable[Shape], root: Matrix | None = None
-    ) -> list[tuple[ET.Element, Shape]]:
+    def add_bodies(self, link: ET.Element, tag: str, shapes: Iterable[Shape]) -> list[tuple[ET.Element, Shape]]:
         """Write the bodies of a link and return their elements.
 
         Args:
             link: Its element.
             tag: "visual" or "collision".
-            shapes: Its bodies, in the frame of the chain's link.
-            root: (4, 4) the chain's link in the element's [m]; None: they are the same.
+            shapes: Its bodies.
         """
         found = []
         for shape in shapes:
             for T, kind, attributes in self._parts(shape):
                 element = ET.SubElement(link, tag)
-                placed = T if root is None else root @ T
-                rpy = " ".join(angle_text(angle) for angle in urdf_rpy(placed[:3, :3], _as_written))
-                ET.SubElement(element, "origin", xyz=numbers_text(placed[:3, 3].tolist()), rpy=rpy)
+                rpy = " ".join(angle_text(angle) for angle in urdf_rpy(T[:3, :3], _as_written))
+                ET.SubElement(element, "origin", xyz=numbers_text(T[:3, 3].tolist()), rpy=rpy)
                 ET.SubElement(ET.SubElement(element, "geometry"), kind, attributes)
                 found.append((element, shape))
         return found
@@ -92,35 +85,23 @@ class Meshes:
             while name.lower() in taken:
                 number += 1
                 name = f"{_FOLDER}/{stem}_{number}{suffix}"
-            self.files[name] = _hull_stl(self._hull(shape)) if hull else _content(shape.file)
+            self.files[name] = (
+                _hull_stl(read_triangles(shape.file, shape.scale, hull=True)) if hull else _content(shape.file)
+            )
             self._names[key] = name
         return self._names[key]
 
-    def _hull(self, shape: Shape) -> Any:
-        """Return coal's hull of a body."""
-        for link, own in self._chain.geometry.shapes.items():
-            if shape in own:
-                solids = [solid for solid in solids_of(self._chain) if solid.link == link]
-                return solids[own.index(shape)].geometry
-        raise AssertionError("a hull is the body of some link")
 
-
-def _hull_stl(hull: Any) -> bytes:
+def _hull_stl(hull: Triangles) -> bytes:
     """Return a convex body as binary STL, its triangles in an order that does not depend on how it was made."""
-    points = np.array(hull.points(), dtype=np.float32)
-    triangles = np.array([[hull.polygons(n)[k] for k in range(3)] for n in range(hull.num_polygons)])
-    corners = points[triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    inwards = np.einsum("ij,ij->i", normals, corners[:, 0] - points.mean(axis=0)) < 0.0
-    corners[inwards] = corners[inwards][:, ::-1]
     turned = []
-    for triangle in corners.tolist():
+    for triangle in hull.points.astype(np.float32)[hull.corners].tolist():
         first = triangle.index(min(triangle))
         turned.append(triangle[first:] + triangle[:first])
-    facets = b"".join(
+    facets = (
         struct.pack("<12fH", 0, 0, 0, *(x for corner in triangle for x in corner), 0) for triangle in sorted(turned)
     )
-    return _HEADER + struct.pack("<I", len(turned)) + facets
+    return _HEADER + struct.pack("<I", len(turned)) + b"".join(facets)
 
 
 def _content(file: Path) -> bytes:

@@ -77,7 +77,7 @@ def urdf_files(robot: Mechanism, *, inertia: bool = True) -> RobotFiles:
     chain = robot.chain
     root = ET.Element("robot", name=chain.name)
     root.append(ET.Comment(f"\n{notes.header(chain, inertia=inertia)}\n"))
-    bodies, meshes = drawn_bodies(chain), Meshes(chain)
+    bodies, meshes = drawn_bodies(chain), Meshes()
     inertias = link_inertias(chain, bodies)
     drawn = _Bodies(chain, bodies, meshes)
     for link in chain.links:
