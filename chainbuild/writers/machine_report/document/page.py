@@ -1,0 +1,105 @@
+"""A report as one self-contained HTML page: no scripts, the pictures inside, everything that comes from a file escaped."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from html import escape
+from typing import Final
+
+from chainbuild.files import printable
+from chainbuild.writers.machine_report.document.blocks import (
+    Block,
+    Bullets,
+    Drawing,
+    Drawings,
+    Grid,
+    Heading,
+    Paragraph,
+    Report,
+    Verbatim,
+)
+from chainbuild.writers.machine_report.document.style import REPORT_STYLE
+
+TICK: Final = "☐"
+_NUMBER: Final = re.compile(r"[+-]?\d[\d.]*(e-?\d+)?|–|")
+_SHORT: Final = 16  # characters of a cell that is not folded
+_GRADIENT: Final = re.compile(r'(id="|url\(#)(g\d+)')  # names within an SVG: a page has several
+
+
+def page_text(report: Report) -> str:
+    """Return a report as an HTML page."""
+    title = _text(report.title)
+    links = "".join(f'<a href="#c{n}">{n}. {_text(one.title)}</a>' for n, one in enumerate(report.chapters, 1))
+    body = [f"<h1>{title}</h1>", f"<nav>{links}</nav>"]
+    for n, chapter in enumerate(report.chapters, 1):
+        body.append(f'<section>\n<h2 id="c{n}">{n}. {_text(chapter.title)}</h2>')
+        body += [_block(block) for block in chapter.blocks]
+        body.append("</section>")
+    head = f'<meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{title}</title>'
+    lines = "\n".join(body)
+    return (
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>{head}<style>{REPORT_STYLE}</style></head>\n'
+        f"<body>\n{lines}\n</body>\n</html>\n"
+    )
+
+
+def _block(block: Block) -> str:
+    if isinstance(block, Paragraph):
+        return f"<p>{_line(block.parts)}</p>"
+    if isinstance(block, Heading):
+        return f"<h3>{_line(block.parts)}</h3>"
+    if isinstance(block, Bullets):
+        return f"<ul>{''.join(f'<li>{_line(item.parts)}</li>' for item in block.items)}</ul>"
+    if isinstance(block, Drawings):
+        return f'<div class="drawings">{"".join(map(_figure, block.drawings))}</div>'
+    return _table(block)
+
+
+def _figure(drawing: Drawing) -> str:
+    svg = _GRADIENT.sub(rf"\g<1>{drawing.name}-\g<2>", drawing.svg.strip())
+    title = _text(drawing.title)
+    svg = svg.replace("<svg ", f'<svg role="img" aria-label="{title}" ', 1)
+    return f"<figure>{svg}<figcaption>{title}</figcaption></figure>"
+
+
+def _table(block: Grid) -> str:
+    numeric = [_is_numeric([row[n] for row in block.rows]) for n in range(len(block.head))]
+    titles = "".join(
+        f"<th{_class('n' if right else '')}>{_text(t)}</th>" for t, right in zip(block.head, numeric, strict=True)
+    )
+    head = f"<thead><tr>{titles}</tr></thead>" if any(block.head) else ""
+    rows = "".join(_row(row, numeric, form=block.kind == "form") for row in block.rows)
+    return f'<div class="wide"><table class="{block.kind}">{head}<tbody>{rows}</tbody></table></div>'
+
+
+def _row(row: Sequence[str], numeric: Sequence[bool], *, form: bool) -> str:
+    cells = []
+    for cell, right in zip(row, numeric, strict=True):
+        kind = "n" if right else "short" if len(cell) <= _SHORT else ""
+        if form and not cell:
+            kind = "blank"
+        if cell == TICK:
+            kind = "tick"
+        cells.append(f"<td{_class(kind)}>{_span(cell)}</td>")
+    return f"<tr{_class('first' if form and row[0] else '')}>{''.join(cells)}</tr>"
+
+
+def _is_numeric(cells: Sequence[str]) -> bool:
+    return any(cells) and all(_NUMBER.fullmatch(cell) for cell in cells)
+
+
+def _class(name: str) -> str:
+    return f' class="{name}"' if name else ""
+
+
+def _line(parts: Iterable[str]) -> str:
+    return "".join(_span(part) for part in parts)
+
+
+def _span(text: str) -> str:
+    return f"<code>{_text(text)}</code>" if isinstance(text, Verbatim) and text else _text(text)
+
+
+def _text(text: str) -> str:
+    return escape(printable(text, lines=False))
