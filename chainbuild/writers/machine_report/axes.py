@@ -68,9 +68,12 @@ def _together(robot: Mechanism) -> Iterator[Block]:
     names = [chain.axes[n].name for n in chain.drives.differing]
     if names:
         yield Heading(("Drives",))
+        differ = "drive of {} does not stand at its axis value"
+        if len(names) > 1:
+            differ = "drives of {} do not stand at their axis values"
         yield Paragraph.of(
-            f"The drives of {and_joined(names)} do not stand at their axis values; robot.drives(axes) returns what they "
-            "stand at. Software limits and speeds of machine data belong to drives."
+            f"The {differ.format(and_joined(names))}; robot.drives(axes) returns where drives stand. Software limits "
+            "and speeds of machine data belong to drives."
         )
     rows = []
     for drive in chain.drive_limits:

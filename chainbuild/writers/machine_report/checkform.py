@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Final
 from chainbuild.chain.programmed.display import ANGLE_COLUMNS, TOOL_COLUMNS
 from chainbuild.closest import and_joined
 from chainbuild.kinematics.displayed import displayed
-from chainbuild.writers.machine_report.checkposes import CheckPoses, moved_both_ways
+from chainbuild.writers.machine_report.checkposes import CheckPose, CheckPoses, moved_both_ways
 from chainbuild.writers.machine_report.document.blocks import Block, Bullets, Chapter, Grid, Paragraph
-from chainbuild.writers.machine_report.document.numbers import angle, fixed, with_unit
+from chainbuild.writers.machine_report.document.numbers import angle, fixed, named_values
 from chainbuild.writers.machine_report.document.page import TICK
 
 if TYPE_CHECKING:
-    from chainbuild.arrays import Vector
+    from chainbuild.chain.elements import Chain
     from chainbuild.kinematics.mechanism import Mechanism
 
 _SHOWN: Final = 3  # decimals of mm and degrees: what a control displays
@@ -26,8 +26,8 @@ def check_chapter(robot: Mechanism, found: CheckPoses) -> Chapter:
     title = "Check poses"
     if not found.poses:
         text = (
-            "No safe pose was found: every position looked at is singular, or bodies, which are assumed by rule, touch. "
-            "Compare the display in positions that are known to be safe."
+            "No safe pose was found: every position looked at is singular, or bodies, which are assumed by rule, "
+            "touch. Compare the display in positions that are known to be safe."
         )
         return Chapter(title, [Paragraph.of(text)])
     return Chapter(title, [*_told(robot, found), _form(robot, found)])
@@ -36,16 +36,16 @@ def check_chapter(robot: Mechanism, found: CheckPoses) -> Chapter:
 def _told(robot: Mechanism, found: CheckPoses) -> Iterator[Block]:
     singles = {pose.moved for pose in found.poses}
     yield Paragraph.of(
-        "Drive to each pose before the transformation is switched on, axis by axis in JOG at reduced override, and compare "
-        "what the control would show with what is expected. Switch it on only when every line agrees."
+        "Drive to each pose before switching the transformation on: axis by axis in JOG, at reduced override. Compare "
+        "the pose that the control shows there; if it shows none yet, switch the transformation on at standstill to "
+        "read it, and off again. Move with it only when every value of every pose agrees."
     )
     items = [
-        "All poses are inside the limits, away from singular positions, and clear of the drawn bodies by more than touching. "
-        "Bodies are assumed by rule, and fixtures and cables are not among them: watch the machine.",
+        "All poses are inside the limits of axes, sums and drives, away from singular positions, and no bodies touch. "
+        "Bodies are assumed by rule; fixtures, cables and the room are not among them: watch the machine.",
         _ways_in_words(robot, found),
-        "Pose 1 is the reference; each of the following moves the axis named alone, the last ones move all axes. An error "
-        "in one axis shows in its line first: a wrong sign with the right amount to the wrong side, a wrong length or zero "
-        "in every line.",
+        "Pose 1 is the reference; the following move the axis named alone, the last ones all axes. A wrong sign of an "
+        "axis shows where it alone is moved: as far, to the other side. A wrong length, zero or tool shows in pose 1.",
     ]
     if len(found.poses) < found.wanted:
         items.append(f"Only {len(found.poses)} of {found.wanted} such poses were found.")
@@ -66,19 +66,14 @@ def _ways_in_words(robot: Mechanism, found: CheckPoses) -> str:
     free = "free of the drawn bodies and inside the limits"
     if found.home is None:
         return (
-            "Home, every axis at 0 or at the limit next to it, is outside the limits or lets assumed bodies touch: find your own "
-            f"way to pose 1. The straight ways of the axes from pose 1 to every other pose are {free}: go back to it in between."
+            "Home, every axis at 0 or at the limit next to it, is outside the limits, or assumed bodies touch there: "
+            "find your own way to pose 1. The straight ways of the axes from pose 1 to every other pose are "
+            f"{free}: go back to it in between."
         )
-    home = _axes_in_words(robot, found.home)
+    home = named_values(robot.axes, found.home.tolist())
     return (
-        f"The straight ways of the axes from home ({home}) and from pose 1 to every pose are {free}: go back to pose 1 or home "
-        "in between."
-    )
-
-
-def _axes_in_words(robot: Mechanism, axes: Vector) -> str:
-    return ", ".join(
-        f"{axis.name} {with_unit(value, axis.unit)}" for axis, value in zip(robot.axes, axes.tolist(), strict=True)
+        f"The straight ways of the axes from home ({home}) and from pose 1 to every pose are {free}: go back to one "
+        "of them in between."
     )
 
 
@@ -91,22 +86,38 @@ def _form(robot: Mechanism, found: CheckPoses) -> Block:
         shown = displayed(robot, pose.axes)
         held = {axis.name for axis in robot.axes if axis.held}
         columns = [name for name in shown if name not in held]
-        what = "reference" if n == 1 else "all axes" if pose.moved is None else f"{robot.axes[pose.moved].name} alone"
+        what = _moved_in_words(robot, pose, found.poses[0])
         cells = [_value(name, shown[name]) for name in columns]
-        to = [_axes_in_words(robot, pose.axes)]
+        to = [named_values(robot.axes, pose.axes.tolist())]
         if drives:
-            at = robot.drives(pose.axes).tolist()
-            to.append(
-                ", ".join(f"{a.name} {with_unit(v, a.unit, _SHOWN)}" for a, v in zip(robot.axes, at, strict=True))
-            )
+            to.append(named_values(robot.axes, robot.drives(pose.axes).tolist(), _SHOWN))
         rows.append([str(n), what, *to, "expected", *cells, TICK])
         rows.append(["", "", *([""] * len(to)), "shown", *([""] * len(cells)), ""])
-        head = ("No.", "Moves", "Axis values", *(["DRIVES"] if drives else []), "", *map(column_title, columns), "✓")
+        head = (
+            "No.",
+            "Moves",
+            "Axis values",
+            *(["DRIVES"] if drives else []),
+            "",
+            *(column_title(name, robot.chain) for name in columns),
+            "✓",
+        )
     return Grid(head, rows, "form")
 
 
-def column_title(column: str) -> str:
-    """Return a column as its title: "X [mm]"."""
+def _moved_in_words(robot: Mechanism, pose: CheckPose, first: CheckPose) -> str:
+    """Return which axes stand elsewhere than in the first pose."""
+    if pose.moved is not None:
+        return f"{robot.axes[pose.moved].name} alone"
+    count = int((pose.axes != first.axes).sum())
+    return "reference" if not count else "all axes" if count == len(first.axes) else "several axes"
+
+
+def column_title(column: str, chain: Chain) -> str:
+    """Return a column of a pose as its title: "X [mm]"."""
+    units: dict[str, str] = {axis.name: axis.unit for axis in chain.axes}
+    if column in units:
+        return f"{column} [{units[column]}]"
     name, _, unit = column.rpartition("_")
     return f"{name.upper()} [{unit}]" if unit in ("mm", "deg") and name else column
 

@@ -47,6 +47,8 @@ _SEED: Final = 4  # any: the same machine gives the same poses
 # of its usual step an axis has left to both sides.
 _QUICK: Final = (600, 60, 1.0)
 _THOROUGH: Final = (4000, 4000, 0.2)
+# Which shares of the axes go to the side they went to before, and which share moves at all, in the order tried.
+_MIXES: Final = ((0.0, 1.0), (0.25, 1.0), (0.5, 1.0), (0.2, 0.5), (0.0, 0.25))
 _TRIED: Final = 60  # of positions that move all axes, looked at for collisions
 _SHARES: Final = (1.0, 0.6, 0.3, 1.6, 0.15)  # of the usual step of an axis, in the order in which they are tried
 _USUAL: Final = {"rotary": 30.0, "linear": 100.0}  # degrees, mm: seen well, and no long way
@@ -63,7 +65,7 @@ class CheckPose:
 
     Attributes:
         axes: (n_axes,) axis values, mm and degrees.
-        moved: Index of the axis that alone stands elsewhere than in the first pose; None: several do, or it is the first.
+        moved: Index of the axis that alone stands elsewhere than in the first pose; None: several do, or none.
     """
 
     __repr__ = fields_shown
@@ -165,7 +167,8 @@ class _Search:
         if middle is None:
             middle = (self.low + self.high) / 2.0
         drawn = random_axis_values(robot.chain.axis_map, self.rng, self.low, self.high, count)
-        share = self.rng.uniform(0.2, 1.0, (count, 1))  # some near home, some anywhere
+        share = self.rng.uniform(0.0, 1.0, drawn.shape)
+        share[::2] **= 2  # half of them near home
         rows = middle + share * (drawn - middle)
         rows = np.clip(rows, self.low + room * self.usual, self.high - room * self.usual)
         step = np.where(self.range / self.unit > _FINE * _ROUND, _ROUND, 1.0) * self.unit
@@ -212,13 +215,14 @@ class _Search:
         sides = np.array([np.sign(axes - first) for axes in found])
         # The side on which an axis stood less often.
         rarer = np.where((sides > 0.0).sum(axis=0) <= (sides < 0.0).sum(axis=0), 1.0, -1.0)
-        for attempt in range(3):
-            flipped = self.rng.uniform(0.0, 1.0, (_TRIED, len(first))) < 0.25 * attempt
-            signs = np.where(flipped, -rarer, rarer)
+        for flips, share in _MIXES:
+            flipped = self.rng.uniform(0.0, 1.0, (_TRIED, len(first))) < flips
+            moving = self.rng.uniform(0.0, 1.0, (_TRIED, len(first))) < share
+            signs = np.where(flipped, -rarer, rarer) * moving
             steps = np.round(self.rng.uniform(0.4, 1.3, signs.shape) * self.usual / self.unit)
             rows = self._rounded(first + signs * np.maximum(steps, 1.0) * self.unit, self.unit)
             for axes in self._candidates(rows):
-                if self._reached(axes, starts):
+                if not any((axes == one).all() for one in found) and self._reached(axes, starts):
                     return np.asarray(axes)
         return None
 

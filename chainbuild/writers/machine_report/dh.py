@@ -5,8 +5,8 @@ common normal X = Tx(a)·Rx(α); along a line, from one normal to the next, Z = 
 
     Z₀·X₀ · Z₁·X₁ · … · Zₙ·Xₙ · Zₙ₊₁
 
-and both conventions are this product, cut differently: standard rows are Zᵢ·Xᵢ, modified ones Xᵢ₋₁·Zᵢ. What is left over
-at base and tip are rows of the same four numbers.
+and both conventions are this product, cut differently: standard rows are Zᵢ·Xᵢ, modified ones Xᵢ₋₁·Zᵢ. What is left
+over at base and tip are rows of the same four numbers.
 """
 
 from __future__ import annotations

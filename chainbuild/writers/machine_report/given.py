@@ -62,11 +62,10 @@ class Source:
 
 
 def data_chapter(robot: Mechanism, source: Source | None) -> Chapter:
-    """Return the chapter on the data of the file: those that move the machine, those that choose it, those without effect."""
+    """Return the chapter on the data of the file: those that move the machine, those that choose it, the others."""
     title = "What the file says"
     if source is None:
-        text = "The report was made from the model alone: the data of the file, their lines and meanings are not part of it."
-        return Chapter(title, [Paragraph.of(text)])
+        return Chapter(title, [Paragraph.of("The report was made from the model alone, without the data of its file.")])
     return Chapter(title, list(_data_blocks(robot, source)))
 
 
@@ -82,9 +81,9 @@ def _data_blocks(robot: Mechanism, source: Source) -> Iterator[Block]:
     geometric = {datum.name for datum in effects}
     yield Heading(("Data that place and direct",))
     yield Paragraph.of(
-        "What one millimetre or one degree more of a datum moves, at home; a direction or a choice is changed to its next "
-        "value. Shifts of the tool are seen in the workpiece frame. A number whose effect is not the one that was measured "
-        "on the machine has the wrong sign or the wrong place."
+        "What one millimetre or one degree more of a datum moves, at home; a direction or a choice is changed to its "
+        "next value. Shifts of the tool are seen in the workpiece frame. Compare them with what the drawing of the "
+        "machine means by the length: a number that moves something else has the wrong place or the wrong sign."
     )
     given = [datum for datum in effects if datum.name in moving and (datum.span is not None or datum.name not in names)]
     yield grid(
@@ -100,8 +99,8 @@ def _data_blocks(robot: Mechanism, source: Source) -> Iterator[Block]:
     if idle:
         yield Heading(("Data of the file without effect",))
         yield Paragraph.of(
-            "Given in the file and read, but no joint, frame or pose of this kinematic follows them: the arrangement does "
-            "not ask for them, or what they multiply is 0."
+            "Given in the file and read, but no joint, frame or pose of this kinematic follows them: the arrangement "
+            "does not ask for them, or what they act on is 0."
         )
         yield _parameter_table(idle)
     counting = [row for row in rows if not row.given and row.name in moving]
@@ -111,9 +110,8 @@ def _data_blocks(robot: Mechanism, source: Source) -> Iterator[Block]:
         yield _parameter_table(counting)
     others = sum(not row.given for row in rows) - len(counting)
     if others > 0:
-        yield Paragraph.of(
-            f"{others} more parameters are not in the file and move nothing: they have their default values."
-        )
+        more = "1 more parameter is" if others == 1 else f"{others} more parameters are"
+        yield Paragraph.of(f"{more} not in the file; at their default values they place and direct nothing.")
 
 
 def _moving_row(datum: Datum, moves: str, rows: Sequence[ParameterRow]) -> list[str]:

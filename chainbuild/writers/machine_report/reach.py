@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -23,7 +24,7 @@ from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.shown import fields_shown
 from chainbuild.units import mm_from_m
 from chainbuild.writers.machine_report.document.blocks import Chapter, Grid, Paragraph
-from chainbuild.writers.machine_report.document.numbers import decimal, with_unit
+from chainbuild.writers.machine_report.document.numbers import decimal, named_values
 
 if TYPE_CHECKING:
     from chainbuild.arrays import Matrix, Vector
@@ -31,10 +32,12 @@ if TYPE_CHECKING:
 _Measure = Callable[["Matrix"], "Vector"]
 
 _SAMPLES: Final = 4000  # positions: tens of milliseconds, and near enough to the extremes to climb from
-_SLOW_SAMPLES: Final = 400  # where a nonlinear map is asked row by row
+_SLOW_SAMPLES: Final = 200  # where a nonlinear map is asked row by row
 _SEED: Final = 1  # any: the same machine gives the same report
 _FIRST: Final = 0.25  # of an axis' range: the first steps of a climb
 _LAST: Final = 1e-5  # likewise the last ones: below a tenth of a millimetre
+_CLIMBS: Final = 2  # from the best positions: one may end beside the extreme
+_SAME_PLACES: Final = 7  # decimals of metres that decide between them: the last bits must not
 _BETTER: Final = 1e-9  # m: what is less is rounding, in which processors differ
 _MATTERS: Final = 7.0  # degrees, mm: an axis by which nothing changes over these does not matter
 _UPRIGHT: Final = 1e-9  # share across z of a direction that is upright
@@ -76,15 +79,12 @@ def reach_chapter(robot: Mechanism) -> Chapter:
 
 def _end(robot: Mechanism, measure: _Measure, found: Extreme) -> list[str]:
     """Return an extreme in mm, and the axes that matter there."""
-    values = found.axes.tolist()
-    moved = np.repeat(found.axes[None, :], len(values), axis=0) + _MATTERS * np.eye(len(values))
+    count = len(found.axes)
+    moved = np.repeat(found.axes[None, :], count, axis=0) + _MATTERS * np.eye(count)
     same = np.abs(measure(moved) - found.value) < _BETTER
-    at = [
-        f"{axis.name} {with_unit(value, axis.unit, 0)}"
-        for axis, value, free in zip(robot.axes, values, same.tolist(), strict=True)
-        if not free and not axis.held
-    ]
-    return [decimal(mm_from_m(found.value), 0), ", ".join(at)]
+    kept = [n for n, axis in enumerate(robot.axes) if not (same[n] or axis.held)]
+    at = named_values([robot.axes[n] for n in kept], found.axes[kept], 0)
+    return [decimal(mm_from_m(found.value), 0), at]
 
 
 def _measures(robot: Mechanism) -> Iterator[tuple[str, _Measure]]:
@@ -164,17 +164,35 @@ def _positions(robot: Mechanism) -> Matrix:
 
 def extreme_of(robot: Mechanism, measure: _Measure, start: Matrix, sign: float) -> Extreme:
     """Return the largest value of a length, for sign -1 the least, found from positions (N, n_axes)."""
+    values = sign * measure(start)
+    best = np.argsort(-values, kind="stable")[: _CLIMBS if robot.kinematics.product is not None else 1]
+    found = [_climbed(robot, measure, start[n], sign) for n in best.tolist()]
+    return max(found, key=lambda one: round(sign * one.value, _SAME_PLACES))
+
+
+def _ways(robot: Mechanism) -> Matrix:
+    """Return the directions (n, n_axes) of a climb: each axis alone, and pairs that limits tie together."""
     lower, upper = shown_limits(robot.chain)
     free = [n for n, axis in enumerate(robot.axes) if not axis.held]
-    values = sign * measure(start)
-    best = int(np.argmax(values))
-    axes, value = start[best].copy(), float(values[best])
+    alone = np.diag(upper - lower)[free]
+    coupled = sorted(robot.limits.together & set(free))
+    pairs = [
+        (np.eye(len(lower))[n] - sign * np.eye(len(lower))[m]) * min(upper[n] - lower[n], upper[m] - lower[m])
+        for n, m in combinations(coupled, 2)
+        for sign in (1.0, -1.0)
+    ]
+    ways: Matrix = np.concatenate([alone, *([pairs] if pairs else [])])
+    return np.concatenate([ways, -ways])
+
+
+def _climbed(robot: Mechanism, measure: _Measure, start: Vector, sign: float) -> Extreme:
+    """Return the extreme that a climb from a position (n_axes,) ends at."""
+    lower, upper = shown_limits(robot.chain)
+    ways = _ways(robot)
+    axes, value = start.copy(), float(sign * measure(start[None, :])[0])
     step = _FIRST
     while step > _LAST:
-        moved = np.repeat(axes[None, :], 2 * len(free), axis=0)
-        for k, n in enumerate(free):
-            moved[2 * k : 2 * k + 2, n] += np.array([-1.0, 1.0]) * step * (upper[n] - lower[n])
-        moved = np.clip(moved, lower, upper)
+        moved = np.clip(axes + step * ways, lower, upper)
         found = np.where(robot.limits.inside_rows(moved), sign * measure(moved), -np.inf)
         found = np.where(np.isfinite(found), found, -np.inf)
         k = int(np.argmax(found))

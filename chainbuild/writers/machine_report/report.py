@@ -47,11 +47,12 @@ def write_report(
     machine: Machine | None = None,
     selection: Selection | None = None,
 ) -> Path:
-    """Write the report of a machine to folder/NAME/: NAME.html, NAME.md and its pictures NAME_front.svg, …
+    """Write the report of a machine to folder/NAME/: NAME.html, NAME.md and pictures such as NAME_front.svg.
 
-    It says what the file says and what each datum moves, shows the machine, its axes, Denavit-Hartenberg parameters and
-    screws, reach, singular positions, what the manuals leave open and how to verify it, findings, and poses to compare with
-    the control. All texts are made before the first is written; the same machine gives the same files on every computer.
+    It tells what the file says and what each datum moves, what the manuals leave open and how to verify it; it shows
+    the machine, its axes, reach, singular positions, Denavit-Hartenberg parameters and screws, and lists poses to
+    compare with the control. All texts are made before the first is written; the same machine gives the same files on
+    every computer.
 
     Args:
         robot: The robot.
@@ -140,7 +141,7 @@ def _machine_chapter(robot: Mechanism, source: Source | None) -> Chapter:
 
 def _pose_in_words(chain: Chain) -> str:
     """Return what the control shows and takes as a pose."""
-    shown = ", ".join(column_title(name) for name in (*POSITION_COLUMNS, *chain.display_columns))
+    shown = ", ".join(column_title(name, chain) for name in (*POSITION_COLUMNS, *chain.display_columns))
     if chain.display.rtcp:
         return f"{shown} (RTCP: position and the machine's own rotary axes)"
     if chain.display.kind == "angles":

@@ -49,8 +49,8 @@ def rows_chapters(robot: Mechanism) -> tuple[Chapter, Chapter]:
 def _what_values_are(chain: Chain) -> Iterator[Block]:
     if named_by_joints(chain) and not chain.loops:
         yield Paragraph.of(
-            "A nonlinear map gives the joint values by the axis values: the rows below hold for the joint values, q[…], "
-            "which robot.q(axes) returns in metres and radians; here they are in mm and degrees."
+            "A nonlinear map gives the joint values by the axis values: the rows below hold for the joint values, "
+            "q[…], which robot.q(axes) returns in metres and radians; here they are in mm and degrees."
         )
 
 
@@ -60,7 +60,7 @@ def _why_no_rows(chain: Chain, found: dict[Tip, JointRow | None]) -> Iterator[Bl
             passive = [joint.name for joint in path_to(chain, chain.frame(tip).link)]
             yield Paragraph.of(
                 f"The {tip} hangs in closed loops: what moves it, {and_joined(passive)}, follows from the loops and "
-                "from no single axis, so a row of joints driven one by one does not exist. Its pose is that of robot.fk(axes)."
+                "from no single axis: there is no row of joints to tabulate. Its pose is that of robot.fk(axes)."
             )
 
 
@@ -87,9 +87,9 @@ def _matrix(T: Matrix) -> list[list[str]]:
 
 def _dh_blocks(rows: Sequence[JointRow]) -> Iterator[Block]:
     yield Paragraph.of(
-        "Standard: T = Π Rz(θ)·Tz(d)·Tx(a)·Rx(α). Modified (Craig): T = Π Rx(α)·Tx(a)·Rz(θ)·Tz(d). Every table is multiplied "
-        "out from its first row to its last, those of base and tip included; they are what the joints leave over. A name "
-        "stands for the value of that axis."
+        "Standard: T = Π Rz(θ)·Tz(d)·Tx(a)·Rx(α). Modified (Craig): T = Π Rx(α)·Tx(a)·Rz(θ)·Tz(d). A table is "
+        "multiplied out from its first row to its last; the rows of base and tip are what the joints leave over. A "
+        "name stands for the value of that axis."
     )
     for row in rows:
         try:
@@ -106,8 +106,8 @@ def _nearly_in_words(row: JointRow, reason: NearlyParallel) -> str:
     names = ["the base's z", *(joint.name for joint in row.joints), f"the {row.tip}'s z"]
     first, second = names[reason.first : reason.first + 2]
     return (
-        f"Base to {row.tip}: {first} and {second} are {decimal(reason.angle_deg, 6)}° from parallel. Their common normal lies "
-        "far away, and rows with rounded numbers would not give the poses; the product of exponentials does."
+        f"Base to {row.tip}: {first} and {second} are {decimal(reason.angle_deg, 6)}° from parallel. Their common "
+        "normal lies far away, and rows of rounded numbers would not give the poses; the product of exponentials does."
     )
 
 
@@ -128,8 +128,9 @@ def _dh_cells(row: JointRow, numbers: Sequence[DhRow], modified: bool) -> list[l
 
 def _screw_blocks(rows: Sequence[JointRow]) -> Iterator[Block]:
     yield Paragraph.of(
-        "T_base_tip = e^[S₁]θ₁ · … · e^[Sₙ]θₙ · M, screws S = (ω, v) in the base, M the tip with every value at 0. A turn: ω its "
-        "direction, v = −ω × p of a point p on its line [mm], θ in radians. A slide: ω = 0, v its direction, θ in mm."
+        "T_base_tip = e^[S₁]θ₁ · … · e^[Sₙ]θₙ · M, screws S = (ω, v) in the base, M the tip with every value at 0. "
+        "A turn: ω its direction, v = −ω × p of a point p on its line [mm], θ turned into radians. A slide: ω = 0, v "
+        "its direction, θ in mm."
     )
     for row in rows:
         yield Heading((f"Base to {row.tip}: screws",))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from chainbuild.analysis.singularity.measures import smallest_value
 from chainbuild.analysis.singularity.names import examine
 from chainbuild.analysis.singularity.nearest import nearest_singularity
 from chainbuild.analysis.singularity.words import rtcp_remark
@@ -21,11 +22,12 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.frames import ANGLE_MODES
 from chainbuild.units import deg_from_rad, si_factor
 from chainbuild.writers.machine_report.document.blocks import Block, Bullets, Chapter, Heading, Paragraph
-from chainbuild.writers.machine_report.document.numbers import decimal, with_unit
+from chainbuild.writers.machine_report.document.numbers import decimal, named_values
 from chainbuild.writers.machine_report.serial import DrivenJoint
 
 if TYPE_CHECKING:
     from chainbuild.analysis.singularity.singularity import Singularity
+    from chainbuild.analysis.singularity.structure import SingularityKind
     from chainbuild.arrays import Vector
     from chainbuild.kinematics.mechanism import Mechanism
 
@@ -33,6 +35,8 @@ _SEED: Final = 2  # any: the same machine gives the same report
 _STARTS: Final = 12  # positions from which a singularity is sought where no function tells all of them
 _GRID: Final = 7  # values of each other joint tried for a position on a surface
 _PLACES: Final = 2  # decimals of axis values
+_MATTERS: Final = 7.0  # degrees, mm: a position that stays singular over these does not depend on the axis
+_SINGULAR: Final = 1e-5  # scaled singular value, which a descent brings to 1e-7
 _SLIGHT: Final = 1e-9  # of an amplitude: what is less is rounding
 _TITLES: Final = {
     "wrist": "Wrist", "elbow": "Elbow", "shoulder": "Shoulder", "pole": "Pole", "tilt_end": "End of the tilt",
@@ -54,6 +58,9 @@ def singular_chapter(robot: Mechanism, reference: Vector) -> Chapter:
     if not found.complete:
         seen = {function.kind for function in found.functions}
         blocks += _sought(robot, seen)
+        if not blocks:
+            told = f"Sought by descent from {_STARTS} random positions: none was found inside the limits."
+            blocks.append(Paragraph.of(told))
     elif blocks:
         blocks.append(
             Paragraph.of("The robot is singular at these positions and nowhere else: proven by the determinant.")
@@ -77,7 +84,7 @@ def _function_blocks(robot: Mechanism, function: SingularFunction, reference: Ve
         place = _on_surface(robot, function, joints, reference)
         where = f"a surface in the values of {names}"
         if place is not None:
-            where += f", for instance at {_axes_in_words(robot, place)}"
+            where += f", for instance {_place_in_words(robot, place)}"
         places = [] if place is None else [place]
     if not places:
         yield Heading((_TITLES[function.kind],))
@@ -109,7 +116,7 @@ def _title(found: Singularity) -> str:
 
 
 def _roots_inside(robot: Mechanism, function: SingularFunction, joint: int, reference: Vector) -> list[float]:
-    """Return the values [rad] of the only joint of a function at which it is 0, as the limits of its axes leave them."""
+    """Return the values [rad] of the only joint of a function at which it is 0, inside the limits."""
     axis_map = _affine(robot)
     row, factors = axis_map.A[joint], robot.kinematics.si_factors
     sides = np.stack([row * end * factors for end in shown_limits(robot.chain)])
@@ -209,14 +216,15 @@ def _on_surface(
     return None
 
 
-def _axes_in_words(robot: Mechanism, axes: Vector) -> str:
-    return ", ".join(
-        f"{axis.name} {with_unit(value, axis.unit, _PLACES)}"
-        for axis, value in zip(robot.axes, axes.tolist(), strict=True)
-    )
+def _place_in_words(robot: Mechanism, axes: Vector) -> str:
+    """Return the axis values of a singular position, without those that do not matter."""
+    kept = [
+        n for n in range(len(axes)) if not smallest_value(robot, axes + _MATTERS * np.eye(len(axes))[n]) < _SINGULAR
+    ]
+    return named_values([robot.axes[n] for n in kept], axes[kept], _PLACES) or "everywhere"
 
 
-def _sought(robot: Mechanism, seen: set[str]) -> Iterator[Block]:
+def _sought(robot: Mechanism, seen: set[SingularityKind]) -> Iterator[Block]:
     """Yield the singularities that descents from random positions end at, one of each kind and axes."""
     told: dict[tuple[str, tuple[str, ...]], None] = {}
     for start in random_axes(robot, np.random.default_rng(_SEED), _STARTS):
@@ -235,7 +243,7 @@ def _sought(robot: Mechanism, seen: set[str]) -> Iterator[Block]:
                 yield Paragraph.of("Found by descent from random positions; there may be others.")
             told[key] = None
             yield Heading((_title(found),))
-            yield Paragraph.of(f"Where: for instance at {_axes_in_words(robot, nearest.axes)}.")
+            yield Paragraph.of(f"Where: for instance {_place_in_words(robot, nearest.axes)}.")
             texts = [text for text in (found.sentence, _own_remark(robot, found)) if text]
             yield Bullets(tuple(Paragraph.of(f"{text[0].upper()}{text[1:]}.") for text in texts))
 
@@ -250,6 +258,6 @@ def _gimbal_lock(robot: Mechanism) -> Iterator[Block]:
     where = f"{b} = 0° and 180°" if first == last else f"{b} = 90° and {b} = -90°"
     yield Heading(("Pose angles",))
     yield Paragraph.of(
-        f"At {where} the angles {a} and {c} turn about the same line ({mode.meaning}): no motion is lost, but the control may "
-        f"show another pair {a}, {c} for the same orientation."
+        f"At {where} the angles {a} and {c} turn about the same line ({mode.meaning}): no motion is lost, but "
+        f"the control may show another pair {a}, {c} for the same orientation."
     )

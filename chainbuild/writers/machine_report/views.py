@@ -10,7 +10,7 @@ from chainbuild.painting.picture import drawing_svg
 from chainbuild.painting.stage import Stage
 from chainbuild.painting.views import ViewName
 from chainbuild.writers.machine_report.document.blocks import Block, Chapter, Drawing, Drawings, Paragraph
-from chainbuild.writers.machine_report.document.numbers import with_unit
+from chainbuild.writers.machine_report.document.numbers import named_values
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -38,10 +38,7 @@ def pictures_chapter(robot: Mechanism, lengths: Sequence[Dimension]) -> Chapter:
         return Chapter("Pictures", [Paragraph.of(f"The machine has no pose at home: {reason.message}.")])
     called = _CALLED.get(robot.chain.dialect, {})
     drawn = tuple(Drawing(view, title, drawing_svg(stage, view, _SIZE, lengths, called)) for view, title in _VIEWS)
-    home = ", ".join(
-        f"{axis.name} {with_unit(value, axis.unit)}"
-        for axis, value in zip(robot.axes, stage.axes.tolist(), strict=True)
-    )
+    home = named_values(robot.axes, stage.axes.tolist())
     told = "Frames are drawn red, green, blue for x, y, z."
     if lengths:
         told += (

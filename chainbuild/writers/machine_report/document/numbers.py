@@ -9,15 +9,16 @@ one it is shown on first: a length given to the digit shown does not fall with i
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Final
 
+from chainbuild.chain.elements import Axis
 from chainbuild.units import AxisUnit
 
 _FINER: Final = 3  # decimals more in which the noise of a product lies
 _DATA: Final = 6  # decimals of mm and degrees: finer than any machine datum
 _HALF_TURN: Final = -180.0  # degrees: the same angle as +180, between which the last bit would choose
-_SIGNS: Final[dict[AxisUnit, str]] = {"deg": "°", "mm": " mm"}
+_SIGNS: Final[dict[AxisUnit, str]] = {"deg": "°", "mm": "\u00a0mm"}
 
 
 def decimal(value: float, places: int = _DATA) -> str:
@@ -36,9 +37,11 @@ def angle(value: float, places: int) -> str:
     return fixed(-value if round(value, places) == _HALF_TURN else value, places)
 
 
-def decimals(values: Iterable[float], places: int = _DATA) -> str:
-    """Return numbers in a row."""
-    return ", ".join(decimal(float(value), places) for value in values)
+def named_values(axes: Sequence[Axis], values: Iterable[float], places: int = _DATA) -> str:
+    """Return axis values by name: "A1 30°, X 12.5 mm"."""
+    # No line ends between a name and its value.
+    pairs = zip(axes, values, strict=True)
+    return ", ".join(f"{axis.name}\u00a0{with_unit(float(value), axis.unit, places)}" for axis, value in pairs)
 
 
 def with_unit(value: float, unit: AxisUnit, places: int = _DATA) -> str:

@@ -1,9 +1,9 @@
-"""A report as one self-contained HTML page: no scripts, the pictures inside, everything that comes from a file escaped."""
+"""A report as one HTML page: no scripts, the pictures inside, everything that comes from a file escaped."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from typing import Final
 
@@ -65,24 +65,35 @@ def _figure(drawing: Drawing) -> str:
 
 def _table(block: Grid) -> str:
     numeric = [_is_numeric([row[n] for row in block.rows]) for n in range(len(block.head))]
-    titles = "".join(
-        f"<th{_class('n' if right else '')}>{_text(t)}</th>" for t, right in zip(block.head, numeric, strict=True)
-    )
+    pairs = zip(block.head, numeric, strict=True)
+    titles = "".join(f"<th{_class('n' if right else '')}>{_text(title)}</th>" for title, right in pairs)
     head = f"<thead><tr>{titles}</tr></thead>" if any(block.head) else ""
-    rows = "".join(_row(row, numeric, form=block.kind == "form") for row in block.rows)
-    return f'<div class="wide"><table class="{block.kind}">{head}<tbody>{rows}</tbody></table></div>'
+    if block.kind == "form":
+        body = "".join(_form_rows(block, numeric))
+    else:
+        body = f"<tbody>{''.join(_row(row, numeric) for row in block.rows)}</tbody>"
+    return f'<div class="wide"><table class="{block.kind}">{head}{body}</table></div>'
 
 
-def _row(row: Sequence[str], numeric: Sequence[bool], *, form: bool) -> str:
-    cells = []
-    for cell, right in zip(row, numeric, strict=True):
-        kind = "n" if right else "short" if len(cell) <= _SHORT else ""
-        if form and not cell:
-            kind = "blank"
-        if cell == TICK:
-            kind = "tick"
-        cells.append(f"<td{_class(kind)}>{_span(cell)}</td>")
-    return f"<tr{_class('first' if form and row[0] else '')}>{''.join(cells)}</tr>"
+def _row(row: Sequence[str], numeric: Sequence[bool]) -> str:
+    return f"<tr>{''.join(_cell(cell, right) for cell, right in zip(row, numeric, strict=True))}</tr>"
+
+
+def _form_rows(block: Grid, numeric: Sequence[bool]) -> Iterator[str]:
+    """Yield the rows of a form in pairs: what is said once for both stands across them."""
+    for upper, lower in zip(block.rows[::2], block.rows[1::2], strict=True):
+        labels = range(next(n for n, cell in enumerate(lower) if cell))
+        once = {*labels, *(n for n, cell in enumerate(upper) if cell == TICK)}
+        cells = [_cell(cell, numeric[n], ' rowspan="2"' if n in once else "") for n, cell in enumerate(upper)]
+        yield f"<tbody><tr>{''.join(cells)}</tr>"
+        rest = [(cell, numeric[n]) for n, cell in enumerate(lower) if n not in once]
+        below = "".join(_cell(cell, right) if cell else '<td class="blank"></td>' for cell, right in rest)
+        yield f"<tr>{below}</tr></tbody>"
+
+
+def _cell(cell: str, right: bool, span: str = "") -> str:
+    kind = "tick" if cell == TICK else "n" if right else "short" if len(cell) <= _SHORT else ""
+    return f"<td{_class(kind)}{span}>{_span(cell)}</td>"
 
 
 def _is_numeric(cells: Sequence[str]) -> bool:
@@ -98,7 +109,10 @@ def _line(parts: Iterable[str]) -> str:
 
 
 def _span(text: str) -> str:
-    return f"<code>{_text(text)}</code>" if isinstance(text, Verbatim) and text else _text(text)
+    if not isinstance(text, Verbatim) or not text:
+        return _text(text)
+    # A long name may be folded behind its underscores, and nowhere else.
+    return f"<code>{_text(text).replace('_', '_<wbr>')}</code>"
 
 
 def _text(text: str) -> str:
