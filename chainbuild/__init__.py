@@ -163,6 +163,7 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.units import AxisUnit as AxisUnit
     from chainbuild.units import Units as Units
     from chainbuild.writers.export import export as export
+    from chainbuild.writers.machine_report.report import write_report as write_report
     from chainbuild.writers.mjcf import write_mjcf as write_mjcf
     from chainbuild.writers.urdf import write_urdf as write_urdf
 
@@ -244,6 +245,7 @@ _HOMES = {
     "chainbuild.tables.recording": "Recording read_recording",
     "chainbuild.units": "AxisKind AxisLabels AxisUnit Units",
     "chainbuild.writers.export": "export",
+    "chainbuild.writers.machine_report.report": "write_report",
     "chainbuild.writers.mjcf": "write_mjcf",
     "chainbuild.writers.urdf": "write_urdf",
 }

@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING
 from chainbuild.chain.followers import followers
 from chainbuild.closest import and_joined
 from chainbuild.formats.listing import axis_meanings, limits_source
-from chainbuild.writers.machine_report.document.blocks import Block, Bullets, Chapter, Heading, Paragraph, grid
+from chainbuild.writers.machine_report.document.blocks import (
+    Bullets,
+    Chapter,
+    Heading,
+    Paragraph,
+    ReportBlock,
+    table_block,
+)
 from chainbuild.writers.machine_report.document.numbers import decimal
 from chainbuild.writers.notes import axis_map_in_words
 
@@ -24,7 +31,7 @@ def axes_chapter(robot: Mechanism, machine: Machine | None) -> Chapter:
     return Chapter("Axes, limits and drives", [_axes(robot.chain, machine), *_together(robot), *_joints(robot.chain)])
 
 
-def _axes(chain: Chain, machine: Machine | None) -> Block:
+def _axes(chain: Chain, machine: Machine | None) -> ReportBlock:
     meanings = axis_meanings(chain) or [""] * len(chain.axes)
     two_sided = len({axis.carries for axis in chain.axes}) > 1
     rows = []
@@ -41,7 +48,7 @@ def _axes(chain: Chain, machine: Machine | None) -> Block:
     head = (
         "Axis", "Generic", "Kind", "Unit", "Lower", "Upper", "Limits from", "Speed", "Carries", "Remarks", "Meaning"
     )  # fmt: skip
-    return grid(head, rows)
+    return table_block(head, rows)
 
 
 def _remarks(axis: Axis) -> str:
@@ -53,7 +60,7 @@ def _remarks(axis: Axis) -> str:
     return ", ".join(remarks)
 
 
-def _together(robot: Mechanism) -> Iterator[Block]:
+def _together(robot: Mechanism) -> Iterator[ReportBlock]:
     limits, chain = robot.limits, robot.chain
     sums = [
         [one.label, _sum_in_words(chain, one.sum.coefficients, one.sum.offset), decimal(one.lower), decimal(one.upper)]
@@ -61,7 +68,7 @@ def _together(robot: Mechanism) -> Iterator[Block]:
     ]
     if sums:
         yield Heading(("Limits on sums of axes",))
-        yield grid(("What", "Sum", "Lower", "Upper"), sums)
+        yield table_block(("What", "Sum", "Lower", "Upper"), sums)
     if chain.drives is None:
         yield Paragraph.of("Every drive stands at its axis value.")
         return
@@ -82,7 +89,7 @@ def _together(robot: Mechanism) -> Iterator[Block]:
         speed = "–" if drive.max_speed is None else f"{decimal(drive.max_speed)} {axis.unit}/s"
         rows.append([limits.drive_name(drive), axis.unit, *ends, speed])
     if rows:
-        yield grid(("Drive", "Unit", "Lower", "Upper", "Speed"), rows)
+        yield table_block(("Drive", "Unit", "Lower", "Upper", "Speed"), rows)
 
 
 def _sum_in_words(chain: Chain, coefficients: tuple[float, ...], offset: float) -> str:
@@ -96,7 +103,7 @@ def _sum_in_words(chain: Chain, coefficients: tuple[float, ...], offset: float) 
     return " ".join(parts).removeprefix("+ ")
 
 
-def _joints(chain: Chain) -> Iterator[Block]:
+def _joints(chain: Chain) -> Iterator[ReportBlock]:
     """Yield what joints do that no axis of their name drives, and what closes loops."""
     if chain.loops:
         axes = {axis.name for axis in chain.axes}
@@ -107,7 +114,7 @@ def _joints(chain: Chain) -> Iterator[Block]:
             f"{'s' * (len(chain.loops) > 1)}. No axis drives {and_joined(passive)}: they follow from the loops."
         )
         loops = [[one.name, one.kind, one.frame_a, one.frame_b] for one in chain.loops]
-        yield grid(("Loop", "Kind", "From frame", "To frame"), loops)
+        yield table_block(("Loop", "Kind", "From frame", "To frame"), loops)
         return
     equations = axis_map_in_words(chain)
     masters = followers(chain)

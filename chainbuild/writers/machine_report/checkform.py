@@ -9,7 +9,7 @@ from chainbuild.chain.programmed.display import ANGLE_COLUMNS, TOOL_COLUMNS
 from chainbuild.closest import and_joined
 from chainbuild.kinematics.displayed import displayed
 from chainbuild.writers.machine_report.checkposes import CheckPose, CheckPoses, moved_both_ways
-from chainbuild.writers.machine_report.document.blocks import Block, Bullets, Chapter, Grid, Paragraph
+from chainbuild.writers.machine_report.document.blocks import Bullets, Chapter, Paragraph, ReportBlock, TableBlock
 from chainbuild.writers.machine_report.document.numbers import angle, fixed, named_values
 from chainbuild.writers.machine_report.document.page import TICK
 
@@ -33,7 +33,7 @@ def check_chapter(robot: Mechanism, found: CheckPoses) -> Chapter:
     return Chapter(title, [*_told(robot, found), _form(robot, found)])
 
 
-def _told(robot: Mechanism, found: CheckPoses) -> Iterator[Block]:
+def _told(robot: Mechanism, found: CheckPoses) -> Iterator[ReportBlock]:
     singles = {pose.moved for pose in found.poses}
     yield Paragraph.of(
         "Drive to each pose before switching the transformation on: axis by axis in JOG, at reduced override. Compare "
@@ -77,7 +77,7 @@ def _ways_in_words(robot: Mechanism, found: CheckPoses) -> str:
     )
 
 
-def _form(robot: Mechanism, found: CheckPoses) -> Block:
+def _form(robot: Mechanism, found: CheckPoses) -> ReportBlock:
     drives = robot.chain.drives is not None and bool(robot.chain.drives.differing)
     rows: list[list[str]] = []
     head: tuple[str, ...] = ()
@@ -102,7 +102,7 @@ def _form(robot: Mechanism, found: CheckPoses) -> Block:
             *(column_title(name, robot.chain) for name in columns),
             "✓",
         )
-    return Grid(head, rows, "form")
+    return TableBlock(head, rows, "form")
 
 
 def _moved_in_words(robot: Mechanism, pose: CheckPose, first: CheckPose) -> str:

@@ -46,7 +46,7 @@ _SEED: Final = 4  # any: the same machine gives the same poses
 # Positions among which the first is chosen, how many of the best of them are looked at for collisions, and which share
 # of its usual step an axis has left to both sides.
 _QUICK: Final = (600, 60, 1.0)
-_THOROUGH: Final = (4000, 4000, 0.2)
+_THOROUGH: Final = (2500, 2500, 0.2)
 # Which shares of the axes go to the side they went to before, and which share moves at all, in the order tried.
 _MIXES: Final = ((0.0, 1.0), (0.25, 1.0), (0.5, 1.0), (0.2, 0.5), (0.0, 0.25))
 _TRIED: Final = 60  # of positions that move all axes, looked at for collisions
@@ -168,7 +168,8 @@ class _Search:
             middle = (self.low + self.high) / 2.0
         drawn = random_axis_values(robot.chain.axis_map, self.rng, self.low, self.high, count)
         share = self.rng.uniform(0.0, 1.0, drawn.shape)
-        share[::2] **= 2  # half of them near home
+        share[::2] **= 2  # some near home, some anywhere
+        share[::3] = 1.0
         rows = middle + share * (drawn - middle)
         rows = np.clip(rows, self.low + room * self.usual, self.high - room * self.usual)
         step = np.where(self.range / self.unit > _FINE * _ROUND, _ROUND, 1.0) * self.unit
@@ -247,6 +248,8 @@ class _Search:
     def _safe(self, axes: Vector) -> bool:
         """Return whether a position is inside all limits, shown unambiguously, not singular, and clear of bodies."""
         robot = self.robot
+        if self.bodies.pairs and not (self.bodies.distances(axes) > self.clearance).all():
+            return False
         try:
             if robot.violated_limits(axes) or not smallest_value(robot, axes) >= _SMALLEST:
                 return False
@@ -257,7 +260,7 @@ class _Search:
                 return False
         except ChainbuildError:
             return False
-        return not self.bodies.pairs or bool((self.bodies.distances(axes) > self.clearance).all())
+        return True
 
     def _free(self, start: Vector, end: Vector) -> bool:
         """Return whether all axes can move straight from one position to another, inside the limits."""

@@ -6,7 +6,15 @@ from collections.abc import Iterable, Iterator
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
-from chainbuild.writers.machine_report.document.blocks import Block, Chapter, Grid, Heading, Paragraph, Verbatim, grid
+from chainbuild.writers.machine_report.document.blocks import (
+    Chapter,
+    Heading,
+    Paragraph,
+    ReportBlock,
+    TableBlock,
+    Verbatim,
+    table_block,
+)
 from chainbuild.writers.machine_report.document.page import TICK
 
 if TYPE_CHECKING:
@@ -22,7 +30,7 @@ def conventions_chapter(used: Iterable[UsedConvention]) -> Chapter:
     return Chapter("What the manuals leave open", list(_convention_blocks(ordered)))
 
 
-def _convention_blocks(used: list[UsedConvention]) -> Iterator[Block]:
+def _convention_blocks(used: list[UsedConvention]) -> Iterator[ReportBlock]:
     if not used:
         yield Paragraph.of("Nothing that shapes this machine: no convention was asked.")
         return
@@ -47,7 +55,7 @@ def _convention_blocks(used: list[UsedConvention]) -> Iterator[Block]:
             ["Source", convention.source],
             ["Verified", f"{TICK} as in force   {TICK} otherwise:"],
         ]
-        yield Grid(("", ""), rows, "facts")
+        yield TableBlock(("", ""), rows, "facts")
 
 
 def findings_chapter(findings: Iterable[Finding]) -> Chapter:
@@ -55,7 +63,7 @@ def findings_chapter(findings: Iterable[Finding]) -> Chapter:
     rows = [[one.code, one.severity, _place(one), _text(one), one.hint or ""] for one in findings]
     if not rows:
         return Chapter("Findings", [Paragraph.of("None.")])
-    return Chapter("Findings", [grid(("Number", "Severity", "Where", "What", "Hint"), rows)])
+    return Chapter("Findings", [table_block(("Number", "Severity", "Where", "What", "Hint"), rows)])
 
 
 def _place(finding: Finding) -> str:

@@ -17,7 +17,14 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.formats.effects import Effect, effect_at, next_value
 from chainbuild.formats.entries import TOOL_LENGTH
 from chainbuild.formats.listing import array_name, arrays_of, line_of, lines_of
-from chainbuild.writers.machine_report.document.blocks import Block, Chapter, Heading, Paragraph, Verbatim, grid
+from chainbuild.writers.machine_report.document.blocks import (
+    Chapter,
+    Heading,
+    Paragraph,
+    ReportBlock,
+    Verbatim,
+    table_block,
+)
 from chainbuild.writers.machine_report.document.numbers import decimal
 
 if TYPE_CHECKING:
@@ -35,7 +42,7 @@ _SEEN: Final = 5e-4  # mm, degrees: what three decimals show
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class DataSource:
     """A machine file and which of its kinematics is reported.
 
     Attributes:
@@ -61,7 +68,7 @@ class Source:
         return (*self.machine.geometry(one.kinematic, one.channel), *tool)
 
 
-def data_chapter(robot: Mechanism, source: Source | None) -> Chapter:
+def data_chapter(robot: Mechanism, source: DataSource | None) -> Chapter:
     """Return the chapter on the data of the file: those that move the machine, those that choose it, the others."""
     title = "What the file says"
     if source is None:
@@ -69,7 +76,7 @@ def data_chapter(robot: Mechanism, source: Source | None) -> Chapter:
     return Chapter(title, list(_data_blocks(robot, source)))
 
 
-def _data_blocks(robot: Mechanism, source: Source) -> Iterator[Block]:
+def _data_blocks(robot: Mechanism, source: DataSource) -> Iterator[ReportBlock]:
     one = source.selection
     try:
         rows = source.machine.parameters(one.kinematic, one.channel)
@@ -86,7 +93,7 @@ def _data_blocks(robot: Mechanism, source: Source) -> Iterator[Block]:
         "machine means by the length: a number that moves something else has the wrong place or the wrong sign."
     )
     given = [datum for datum in effects if datum.name in moving and (datum.span is not None or datum.name not in names)]
-    yield grid(
+    yield table_block(
         ("Name", "Symbol", "Value", "Unit", "Meaning", "Moves", "Line"),
         [_moving_row(datum, effects[datum], rows) for datum in given],
     )
@@ -152,7 +159,7 @@ def _links_in_words(links: Sequence[str]) -> str:
     return and_joined(list(links)) if links else ""
 
 
-def _parameter_table(rows: Sequence[ParameterRow]) -> Block:
+def _parameter_table(rows: Sequence[ParameterRow]) -> ReportBlock:
     cells = []
     for group in arrays_of(rows):
         first = group[0]
@@ -160,7 +167,7 @@ def _parameter_table(rows: Sequence[ParameterRow]) -> Block:
         name, symbol = array_name(group), first.symbol if first.symbol != first.name else ""
         line = lines_of(group) if first.given else ""
         cells.append([Verbatim(name), symbol, values, first.unit, first.meaning, line])
-    return grid(("Name", "Symbol", "Value", "Unit", "Meaning", "Line"), cells)
+    return table_block(("Name", "Symbol", "Value", "Unit", "Meaning", "Line"), cells)
 
 
 def _shown(value: float | int | str | None) -> str:
@@ -169,7 +176,7 @@ def _shown(value: float | int | str | None) -> str:
     return decimal(value) if isinstance(value, float) else str(value)
 
 
-def _effects(robot: Mechanism, source: Source) -> dict[Datum, str]:
+def _effects(robot: Mechanism, source: DataSource) -> dict[Datum, str]:
     """Return what a change of each datum moves, in words; empty: nothing anywhere."""
     here = source.chain({})
     home = home_of(robot.chain)
@@ -181,7 +188,7 @@ def _effects(robot: Mechanism, source: Source) -> dict[Datum, str]:
     return found
 
 
-def _effect_of(source: Source, datum: Datum, here: Chain, places: Sequence[Vector]) -> str:
+def _effect_of(source: DataSource, datum: Datum, here: Chain, places: Sequence[Vector]) -> str:
     try:
         there = source.chain({datum: next_value(datum, datum.value)})
     except ChainbuildError:

@@ -23,7 +23,7 @@ from chainbuild.frames import inverse, transform
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.shown import fields_shown
 from chainbuild.units import mm_from_m
-from chainbuild.writers.machine_report.document.blocks import Chapter, Grid, Paragraph
+from chainbuild.writers.machine_report.document.blocks import Chapter, Paragraph, TableBlock
 from chainbuild.writers.machine_report.document.numbers import decimal, named_values
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def reach_chapter(robot: Mechanism) -> Chapter:
     if held:
         told += f"; {', '.join(held)} at 0 or the limit next to it"
     head = ("Length", "Least [mm]", "at", "Largest [mm]", "at")
-    return Chapter("Reach", [Paragraph.of(f"{told}. Self-collision is not looked at here."), Grid(head, rows)])
+    return Chapter("Reach", [Paragraph.of(f"{told}. Self-collision is not looked at here."), TableBlock(head, rows)])
 
 
 def _end(robot: Mechanism, measure: _Measure, found: Extreme) -> list[str]:

@@ -22,10 +22,10 @@ from chainbuild.writers.machine_report.axes import axes_chapter
 from chainbuild.writers.machine_report.checkform import check_chapter, column_title
 from chainbuild.writers.machine_report.checkposes import CheckPoses, check_poses
 from chainbuild.writers.machine_report.choices import conventions_chapter, findings_chapter
-from chainbuild.writers.machine_report.document.blocks import Chapter, Report, Verbatim, grid
+from chainbuild.writers.machine_report.document.blocks import Chapter, Report, Verbatim, table_block
 from chainbuild.writers.machine_report.document.markdown import markdown_text
 from chainbuild.writers.machine_report.document.page import page_text
-from chainbuild.writers.machine_report.given import Source, data_chapter, file_name
+from chainbuild.writers.machine_report.given import DataSource, data_chapter, file_name
 from chainbuild.writers.machine_report.reach import reach_chapter
 from chainbuild.writers.machine_report.rows import rows_chapters
 from chainbuild.writers.machine_report.singular import singular_chapter
@@ -115,7 +115,7 @@ def machine_report(robot: Mechanism, machine: Machine | None, selection: Selecti
     return Report(f"{robot.chain.title}: commissioning report", robot.name, chapters)
 
 
-def _machine_chapter(robot: Mechanism, source: Source | None) -> Chapter:
+def _machine_chapter(robot: Mechanism, source: DataSource | None) -> Chapter:
     chain = robot.chain
     rows: list[Sequence[str]] = [
         ["Machine", chain.title],
@@ -136,7 +136,7 @@ def _machine_chapter(robot: Mechanism, source: Source | None) -> Chapter:
         ["A pose", _pose_in_words(chain)],
         ["Made by", f"chainbuild {__version__}"],
     ]
-    return Chapter("Machine", [grid(("", ""), rows, "facts")])
+    return Chapter("Machine", [table_block(("", ""), rows, "facts")])
 
 
 def _pose_in_words(chain: Chain) -> str:
@@ -157,14 +157,14 @@ def _reference(robot: Mechanism, found: CheckPoses) -> Vector:
     return middle
 
 
-def _source(robot: Mechanism, machine: Machine, selection: Selection) -> Source:
+def _source(robot: Mechanism, machine: Machine, selection: Selection) -> DataSource:
     """Return where the data of a robot come from.
 
     Raises:
         ChainbuildError: it is not of this machine.
     """
     conventions = {one.convention.name: one.choice for one in robot.chain.conventions}
-    source = Source(machine, selection, conventions)
+    source = DataSource(machine, selection, conventions)
     own, chain = robot.chain, source.chain({})
     same = len(own.joints) == len(chain.joints) and all(
         one.name == other.name and np.abs(one.T_parent_joint - other.T_parent_joint).max() < _SAME
@@ -179,6 +179,6 @@ def _source(robot: Mechanism, machine: Machine, selection: Selection) -> Source:
     return source
 
 
-def _lengths(source: Source) -> tuple[Dimension, ...]:
+def _lengths(source: DataSource) -> tuple[Dimension, ...]:
     one = source.selection
     return dimensions(source.machine, one.kinematic, one.channel, one.tool_length_mm, source.conventions)

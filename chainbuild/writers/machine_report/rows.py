@@ -11,7 +11,7 @@ from chainbuild.chain.poses import path_to
 from chainbuild.closest import and_joined
 from chainbuild.units import mm_from_m
 from chainbuild.writers.machine_report.dh import DhRow, NearlyParallel, dh_form
-from chainbuild.writers.machine_report.document.blocks import Block, Chapter, Grid, Heading, Paragraph
+from chainbuild.writers.machine_report.document.blocks import Chapter, Heading, Paragraph, ReportBlock, TableBlock
 from chainbuild.writers.machine_report.document.numbers import decimal
 from chainbuild.writers.machine_report.serial import JointRow, Tip, joint_row, named_by_joints
 
@@ -46,7 +46,7 @@ def rows_chapters(robot: Mechanism) -> tuple[Chapter, Chapter]:
     )
 
 
-def _what_values_are(chain: Chain) -> Iterator[Block]:
+def _what_values_are(chain: Chain) -> Iterator[ReportBlock]:
     if named_by_joints(chain) and not chain.loops:
         yield Paragraph.of(
             "A nonlinear map gives the joint values by the axis values: the rows below hold for the joint values, "
@@ -54,7 +54,7 @@ def _what_values_are(chain: Chain) -> Iterator[Block]:
         )
 
 
-def _why_no_rows(chain: Chain, found: dict[Tip, JointRow | None]) -> Iterator[Block]:
+def _why_no_rows(chain: Chain, found: dict[Tip, JointRow | None]) -> Iterator[ReportBlock]:
     for tip, row in found.items():
         if row is None:
             passive = [joint.name for joint in path_to(chain, chain.frame(tip).link)]
@@ -85,7 +85,7 @@ def _matrix(T: Matrix) -> list[list[str]]:
     ]
 
 
-def _dh_blocks(rows: Sequence[JointRow]) -> Iterator[Block]:
+def _dh_blocks(rows: Sequence[JointRow]) -> Iterator[ReportBlock]:
     yield Paragraph.of(
         "Standard: T = Π Rz(θ)·Tz(d)·Tx(a)·Rx(α). Modified (Craig): T = Π Rx(α)·Tx(a)·Rz(θ)·Tz(d). A table is "
         "multiplied out from its first row to its last; the rows of base and tip are what the joints leave over. A "
@@ -99,7 +99,7 @@ def _dh_blocks(rows: Sequence[JointRow]) -> Iterator[Block]:
             continue
         for modified, numbers in ((False, form.standard), (True, form.modified)):
             yield Heading((f"Base to {row.tip}, {'modified' if modified else 'standard'}",))
-            yield Grid(_DH_HEAD[modified], _dh_cells(row, numbers, modified))
+            yield TableBlock(_DH_HEAD[modified], _dh_cells(row, numbers, modified))
 
 
 def _nearly_in_words(row: JointRow, reason: NearlyParallel) -> str:
@@ -126,7 +126,7 @@ def _dh_cells(row: JointRow, numbers: Sequence[DhRow], modified: bool) -> list[l
     return [one for n, one in enumerate(cells) if 0 < n < len(cells) - 1 or set(one[1:]) != {"0"}]
 
 
-def _screw_blocks(rows: Sequence[JointRow]) -> Iterator[Block]:
+def _screw_blocks(rows: Sequence[JointRow]) -> Iterator[ReportBlock]:
     yield Paragraph.of(
         "T_base_tip = e^[S₁]θ₁ · … · e^[Sₙ]θₙ · M, screws S = (ω, v) in the base, M the tip with every value at 0. "
         "A turn: ω its direction, v = −ω × p of a point p on its line [mm], θ turned into radians. A slide: ω = 0, v "
@@ -135,9 +135,9 @@ def _screw_blocks(rows: Sequence[JointRow]) -> Iterator[Block]:
     for row in rows:
         yield Heading((f"Base to {row.tip}: screws",))
         head = ("Joint", "θ", "unit", "ωx", "ωy", "ωz", "vx", "vy", "vz")
-        yield Grid(head, _screw_cells(row))
+        yield TableBlock(head, _screw_cells(row))
         yield Heading((f"Base to {row.tip}: M",))
-        yield Grid(("x axis", "y axis", "z axis", "origin [mm]"), _matrix(row.T))
+        yield TableBlock(("x axis", "y axis", "z axis", "origin [mm]"), _matrix(row.T))
 
 
 def _screw_cells(row: JointRow) -> list[list[str]]:

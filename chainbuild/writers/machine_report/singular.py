@@ -21,7 +21,7 @@ from chainbuild.drawing.site import home_of
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import ANGLE_MODES
 from chainbuild.units import deg_from_rad, si_factor
-from chainbuild.writers.machine_report.document.blocks import Block, Bullets, Chapter, Heading, Paragraph
+from chainbuild.writers.machine_report.document.blocks import Bullets, Chapter, Heading, Paragraph, ReportBlock
 from chainbuild.writers.machine_report.document.numbers import decimal, named_values
 from chainbuild.writers.machine_report.serial import DrivenJoint
 
@@ -52,7 +52,7 @@ def singular_chapter(robot: Mechanism, reference: Vector) -> Chapter:
         reference: (n_axes,) axis values of a position that is not singular; the axes that do not matter stand there.
     """
     found = singular_functions(robot)
-    blocks: list[Block] = []
+    blocks: list[ReportBlock] = []
     for function in found.functions:
         blocks += _function_blocks(robot, function, reference)
     if not found.complete:
@@ -73,7 +73,7 @@ def singular_chapter(robot: Mechanism, reference: Vector) -> Chapter:
     return Chapter("Singular positions", blocks)
 
 
-def _function_blocks(robot: Mechanism, function: SingularFunction, reference: Vector) -> Iterator[Block]:
+def _function_blocks(robot: Mechanism, function: SingularFunction, reference: Vector) -> Iterator[ReportBlock]:
     joints = [int(n) for n in np.flatnonzero(np.abs(function.multiples).max(axis=0))]
     if len(joints) == 1:
         values = _roots_inside(robot, function, joints[0], reference)
@@ -95,7 +95,7 @@ def _function_blocks(robot: Mechanism, function: SingularFunction, reference: Ve
     yield from _named(robot, function.kind, where, places)
 
 
-def _named(robot: Mechanism, kind: str, where: str, places: Sequence[Vector]) -> Iterator[Block]:
+def _named(robot: Mechanism, kind: str, where: str, places: Sequence[Vector]) -> Iterator[ReportBlock]:
     """Yield what there is to say on a kind of singularity, in the words for positions on it."""
     wanted = ("pole", "tilt_end") if kind == "pole" else (kind,)
     told = [found for axes in places for found in examine(robot, axes).names if found.kind in wanted]
@@ -224,7 +224,7 @@ def _place_in_words(robot: Mechanism, axes: Vector) -> str:
     return named_values([robot.axes[n] for n in kept], axes[kept], _PLACES) or "everywhere"
 
 
-def _sought(robot: Mechanism, seen: set[SingularityKind]) -> Iterator[Block]:
+def _sought(robot: Mechanism, seen: set[SingularityKind]) -> Iterator[ReportBlock]:
     """Yield the singularities that descents from random positions end at, one of each kind and axes."""
     told: dict[tuple[str, tuple[str, ...]], None] = {}
     for start in random_axes(robot, np.random.default_rng(_SEED), _STARTS):
@@ -248,7 +248,7 @@ def _sought(robot: Mechanism, seen: set[SingularityKind]) -> Iterator[Block]:
             yield Bullets(tuple(Paragraph.of(f"{text[0].upper()}{text[1:]}.") for text in texts))
 
 
-def _gimbal_lock(robot: Mechanism) -> Iterator[Block]:
+def _gimbal_lock(robot: Mechanism) -> Iterator[ReportBlock]:
     """Yield where the displayed angles are not unique, which loses no motion."""
     chain = robot.chain
     mode = ANGLE_MODES[chain.angle_mode]

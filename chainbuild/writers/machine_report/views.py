@@ -9,7 +9,7 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.painting.picture import drawing_svg
 from chainbuild.painting.stage import Stage
 from chainbuild.painting.views import ViewName
-from chainbuild.writers.machine_report.document.blocks import Block, Chapter, Drawing, Drawings, Paragraph
+from chainbuild.writers.machine_report.document.blocks import Chapter, Drawing, Drawings, Paragraph, ReportBlock
 from chainbuild.writers.machine_report.document.numbers import named_values
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def pictures_chapter(robot: Mechanism, lengths: Sequence[Dimension]) -> Chapter:
         told += (
             " Blue lines are lengths of the machine data that are not 0, from where what they place would be without."
         )
-    blocks: list[Block] = [
+    blocks: list[ReportBlock] = [
         Paragraph.of(f"At home: {home}. {told} Machine data say nothing of castings: the bodies are assumed by rule."),
         Drawings(drawn),
     ]

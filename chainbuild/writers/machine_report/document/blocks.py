@@ -52,7 +52,7 @@ class Heading:
 
 
 @dataclass(frozen=True, slots=True)
-class Grid:
+class TableBlock:
     """A table.
 
     Attributes:
@@ -94,7 +94,7 @@ class Drawings:
     drawings: tuple[Drawing, ...]
 
 
-Block = Paragraph | Bullets | Heading | Grid | Drawings
+ReportBlock = Paragraph | Bullets | Heading | TableBlock | Drawings
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +109,7 @@ class Chapter:
     __repr__ = fields_shown
 
     title: str
-    blocks: Sequence[Block]
+    blocks: Sequence[ReportBlock]
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,9 +139,11 @@ class Report:
         return f"{self.name}_{drawing.name}.svg"
 
 
-def grid(head: Sequence[str], rows: Sequence[Sequence[str]], kind: Literal["plain", "form", "facts"] = "plain") -> Grid:
+def table_block(
+    head: Sequence[str], rows: Sequence[Sequence[str]], kind: Literal["plain", "form", "facts"] = "plain"
+) -> TableBlock:
     """Return a table without the columns that are empty in every row."""
     if kind == "form" or not rows:
-        return Grid(tuple(head), rows, kind)
+        return TableBlock(tuple(head), rows, kind)
     kept = [n for n in range(len(head)) if any(row[n] for row in rows)]
-    return Grid(tuple(head[n] for n in kept), [[row[n] for n in kept] for row in rows], kind)
+    return TableBlock(tuple(head[n] for n in kept), [[row[n] for n in kept] for row in rows], kind)

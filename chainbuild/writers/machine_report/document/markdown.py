@@ -8,14 +8,14 @@ from typing import Final
 
 from chainbuild.files import printable
 from chainbuild.writers.machine_report.document.blocks import (
-    Block,
     Bullets,
     Chapter,
     Drawings,
-    Grid,
     Heading,
     Paragraph,
     Report,
+    ReportBlock,
+    TableBlock,
     Verbatim,
 )
 
@@ -36,7 +36,7 @@ def _chapter(report: Report, chapter: Chapter) -> list[str]:
     return [f"## {_plain(chapter.title)}", *(_block(report, block) for block in chapter.blocks)]
 
 
-def _block(report: Report, block: Block) -> str:
+def _block(report: Report, block: ReportBlock) -> str:
     if isinstance(block, Paragraph):
         return _line(block.parts)
     if isinstance(block, Heading):
@@ -48,7 +48,7 @@ def _block(report: Report, block: Block) -> str:
     return _table(block)
 
 
-def _table(block: Grid) -> str:
+def _table(block: TableBlock) -> str:
     lines = [_row(block.head), "|" + "---|" * len(block.head)]
     return "\n".join([*lines, *(_row(row) for row in block.rows)])
 

@@ -9,14 +9,14 @@ from typing import Final
 
 from chainbuild.files import printable
 from chainbuild.writers.machine_report.document.blocks import (
-    Block,
     Bullets,
     Drawing,
     Drawings,
-    Grid,
     Heading,
     Paragraph,
     Report,
+    ReportBlock,
+    TableBlock,
     Verbatim,
 )
 from chainbuild.writers.machine_report.document.style import REPORT_STYLE
@@ -44,7 +44,7 @@ def page_text(report: Report) -> str:
     )
 
 
-def _block(block: Block) -> str:
+def _block(block: ReportBlock) -> str:
     if isinstance(block, Paragraph):
         return f"<p>{_line(block.parts)}</p>"
     if isinstance(block, Heading):
@@ -63,7 +63,7 @@ def _figure(drawing: Drawing) -> str:
     return f"<figure>{svg}<figcaption>{title}</figcaption></figure>"
 
 
-def _table(block: Grid) -> str:
+def _table(block: TableBlock) -> str:
     numeric = [_is_numeric([row[n] for row in block.rows]) for n in range(len(block.head))]
     pairs = zip(block.head, numeric, strict=True)
     titles = "".join(f"<th{_class('n' if right else '')}>{_text(title)}</th>" for title, right in pairs)
@@ -79,7 +79,7 @@ def _row(row: Sequence[str], numeric: Sequence[bool]) -> str:
     return f"<tr>{''.join(_cell(cell, right) for cell, right in zip(row, numeric, strict=True))}</tr>"
 
 
-def _form_rows(block: Grid, numeric: Sequence[bool]) -> Iterator[str]:
+def _form_rows(block: TableBlock, numeric: Sequence[bool]) -> Iterator[str]:
     """Yield the rows of a form in pairs: what is said once for both stands across them."""
     for upper, lower in zip(block.rows[::2], block.rows[1::2], strict=True):
         labels = range(next(n for n, cell in enumerate(lower) if cell))
