@@ -166,10 +166,11 @@ def _source(robot: Mechanism, machine: Machine, selection: Selection) -> DataSou
     conventions = {one.convention.name: one.choice for one in robot.chain.conventions}
     source = DataSource(machine, selection, conventions)
     own, chain = robot.chain, source.chain({})
-    same = len(own.joints) == len(chain.joints) and all(
-        one.name == other.name and np.abs(one.T_parent_joint - other.T_parent_joint).max() < _SAME
-        for one, other in zip(own.joints, chain.joints, strict=True)
-    )
+    places = [
+        {**{j.name: j.T_parent_joint for j in one.joints}, **{f.name: f.T_link_frame for f in one.frames}}
+        for one in (own, chain)
+    ]
+    same = all(name in places[0] and np.abs(places[0][name] - T).max() < _SAME for name, T in places[1].items())
     if own.kinematic != chain.kinematic or not same:
         raise ChainbuildError(
             f"the robot is not the kinematic of {machine.path.name} that was selected",
