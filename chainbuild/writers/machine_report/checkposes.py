@@ -37,16 +37,17 @@ _COUNT: Final = 10  # fit on a page
 _MORE: Final = 3  # beside those that move one axis each: machines of many axes get more than ten
 _SMALLEST: Final = 0.06  # smallest scaled singular value: a little above where singularities are named, 0.05
 _GOOD: Final = 0.2  # above which a position gains nothing by it
-_FAR: Final = 2.0  # what a way of all axes over their whole ranges costs, as a share of what a good value gains
 _CLEARANCE: Final = 0.01  # share of the machine's size between bodies, but at most
 _WIDEST: Final = 0.02  # m
 _NEIGHBOURS: Final = 40  # positions by which bodies that are never farther apart are told
 _EDGE: Final = 0.05  # share of an axis' range kept free at its ends
 _SEED: Final = 4  # any: the same machine gives the same poses
-# Positions among which the first is chosen, how many of the best of them are looked at for collisions, and which share
-# of its usual step an axis has left to both sides.
-_QUICK: Final = (600, 60, 1.0)
-_THOROUGH: Final = (2500, 2500, 0.2)
+# Positions among which the first is chosen, how many of the best of them are looked at for collisions, which share of
+# its usual step an axis has left to both sides, and what a way of all axes over their whole ranges costs, as a share of
+# what a good singular value gains.
+_NEAR_HOME: Final = (600, 60, 1.0, 2.0)
+_ANYWHERE: Final = (600, 60, 1.0, 0.0)
+_THOROUGH: Final = (2500, 2500, 0.2, 2.0)
 # Which shares of the axes go to the side they went to before, and which share moves at all, in the order tried.
 _MIXES: Final = ((0.0, 1.0), (0.25, 1.0), (0.5, 1.0), (0.2, 0.5), (0.0, 0.25))
 _TRIED: Final = 60  # of positions that move all axes, looked at for collisions
@@ -144,7 +145,7 @@ class _Search:
     def best(self, home: Vector | None, wanted: int) -> list[CheckPose]:
         """Return the positions that move the most axes both ways, of some to begin with; none where none is safe."""
         best: tuple[int, list[CheckPose]] = (-1, [])
-        for first in islice(self.firsts(home), _BEGINNINGS):
+        for first in self.firsts(home):
             starts = [first] if home is None else [first, home]
             poses = [CheckPose(first), *self.single(first, starts)]
             known = [pose.axes for pose in poses]
@@ -158,10 +159,15 @@ class _Search:
 
     def firsts(self, home: Vector | None) -> Iterator[Vector]:
         """Yield positions to begin with, the best first: far from singular positions, not far from home."""
-        found = list(islice(self._firsts(home, *_QUICK), _BEGINNINGS))
-        return iter(found) if found else self._firsts(home, *_THOROUGH)
+        missing = True
+        for how in (_NEAR_HOME, _ANYWHERE):
+            for axes in islice(self._firsts(home, *how), _BEGINNINGS):
+                missing = False
+                yield axes
+        if missing:
+            yield from islice(self._firsts(home, *_THOROUGH), _BEGINNINGS)
 
-    def _firsts(self, home: Vector | None, count: int, tried: int, room: float) -> Iterator[Vector]:
+    def _firsts(self, home: Vector | None, count: int, tried: int, room: float, far: float) -> Iterator[Vector]:
         robot = self.robot
         middle = home_of(robot.chain) if home is None else home
         if middle is None:
@@ -178,7 +184,7 @@ class _Search:
             return
         smallest = measure_batch(robot, rows).smallest
         span = np.where(self.range > 0.0, self.range, 1.0)
-        score = np.minimum(smallest / _GOOD, 1.0) - _FAR * (np.abs(rows - middle) / span).mean(axis=1)
+        score = np.minimum(smallest / _GOOD, 1.0) - far * (np.abs(rows - middle) / span).mean(axis=1)
         order = np.argsort(-score.round(_SCORE_PLACES), kind="stable")
         for n in order[:tried].tolist():
             if self._safe(rows[n]) and (home is None or self._free(home, rows[n])):

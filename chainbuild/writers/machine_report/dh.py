@@ -11,13 +11,12 @@ over at base and tip are rows of the same four numbers.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from chainbuild.arrays import Matrix, Vector
+from chainbuild.arrays import Vector
 from chainbuild.shown import fields_shown
 from chainbuild.units import deg_from_rad, mm_from_m
 from chainbuild.writers.machine_report.serial import JointRow
@@ -159,21 +158,3 @@ def _normal(i: int, z: Vector, after: Vector, foot: Vector, target: Vector, x: V
 def _turn(begin: Vector, end: Vector, about: Vector) -> float:
     """Return the angle [rad] from one direction to another about a third across both."""
     return float(np.arctan2(about @ np.cross(begin, end), begin @ end))
-
-
-def dh_product(rows: Sequence[DhRow], *, modified: bool) -> Matrix:
-    """Return the product (4, 4) of rows, lengths in mm."""
-    T = np.eye(4)
-    for one in rows:
-        along, across = _screw(2, one.theta, one.d), _screw(0, one.alpha, one.a)
-        T = T @ across @ along if modified else T @ along @ across
-    return T
-
-
-def _screw(axis: int, angle_deg: float, shift: float) -> Matrix:
-    """Return a turn about and a shift along a coordinate axis."""
-    from chainbuild.frames import rot_x, rot_z, transform
-
-    position = np.zeros(3)
-    position[axis] = shift
-    return transform((rot_x if axis == 0 else rot_z)(angle_deg), position)

@@ -117,8 +117,9 @@ def _data_blocks(robot: Mechanism, source: DataSource) -> Iterator[ReportBlock]:
         yield _parameter_table(counting)
     others = sum(not row.given for row in rows) - len(counting)
     if others > 0:
-        more = "1 more parameter is" if others == 1 else f"{others} more parameters are"
-        yield Paragraph.of(f"{more} not in the file; at their default values they place and direct nothing.")
+        more = f"{others} more parameters are not in the file; at their default values they"
+        more = more if others > 1 else "1 more parameter is not in the file; at its default value it"
+        yield Paragraph.of(f"{more} {'place and direct' if others > 1 else 'places and directs'} nothing.")
 
 
 def _moving_row(datum: Datum, moves: str, rows: Sequence[ParameterRow]) -> list[str]:

@@ -102,6 +102,8 @@ def _named(robot: Mechanism, kind: str, where: str, places: Sequence[Vector]) ->
     kinds = list(dict.fromkeys(_title(found) for found in told)) or [_TITLES[kind]]
     yield Heading((and_joined(kinds),))
     yield Paragraph.of(f"Where: {where}.")
+    if not told:
+        yield Paragraph.of("Not singular all the same: the other axes make up for what these lose.")
     texts = dict.fromkeys(text for found in told for text in (found.sentence, _own_remark(robot, found)) if text)
     if texts:
         yield Bullets(tuple(Paragraph.of(f"{text[0].upper()}{text[1:]}.") for text in texts))

@@ -44,6 +44,7 @@ figure svg { display: block; width: 100%; height: auto; }
   thead { display: table-header-group; } .wide { overflow: visible; } table { font-size: 8.3pt; } .form { width: 100%; }
   th, td { padding: .2rem .5rem .2rem 0; } .drawings { grid-template-columns: 1fr; justify-items: center; gap: .8rem; }
   figure { width: 70%; } code { background: none; padding: 0; } td.n, td.short { white-space: normal; }
+  section:has(.form) { break-before: page; }
   .form td, .form th { padding: .22rem .25rem; } .form td.blank { min-width: 0; }
 }
 """
