@@ -208,6 +208,17 @@ def test_each_datum_tells_what_it_moves() -> None:
     assert "$MC_ROBX_MAMES[0…5]" in said.partition("default values in force")[2]
 
 
+def test_data_of_coupled_kinematics_have_their_meanings() -> None:
+    machine = chainbuild.load("gantry_robot_kin210")
+    blocks = data_chapter(Robot(machine.chain()), DataSource(machine, Selection(), {})).blocks
+    moving = blocks[2]
+    assert isinstance(moving, TableBlock)
+    meaning = {row[1]: row[4] for row in moving.rows if row[1].startswith("HD")}
+    known = {f"HD{row.n}": row.meaning for row in chainbuild.catalogue()[45].data.hd}
+    assert meaning
+    assert all(known[name] == text for name, text in meaning.items())
+
+
 def test_data_of_the_file_without_effect_are_named() -> None:
     """The file of a SCARA gives length B, which its arrangement of axes does not ask for."""
     machine = chainbuild.load("scara_sc")

@@ -134,8 +134,13 @@ def test_the_poses_are_the_same_every_time() -> None:
 
 
 def test_home_that_is_not_safe_is_told() -> None:
-    assert poses("parallelogram_nr").home is None
-    assert any("find your own way to pose 1" in item.parts[0] for item in bullets("parallelogram_nr").items)
+    for name, why in (
+        ("parallelogram_nr", "it violates the limits of parallelogram angle"),
+        ("oblique_head_kin11", "B_link and A_link touch there"),
+    ):
+        assert poses(name).home is None
+        told = next(item.parts[0] for item in bullets(name).items if "Find your own way to pose 1" in item.parts[0])
+        assert why in told
 
 
 def test_a_machine_that_is_singular_everywhere_has_no_poses() -> None:

@@ -161,6 +161,15 @@ def test_a_known_arm_has_its_textbook_rows() -> None:
     ]  # fmt: skip
 
 
+def test_three_slides_turn_the_same_way_from_one_to_the_next() -> None:
+    """Of two senses that are a quarter turn off, that of the product of the directions is taken on every processor."""
+    found = tables(rows_chapters(Robot.load("ac_table_kin58"))[0])
+    assert found["Base to tool, standard"].rows == [
+        ["base", "90", "0", "0", "90"], ["X", "90", "X", "0", "90"], ["Y", "90", "Y", "0", "90"],
+        ["Z", "0", "Z - 150", "0", "0"],
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize("name", sorted(LOOPS))
 def test_what_hangs_in_loops_has_a_reason_instead(name: str) -> None:
     robot = Robot.load(name)
@@ -181,12 +190,27 @@ def test_the_serial_side_of_a_machine_with_loops_has_rows() -> None:
     np.testing.assert_allclose(T, robot.frame_placements(axes[0])["workpiece"].homogeneous, rtol=0.0, atol=1e-9)
 
 
-def nearly_parallel(angle_deg: float) -> Robot:
-    """Return an arm whose tool is turned a little off the last axis, so that both are nearly parallel."""
+@pytest.mark.parametrize("name", SERIAL)
+def test_of_two_senses_of_a_normal_the_one_with_the_smaller_turn_is_taken(name: str) -> None:
+    robot = Robot.load(name)
+    still = {key: np.zeros(1) for key in values_of(robot, np.zeros((1, len(robot.axes))))}
+    for title, table in tables(rows_chapters(robot)[0]).items():
+        for _, theta, _, a, alpha in table.rows if title.endswith("standard") else ():
+            # Lines that meet at an angle have a normal of either sense.
+            if a == "0" and alpha not in ("0", "180"):
+                assert abs(value(theta, still)[0]) <= 90.0
+
+
+def turned_tool(R: np.ndarray) -> Robot:
+    """Return an arm whose tool is turned off the last axis and lies beside it."""
     chain = chainbuild.load("kr6r900").chain()
     tool = chain.frame("tool")
-    turned = Frame("tool", tool.link, tool.T_link_frame @ transform(rot_about([0.0, 1.0, 0.0], angle_deg), [0.1, 0, 0]))
+    turned = Frame("tool", tool.link, tool.T_link_frame @ transform(R, [0.1, 0.02, 0.05]))
     return Robot(replace(chain, frames=tuple(turned if one is tool else one for one in chain.frames)))
+
+
+def nearly_parallel(angle_deg: float) -> Robot:
+    return turned_tool(rot_about([0.0, 1.0, 0.0], angle_deg))
 
 
 def test_nearly_parallel_lines_have_a_reason_and_screws() -> None:
@@ -196,8 +220,8 @@ def test_nearly_parallel_lines_have_a_reason_and_screws() -> None:
     assert "Base to tool: screws" in tables(screws)
 
 
-def test_rows_of_lines_a_degree_apart_give_the_poses() -> None:
-    robot = nearly_parallel(1.0)
+@pytest.mark.parametrize("robot", [nearly_parallel(1.0), turned_tool(rot_about([0.3, 0.8, 0.5], 37.0))])
+def test_rows_of_skew_lines_give_the_poses(robot: Robot) -> None:
     names = values_of(robot, positions(robot))
     rows, _ = rows_chapters(robot)
     check_against_poses(robot, rows, {"tool": from_rows(tables(rows)["Base to tool, standard"], names)})

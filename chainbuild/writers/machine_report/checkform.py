@@ -66,8 +66,8 @@ def _ways_in_words(robot: Mechanism, found: CheckPoses) -> str:
     free = "free of the drawn bodies and inside the limits"
     if found.home is None:
         return (
-            "Home, every axis at 0 or at the limit next to it, is outside the limits, or assumed bodies touch there: "
-            "find your own way to pose 1. The straight ways of the axes from pose 1 to every other pose are "
+            f"Home, every axis at 0 or at the limit next to it, is no place to begin: {found.reason}. Find your own "
+            "way to pose 1. The straight ways of the axes from there to every other pose are "
             f"{free}: go back to it in between."
         )
     home = named_values(robot.axes, found.home.tolist())

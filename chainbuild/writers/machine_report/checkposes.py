@@ -23,6 +23,7 @@ from chainbuild.analysis.singularity.measures import measure_batch, smallest_val
 from chainbuild.chain.axismap import AffineMap, random_axis_values
 from chainbuild.chain.bodies.rods import has_rods
 from chainbuild.chain.bodies.shapes import machine_size, shown_limits
+from chainbuild.closest import and_joined
 from chainbuild.collision.model import bodies_of
 from chainbuild.drawing.site import home_of
 from chainbuild.errors import ChainbuildError
@@ -82,7 +83,8 @@ class CheckPoses:
     Attributes:
         poses: The positions, the first one first; none where nothing safe was found.
         wanted: How many there should be.
-        home: (n_axes,) the home position from which all of them are reached on straight ways; None: home is not safe.
+        home: (n_axes,) the home position from which all of them are reached on straight ways; None: they are not.
+        reason: Why they are not reached from home; else empty.
     """
 
     __repr__ = fields_shown
@@ -90,18 +92,19 @@ class CheckPoses:
     poses: tuple[CheckPose, ...]
     wanted: int
     home: Vector | None
+    reason: str = ""
 
 
 def check_poses(robot: Mechanism) -> CheckPoses:
     """Return positions to compare with the control, the same for the same robot."""
     wanted = max(_COUNT, len(robot.axes) + _MORE)
     search = _Search(robot)
-    home = search.safe_home()
+    home, reason = search.home()
     best = search.best(home, wanted)
     if not best and home is not None:
-        home = None  # nothing can be reached from it
+        home, reason = None, "no straight way of the axes leads from there to a safe position"
         best = search.best(None, wanted)
-    return CheckPoses(tuple(best), wanted, home)
+    return CheckPoses(tuple(best), wanted, home, reason)
 
 
 def moved_both_ways(poses: Sequence[CheckPose]) -> NDArray[np.bool_]:
@@ -135,12 +138,16 @@ class _Search:
         most = np.max([self.bodies.distances(row) for row in rows], axis=0) if self.bodies.pairs else np.zeros(0)
         return np.clip(most / 2.0, 0.0, usual)
 
-    def safe_home(self) -> Vector | None:
-        """Return home where it is inside the limits and free of collisions, else None."""
+    def home(self) -> tuple[Vector | None, str]:
+        """Return home where it is inside the limits and free of collisions; else None, and what is wrong with it."""
         home = home_of(self.robot.chain)
-        if home is None or self.robot.violated_limits(home) or self.bodies.collides(home):
-            return None
-        return home
+        if home is None:
+            return None, "the machine has no pose there"
+        if violated := self.robot.violated_limits(home):
+            return None, f"it violates the limits of {and_joined(violated)}"
+        if touching := self.bodies.colliding_pairs(home):
+            return None, f"{and_joined(touching[0])} touch there, as their bodies are assumed"
+        return home, ""
 
     def best(self, home: Vector | None, wanted: int) -> list[CheckPose]:
         """Return the positions that move the most axes both ways, of some to begin with; none where none is safe."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Final
@@ -31,12 +31,13 @@ if TYPE_CHECKING:
     from chainbuild.arrays import Vector
     from chainbuild.chain.elements import Chain
     from chainbuild.comparison.convention_trials import Selection
-    from chainbuild.formats.entries import Datum, ParameterRow
+    from chainbuild.formats.entries import Datum, ParameterRow, Wanted
     from chainbuild.formats.machine import Machine
     from chainbuild.kinematics.mechanism import Mechanism
 
 _PROBES: Final = 3  # positions at which a change is looked for: what moves nothing at one may at another
 _TRIES: Final = 40  # drawn for them where loops must close
+_COUPLED: Final = 40  # kinematics of a file that are looked through: far more than one couples
 _LISTED: Final = 4  # links named one by one
 _SEEN: Final = 5e-4  # mm, degrees: what three decimals show
 
@@ -67,6 +68,24 @@ class DataSource:
         tool = self.machine.tool_data(one.kinematic, one.channel, tool_length_mm=one.tool_length_mm)
         return (*self.machine.geometry(one.kinematic, one.channel), *tool)
 
+    def rows(self, wanted: Collection[str]) -> list[ParameterRow]:
+        """Return the parameters of the kinematic, and of those that it couples where they hold wanted data."""
+        one = self.selection
+        found = self._rows(one.kinematic, one.channel)
+        missing = set(wanted) - {row.name for row in found}
+        for entry in self.machine.kinematics()[:_COUPLED] if missing else ():
+            more = self._rows(entry.name or entry.id, entry.channel)
+            if not missing.isdisjoint(row.name for row in more):
+                known = {row.name for row in found}
+                found += [row for row in more if row.name not in known]
+        return found
+
+    def _rows(self, kinematic: Wanted | None, channel: int | None) -> list[ParameterRow]:
+        try:
+            return list(self.machine.parameters(kinematic, channel))
+        except ChainbuildError:
+            return []  # a kinematic without a table of parameters
+
 
 def data_chapter(robot: Mechanism, source: DataSource | None) -> Chapter:
     """Return the chapter on the data of the file: those that move the machine, those that choose it, the others."""
@@ -77,12 +96,8 @@ def data_chapter(robot: Mechanism, source: DataSource | None) -> Chapter:
 
 
 def _data_blocks(robot: Mechanism, source: DataSource) -> Iterator[ReportBlock]:
-    one = source.selection
-    try:
-        rows = source.machine.parameters(one.kinematic, one.channel)
-    except ChainbuildError:
-        rows = ()  # a kinematic without a table of parameters
     effects = _effects(robot, source)
+    rows = source.rows({datum.name for datum in effects})
     names = {row.name for row in rows}
     moving = {datum.name for datum, effect in effects.items() if effect}
     geometric = {datum.name for datum in effects}
