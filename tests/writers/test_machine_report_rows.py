@@ -156,6 +156,10 @@ def test_the_screws_are_those_of_the_matrix_exponential() -> None:
 
 def test_a_known_arm_has_its_textbook_rows() -> None:
     found = tables(rows_chapters(Robot.load("kr6r900"))[0])
+    joints = [f"A{n}" for n in range(1, 7)]
+    # Rows of base and tip in which all is 0 are left out.
+    assert [row[0] for row in found["Base to tool, standard"].rows] == ["base", *joints]
+    assert [row[0] for row in found["Base to tool, modified"].rows] == [*joints, "tool"]
     assert found["Base to tool, modified"].rows[:3] == [
         ["A1", "180", "0", "A1", "-400"], ["A2", "90", "25", "A2", "0"], ["A3", "0", "455", "A3 - 90", "0"],
     ]  # fmt: skip

@@ -193,8 +193,8 @@ def _climbed(robot: Mechanism, measure: _Measure, start: Vector, sign: float) ->
     step = _FIRST
     while step > _LAST:
         moved = np.clip(axes + step * ways, lower, upper)
-        found = np.where(robot.limits.inside_rows(moved), sign * measure(moved), -np.inf)
-        found = np.where(np.isfinite(found), found, -np.inf)
+        found = sign * measure(moved)
+        found = np.where(robot.limits.inside_rows(moved) & np.isfinite(found), found, -np.inf)
         k = int(np.argmax(found))
         if found[k] > value + _BETTER:
             axes, value = moved[k], float(found[k])
