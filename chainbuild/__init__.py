@@ -124,7 +124,7 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.formats.twincat.types.catalogue import KinType as KinType
     from chainbuild.formats.twincat.types.catalogue import catalogue as catalogue
     from chainbuild.formats.twincat.universal.as_universal import as_universal as as_universal
-    from chainbuild.formats.urdf import from_urdf as from_urdf
+    from chainbuild.formats.urdf.robot import from_urdf as from_urdf
     from chainbuild.ik.branches.core.branches import Branch as Branch
     from chainbuild.ik.branches.core.branches import Branches as Branches
     from chainbuild.ik.branches.opw.batch import ik_all_batch as ik_all_batch
@@ -162,6 +162,7 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.units import AxisLabels as AxisLabels
     from chainbuild.units import AxisUnit as AxisUnit
     from chainbuild.units import Units as Units
+    from chainbuild.writers.machine_report.report import write_report as write_report
     from chainbuild.writers.models.export import export as export
     from chainbuild.writers.models.mjcf import write_mjcf as write_mjcf
     from chainbuild.writers.models.srdf import write_srdf as write_srdf
@@ -219,7 +220,7 @@ _HOMES = {
     "chainbuild.formats.twincat.lists.hdtable": "AxisRow HdRow TypeData",
     "chainbuild.formats.twincat.types.catalogue": "KinType catalogue",
     "chainbuild.formats.twincat.universal.as_universal": "as_universal",
-    "chainbuild.formats.urdf": "from_urdf",
+    "chainbuild.formats.urdf.robot": "from_urdf",
     "chainbuild.ik.branches.core.branches": "Branch Branches",
     "chainbuild.ik.branches.opw.batch": "ik_all_batch",
     "chainbuild.ik.request": "IkOptions",
@@ -244,6 +245,7 @@ _HOMES = {
     "chainbuild.robot": "Robot",
     "chainbuild.tables.recording": "Recording read_recording",
     "chainbuild.units": "AxisKind AxisLabels AxisUnit Units",
+    "chainbuild.writers.machine_report.report": "write_report",
     "chainbuild.writers.models.export": "export",
     "chainbuild.writers.models.mjcf": "write_mjcf",
     "chainbuild.writers.models.srdf": "write_srdf",

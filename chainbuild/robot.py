@@ -72,7 +72,7 @@ class Robot(Mechanism):
         Raises:
             ChainbuildError: the file is not a URDF, there is no such link, or the overlay does not fit.
         """
-        from chainbuild.formats.urdf import from_urdf
+        from chainbuild.formats.urdf.robot import from_urdf
 
         return cls(from_urdf(path, tool=tool, overlay=overlay))
 

@@ -13,14 +13,13 @@ from chainbuild.cli.info_tables import (
     conventions_shown,
     drives_table,
     kinematics_table,
-    limits_source,
-    line_of,
     parameters_table,
     poses_table,
 )
 from chainbuild.cli.show import console, error_data, finding_data, print_findings, print_json, refusal_as_json
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, all_findings
 from chainbuild.errors import ChainbuildError
+from chainbuild.formats.listing import limits_source, line_of
 from chainbuild.kinematics.limits import drive_name
 
 if TYPE_CHECKING:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import groupby
 from typing import TYPE_CHECKING, Final
 
 from rich.console import Console
@@ -12,12 +11,12 @@ from rich.table import Table
 
 from chainbuild.cli.open_points import print_convention
 from chainbuild.cli.show import empty_table, lines_shown, shown_number
+from chainbuild.formats.listing import array_name, arrays_of, axis_meanings, limits_source, lines_of
 from chainbuild.kinematics.limits import drive_name
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Axis, Chain
     from chainbuild.convention import UsedConvention
-    from chainbuild.errors import Span
     from chainbuild.formats.entries import KinematicEntry, ParameterRow
     from chainbuild.formats.machine import Machine
 
@@ -65,21 +64,6 @@ def axes_table(machine: Machine, chain: Chain) -> Table:
     return shown
 
 
-def limits_source(machine: Machine, chain: Chain, n: int) -> str:
-    """Return where the limits of the n-th axis come from.
-
-    "machine data", "overlay", "assumed", or "limits together": what limits of the axis and its drive, or the reach of
-    a head, leave together.
-    """
-    axis, overlay = chain.axes[n], machine.overlay
-    if axis.assumed:
-        return "assumed"
-    given = [overlay.limits_of(chain.axes, n), overlay.limits_of(chain.axes, n, drives=True)]
-    if (axis.lower, axis.upper) in given:
-        return "overlay"
-    return "limits together" if any(given) else "machine data"
-
-
 def drives_table(chain: Chain) -> Table | None:
     """Return the limits of drives that do not stand at their axis values; None where there are none."""
     if not chain.drive_limits:
@@ -101,17 +85,6 @@ def poses_table(chain: Chain) -> Table:
     return shown
 
 
-def axis_meanings(chain: Chain) -> list[str]:
-    """Return the meaning of each axis if the chain is one KIN_TYP whose table states it, else an empty list."""
-    from chainbuild.formats.twincat.lists.hdtable import type_data
-
-    number_text = chain.kinematic.removeprefix("KIN_TYP ")
-    data = type_data().get(int(number_text)) if number_text.isdigit() else None
-    if data is None or len(data.axes) != len(chain.axes):
-        return []
-    return [row.meaning for row in data.axes]
-
-
 def _remarks(axis: Axis) -> str:
     remarks = {"endless": axis.endless, "held by ik": axis.held, "others in the middle": axis.widest is not None}
     return ", ".join(text for text, on in remarks.items() if on)
@@ -125,17 +98,15 @@ def parameters_table(rows: Sequence[ParameterRow], width: int) -> Table:
     if not wide:
         shown.columns[0].min_width, shown.columns[1].max_width = 24, 16
     shown.columns[-1].no_wrap = True
-    for _, run in groupby(rows, key=_kept_together):
-        group = list(run)
-        first, last = group[0], group[-1]
-        name = first.name if first is last else f"{first.name.removesuffix(']')}…{last.name.rpartition('[')[2]}"
+    for group in arrays_of(rows):
+        first, name = group[0], array_name(group)
         values = ", ".join(shown_number(row.value) for row in group)
         meaning = f"{first.meaning}{_in_si(group)}"
         if wide:
-            shown.add_row(first.symbol, name, values, first.unit, meaning, first.source, _lines(group))
+            shown.add_row(first.symbol, name, values, first.unit, meaning, first.source, lines_of(group))
         else:
             called = lines_shown([first.symbol, name]) if first.symbol else name
-            shown.add_row(called, f"{values} {first.unit}".rstrip(), meaning, _lines(group))
+            shown.add_row(called, f"{values} {first.unit}".rstrip(), meaning, lines_of(group))
     return shown
 
 
@@ -144,24 +115,6 @@ def _in_si(group: Sequence[ParameterRow]) -> str:
     if not group[0].si_unit:
         return ""
     return f" In SI: {', '.join(f'{row.si:.6g}' for row in group)} {group[0].si_unit}."
-
-
-def _kept_together(row: ParameterRow) -> tuple[object, ...]:
-    """Return what the elements of one array have in common."""
-    array = row.name.rpartition("[")[0] if row.name.startswith("$") and row.name.endswith("]") else row.name
-    return (row.symbol, array, row.unit, row.meaning, row.source, row.given)
-
-
-def _lines(group: Sequence[ParameterRow]) -> str:
-    if not group[0].given:
-        return "default"
-    first, last = line_of(group[0].span), line_of(group[-1].span)
-    return "" if first is None else str(first) if first == last else f"{first}–{last}"
-
-
-def line_of(span: Span | None) -> int | None:
-    """Return the line of a span, or None."""
-    return span.line or None if span else None
 
 
 def conventions_shown(out: Console, used: Sequence[UsedConvention]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, get_args
@@ -146,8 +146,30 @@ def seen_from(pointing: Vector) -> View:
     return BACK if length > 0.0 and away > _AWAY * length else VIEWS["iso"]
 
 
+def drawing_svg(
+    stage: Stage, view: ViewName, size: tuple[int, int], lengths: Sequence[Dimension], called: Mapping[str, str]
+) -> str:
+    """Return a picture of a machine with its frames and lengths as SVG.
+
+    Args:
+        stage: The machine.
+        view: From where.
+        size: Its width and height in pixels.
+        lengths: Lengths of the machine data to draw.
+        called: Name of a frame → its label, where that is another.
+    """
+    panes = [_Pane(VIEWS[view], framed(stage.bodies, VIEWS[view], *size, _LABELLED), 0, 0)]
+    return _svg(stage, panes, size, _marks(stage, panes, lengths, None, frames=True, called=called))
+
+
 def _marks(
-    stage: Stage, panes: Sequence[_Pane], lengths: Sequence[Dimension], trace: Matrix | None, *, frames: bool
+    stage: Stage,
+    panes: Sequence[_Pane],
+    lengths: Sequence[Dimension],
+    trace: Matrix | None,
+    *,
+    frames: bool,
+    called: Mapping[str, str] | None = None,
 ) -> Marks:
     """Return what is drawn over the bodies, in pixels of the whole picture."""
     marks = Marks()
@@ -162,7 +184,7 @@ def _marks(
             draw_trace(marks, trace, pane.view, window)
         wishes += draw_dimensions(marks, lengths, stage, pane.view, window)
         if frames:
-            wishes += draw_triads(marks, stage, pane.view, window)
+            wishes += draw_triads(marks, stage, pane.view, window, called)
         if wishes:
             place_labels(marks, wishes, area, _covering(stage, pane))
     return marks

@@ -14,17 +14,16 @@ from chainbuild.arrays import Vector
 from chainbuild.comparison.crosscheck import CrossCheck
 from chainbuild.files import printable_tree, write_text
 from chainbuild.units import deg_from_rad, mm_from_m
+from chainbuild.writers.machine_report.document.style import BASE_STYLE
 from chainbuild.writers.report import DIFFERENCE_COLUMNS, crosscheck_text, difference_mm
 from chainbuild.writers.svg_plots import Points, histogram, scatter
 
 _SHOWN_ROWS: Final = 20  # fit on a page
 _FLOOR: Final = 1e-13  # [mm, deg] errors below, which are rounding, are drawn at this value
-_STYLE: Final = """
-body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 70rem; padding: 0 1rem; color: #1b1f24; }
-pre { background: #f4f6f8; padding: .8rem 1rem; overflow-x: auto; white-space: pre-wrap; }
-table { border-collapse: collapse; margin: .6rem 0; } th, td { padding: .2rem .7rem; text-align: right; }
-th { border-bottom: 1px solid #9aa4af; } .plots { display: flex; flex-wrap: wrap; gap: 1rem; }
-.verdict { font-weight: 600; } .agrees { color: #116329; } .differs { color: #a40e26; }
+_STYLE: Final = f"""{BASE_STYLE}
+pre {{ background: #f4f6f8; padding: .8rem 1rem; overflow-x: auto; white-space: pre-wrap; }}
+.plots {{ display: flex; flex-wrap: wrap; gap: 1rem; }}
+.verdict {{ font-weight: 600; }} .agrees {{ color: #116329; }} .differs {{ color: #a40e26; }}
 """
 
 

@@ -179,6 +179,15 @@ def test_a_platform_that_is_not_in_the_middle_at_home() -> None:
     assert slim.dimensions[0] == pytest.approx(3 * 0.0052, abs=1e-6)
 
 
+def test_bodies_have_right_angles_where_hinges_lean() -> None:
+    """With its table axis at 49 degrees at home the machine is stood up along another axis, and its hinges lean."""
+    counts = {4: 4_000_000, 5: 600_000, 6: 8_000_000, 37: 488_713}
+    lines = [f"trafo[0].param[{n}] {value}" for n, value in counts.items()]
+    for body in drawn_bodies(chain_of(["trafo[0].id 209", *lines])):
+        R = body.T_link_body[:3, :3]
+        np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-9)
+
+
 @pytest.mark.parametrize("height", [40.0, 0.0])
 def test_the_top_of_the_table_is_the_zero_of_the_workpiece(height: float) -> None:
     """Or above it, where the zero is in the plate of the table (HD5 = 0)."""

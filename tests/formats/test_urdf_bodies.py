@@ -14,8 +14,8 @@ from chainbuild.arrays import Matrix
 from chainbuild.chain.bodies.geometry import Geometry, Shape
 from chainbuild.errors import ParseError
 from chainbuild.findings import Collector, Finding
-from chainbuild.formats.urdf_bodies import urdf_bodies
-from chainbuild.formats.urdf_xml import parse
+from chainbuild.formats.urdf.bodies import urdf_bodies
+from chainbuild.formats.urdf.xml import parse
 from chainbuild.meshes import read_triangles
 from tests.kit.mesh_files import box, write_arm, write_dae, write_obj, write_stl
 

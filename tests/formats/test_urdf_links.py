@@ -11,10 +11,10 @@ import pytest
 import chainbuild
 from chainbuild.arrays import Vector
 from chainbuild.errors import ChainbuildError, ParseError
-from chainbuild.formats.urdf import _way_to
-from chainbuild.formats.urdf_joints import Joints
-from chainbuild.formats.urdf_tree import Tree, link_places
-from chainbuild.formats.urdf_xml import parse
+from chainbuild.formats.urdf.joints import Joints
+from chainbuild.formats.urdf.robot import _way_to
+from chainbuild.formats.urdf.tree import Tree, link_places
+from chainbuild.formats.urdf.xml import parse
 from tests.kit.urdf_files import deepest_link, example_files, few_files, joint, link, written
 
 G = 9.81

@@ -82,7 +82,9 @@ def _beside_the_translators(package: Path) -> dict[Path, tuple[str, ...]]:
         **dict.fromkeys(sorted(kinematics.glob("[a-z]*.py")), KINEMATICS),
         **dict.fromkeys([kinematics / "limits.py", kinematics / "ranges.py"], LIMITS),
     }
-    formats = [package / "formats" / f"{name}.py" for name in ("urdf", "urdf_joints", "urdf_tree", "overlay_sums")]
+    formats = [
+        package / "formats" / f"{name}.py" for name in ("urdf/robot", "urdf/joints", "urdf/tree", "overlay_sums")
+    ]
     files |= dict.fromkeys([*formats, chain / "bodies" / "inertia.py"], URDF)
     displayed = [kinematics / "displayed.py", package / "ik" / "displayed.py", package / "ik" / "rtcp.py"]
     displayed += [chain / "programmed" / "display.py", twincat / "types" / "displays.py"]

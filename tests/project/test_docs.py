@@ -51,7 +51,9 @@ def test_the_readme_counts_the_machines() -> None:
     assert f"{len(chainbuild.shipped())} machine files" in (ROOT / "README.md").read_text("utf-8")
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/python.md", "docs/branches.md", "docs/export.md"])
+@pytest.mark.parametrize(
+    "page", ["README.md", "docs/python.md", "docs/branches.md", "docs/export.md", "docs/report.md"]
+)
 def test_the_python_of_the_pages_runs(page: str, tmp_path: Path) -> None:
     code = "\n".join(re.findall(r"```python\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL))
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)

@@ -31,7 +31,7 @@ def test_every_room_that_signs_pass_through_is_mutated() -> None:
     twincat = {f"formats/twincat/{room}" for room in ("families", "maps", "recipes", "coupling", "types", "universal")}
     robx = {"formats/sinumerik/geometry", "formats/sinumerik/rules"}
     chain = {"chain", "chain/bodies", "chain/programmed", "coupling", "kinematics", "ik"}
-    assert rooms == {*twincat, *robx, *chain, "formats/twincat", "formats"}
+    assert rooms == {*twincat, *robx, *chain, "formats/twincat", "formats/urdf", "formats"}
 
 
 def test_the_types_of_a_family_are_read_from_its_file() -> None:

@@ -30,6 +30,7 @@ _ROD_AT_PIN: Final = 0.2  # of the way from a platform's middle to its pins: bal
 _PAIR_AT_PIN: Final = 0.13  # likewise for two rods
 _PIN: Final = 0.8  # radii of a rod: of the pin on which it swings
 _EDGE: Final = 4.0  # likewise: height of the foot, and how far it reaches beyond what stands on it
+_UPRIGHT: Final = 1e-6  # sine to the vertical: nothing tells which way an upright hinge faces
 
 _Place = tuple[float, float, float]
 
@@ -101,7 +102,10 @@ def _arm(site: Site, path: tuple[Joint, ...], end: Vector, middle: Vector, pair:
     start, hinge, rod = site.links[path[1].child][:3, 3], site.direction(path[1]), path[-1].child
     pin = float(np.hypot(*(end - middle)[:2]))
     default = min(_ROD * float(np.linalg.norm(end - start)), (_PAIR_AT_PIN if pair else _ROD_AT_PIN) * pin)
-    R = np.column_stack([np.cross(hinge, UP), hinge, UP])
+    across = np.cross(hinge, UP)
+    level = float(np.linalg.norm(across))
+    across = across / level if level > _UPRIGHT else np.array([1.0, 0.0, 0.0])
+    R = np.column_stack([across, np.cross(UP, across), UP])  # a hinge that leans is drawn level
     return Arm(path[0], path[1].child, rod, start, end, R, site.radius(rod, default), pair)
 
 

@@ -5,25 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any, Final
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from chainbuild import tolerances
-from chainbuild.chain.axismap import joint_values
-from chainbuild.chain.poses import link_placements, pose, rotation_vector
 from chainbuild.errors import ChainbuildError
+from chainbuild.formats.effects import effect_at, next_value
 from chainbuild.formats.entries import Datum, datum_name
-from chainbuild.units import deg_from_rad, mm_from_m
 
 if TYPE_CHECKING:
     from chainbuild.arrays import Vector
     from chainbuild.chain.elements import Chain
     from chainbuild.comparison.convention_trials import Selection
     from chainbuild.formats.machine import Machine
-
-_STEP: Final = 1.0  # mm or degrees: what a change moves is told for one of them
-_MOVED: Final = 1e-9  # m and parts of a direction: rounding is less
 
 
 class DataList:
@@ -127,21 +120,16 @@ class DataList:
         """
         datum = self.datum(key)
         value = values.get(key, datum.value)
-        choice = sorted({datum.value, *datum.others})
-        other = value + _STEP if datum.unit else choice[(choice.index(value) + 1) % len(choice)]
+        other = next_value(datum, value)
         nothing: dict[str, Any] = {"key": key, "to": other, "links": [], "shift": None, "turn": None}
         try:
             here, there = (self._trial({**values, **one}, choices) for one in ({}, {key: other}))
-            before, after = (link_placements(chain, joint_values(chain.axis_map, axes)) for chain in (here, there))
-            T, T_moved = pose(here, axes), pose(there, axes)
+            found = effect_at(here, there, axes)
         except ChainbuildError:
             return nothing
-        if before.keys() != after.keys():
+        if found is None:
             return nothing
-        links = [name for name, placed in before.items() if np.abs(after[name] - placed).max() > _MOVED]
-        turn = deg_from_rad(float(np.linalg.norm(rotation_vector(T[:3, :3].T @ T_moved[:3, :3]))))
-        shift = [mm_from_m(part) for part in (T_moved - T)[:3, 3].tolist()]
-        return {**nothing, "links": links, "shift": shift, "turn": turn}
+        return {**nothing, "links": list(found.links), "shift": list(found.shift_mm), "turn": found.turn_deg}
 
     def _trial(self, values: Mapping[str, float], choices: Mapping[str, str]) -> Chain:
         one = self._selection

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
@@ -23,8 +24,18 @@ _HEAD: Final = 6.0  # pixels of an arrow's head
 _SHORT: Final = 8.0  # pixels of an arm below which it has no head
 
 
-def draw_triads(marks: Marks, stage: Stage, view: View, window: Window) -> list[Wish]:
-    """Add the named frames of a machine to marks, and return their labels; frames in one place share one."""
+def draw_triads(
+    marks: Marks, stage: Stage, view: View, window: Window, called: Mapping[str, str] | None = None
+) -> list[Wish]:
+    """Add the named frames of a machine to marks, and return their labels; frames in one place share one.
+
+    Args:
+        marks: Where to.
+        stage: The machine.
+        view: From where one looks.
+        window: What of it fills the picture.
+        called: Name of a frame → its label, where that is another.
+    """
     places = {name: stage.frame(name) for name in FRAME_NAMES}
     drawn: list[Matrix] = []
     labels: list[tuple[Matrix, list[str]]] = []
@@ -37,7 +48,11 @@ def draw_triads(marks: Marks, stage: Stage, view: View, window: Window) -> list[
             labels.append((T, [name]))
         else:
             named.append(name)
-    return [Wish(" = ".join(names), window.spot(view, T[:3, 3].tolist()), INK_COLOUR) for T, names in labels]
+    said = called or {}
+    return [
+        Wish(" = ".join(said.get(name, name) for name in names), window.spot(view, T[:3, 3].tolist()), INK_COLOUR)
+        for T, names in labels
+    ]
 
 
 def _draw(marks: Marks, T: Matrix, view: View, window: Window) -> None:

@@ -17,7 +17,7 @@ from chainbuild.arrays import Matrix
 from chainbuild.chain.bodies.inertia import JointDynamics
 from chainbuild.errors import ParseError, Span
 from chainbuild.findings import Collector
-from chainbuild.formats.urdf_xml import Node
+from chainbuild.formats.urdf.xml import Node
 from chainbuild.units import AxisKind, deg_from_rad, m_from_mm, mm_from_m, rad_from_deg
 
 Bounds = tuple[float, float]

@@ -27,10 +27,10 @@ from chainbuild.formats.overlay import NO_OVERLAY, Overlay
 from chainbuild.formats.overlay_poses import with_named_poses
 from chainbuild.formats.overlay_sums import with_coupling, with_sums
 from chainbuild.formats.text import DRIVES, read_source
-from chainbuild.formats.urdf_bodies import urdf_bodies
-from chainbuild.formats.urdf_joints import Joints, UrdfJoint, shown
-from chainbuild.formats.urdf_tree import RESERVED, Tree, link_places
-from chainbuild.formats.urdf_xml import parse
+from chainbuild.formats.urdf.bodies import urdf_bodies
+from chainbuild.formats.urdf.joints import Joints, UrdfJoint, shown
+from chainbuild.formats.urdf.tree import RESERVED, Tree, link_places
+from chainbuild.formats.urdf.xml import parse
 from chainbuild.frames import unit
 from chainbuild.units import AxisKind
 

@@ -18,8 +18,8 @@ from chainbuild.chain.elements import BASE_LINK, FRAME_NAMES, Frame
 from chainbuild.chain.names import free_name
 from chainbuild.errors import ParseError, Span
 from chainbuild.findings import Collector
-from chainbuild.formats.urdf_joints import Joints, UrdfJoint, placement
-from chainbuild.formats.urdf_xml import Node
+from chainbuild.formats.urdf.joints import Joints, UrdfJoint, placement
+from chainbuild.formats.urdf.xml import Node
 
 RESERVED: Final = (*FRAME_NAMES, "universe")  # of every model: what else is called so could not be told from them
 _SAME: Final = 1e-12  # m and in directions: written to 15 digits, one place differs from itself by so much

@@ -20,8 +20,8 @@ from chainbuild.chain.bodies.geometry import Geometry, Numbers, Shape, ShapeKind
 from chainbuild.chain.bodies.placed import shape_place
 from chainbuild.errors import ChainbuildError, ParseError
 from chainbuild.findings import Collector
-from chainbuild.formats.urdf_joints import placement
-from chainbuild.formats.urdf_xml import Node
+from chainbuild.formats.urdf.joints import placement
+from chainbuild.formats.urdf.xml import Node
 from chainbuild.meshes import Scale, check_mesh, dae_unit
 
 Places = Mapping[str, tuple[str, Matrix]]

@@ -1,0 +1,4 @@
+"""Robots from URDF files.
+
+In reading order: `xml`, `joints`, `tree`, `bodies`, `robot`.
+"""
