@@ -125,22 +125,22 @@ def test_every_shipped_machine_has_a_report(name: str) -> None:
 
 
 def test_the_same_machine_gives_the_same_files_wherever_it_lies(tmp_path: Path) -> None:
-    source = shipped_path("ac_table_kin58")
+    source = shipped_path("lever_kin85")
     assert source is not None
     for suffix in (".lis", ".chainbuild.toml"):
-        shutil.copy(source.with_name(f"ac_table_kin58{suffix}"), tmp_path)
-    there = chainbuild.load(tmp_path / "ac_table_kin58.lis")
-    here = chainbuild.load("ac_table_kin58")
+        shutil.copy(source.with_name(f"lever_kin85{suffix}"), tmp_path)
+    there = chainbuild.load(tmp_path / "lever_kin85.lis")
+    here = chainbuild.load("lever_kin85")
     files = report_files(Robot(there.chain()), there)
     assert files == report_files(Robot(here.chain()), here)
     assert str(tmp_path) not in "".join(files.values())
 
 
 def test_files_are_written_beside_each_other(tmp_path: Path) -> None:
-    machine = chainbuild.load("scara_kin36")
+    machine = chainbuild.load("lever_kin85")
     robot = Robot(machine.chain())
     page = chainbuild.write_report(robot, tmp_path, machine=machine)
-    assert page == tmp_path / "scara_kin36" / "scara_kin36.html"
+    assert page == tmp_path / "lever_kin85" / "lever_kin85.html"
     assert {path.name: path.read_text("utf-8") for path in page.parent.iterdir()} == report_files(robot, machine)
 
 
