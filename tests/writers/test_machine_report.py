@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import chainbuild
+from chainbuild.chain.axismap import AffineMap
 from chainbuild.comparison.convention_trials import Selection
 from chainbuild.errors import ChainbuildError, FileAccessError
 from chainbuild.machines import shipped_path
@@ -124,22 +125,22 @@ def test_every_shipped_machine_has_a_report(name: str) -> None:
 
 
 def test_the_same_machine_gives_the_same_files_wherever_it_lies(tmp_path: Path) -> None:
-    source = shipped_path("ac_table_kin58")
+    source = shipped_path("lever_kin85")
     assert source is not None
     for suffix in (".lis", ".chainbuild.toml"):
-        shutil.copy(source.with_name(f"ac_table_kin58{suffix}"), tmp_path)
-    there = chainbuild.load(tmp_path / "ac_table_kin58.lis")
-    here = chainbuild.load("ac_table_kin58")
+        shutil.copy(source.with_name(f"lever_kin85{suffix}"), tmp_path)
+    there = chainbuild.load(tmp_path / "lever_kin85.lis")
+    here = chainbuild.load("lever_kin85")
     files = report_files(Robot(there.chain()), there)
     assert files == report_files(Robot(here.chain()), here)
     assert str(tmp_path) not in "".join(files.values())
 
 
 def test_files_are_written_beside_each_other(tmp_path: Path) -> None:
-    machine = chainbuild.load("scara_kin36")
+    machine = chainbuild.load("lever_kin85")
     robot = Robot(machine.chain())
     page = chainbuild.write_report(robot, tmp_path, machine=machine)
-    assert page == tmp_path / "scara_kin36" / "scara_kin36.html"
+    assert page == tmp_path / "lever_kin85" / "lever_kin85.html"
     assert {path.name: path.read_text("utf-8") for path in page.parent.iterdir()} == report_files(robot, machine)
 
 
@@ -258,6 +259,33 @@ def test_singular_positions_lie_where_they_are_said_to() -> None:
     assert "Where: A = 0°." in words("ac_table_kin58", "Singular positions")
     assert "Outside the limits" in words("scara_kin36", "Singular positions")
     assert "At B = 90° and B = -90° the angles A and C" in said
+
+
+@pytest.mark.parametrize(("name", "axis"), [("oblique_head_kin11", "B"), ("kr6r900", "A5"), ("ac_table_kin58", "A")])
+def test_all_values_of_a_singular_axis_are_told(name: str, axis: str) -> None:
+    """Between its limits the smallest singular value comes down to 0 at these values and no others."""
+    robot = Robot.load(name)
+    n = [one.name for one in robot.axes].index(axis)
+    reference = np.array([10.0, 10.0, -100.0, 20.0, 30.0, 40.0])[: len(robot.axes)]
+    said = [block.parts[0] for block in singular_chapter(robot, reference).blocks if isinstance(block, Paragraph)]
+    told = next(re.search(rf"^Where: {axis} = (.*)\.$", text) for text in said if text.startswith(f"Where: {axis} ="))
+    assert told is not None
+    lower, upper = robot.axes[n].lower, robot.axes[n].upper
+    rows = np.tile(reference, (int(2 * (upper - lower)) + 1, 1))
+    rows[:, n] = np.arange(lower, upper + 0.25, 0.5)
+    smallest = chainbuild.measure_batch(robot, rows).smallest
+    wanted = rows[smallest < 1e-9, n].tolist()
+    assert [float(value.rstrip("°")) for value in told[1].split(" or ")] == wanted
+    assert wanted
+
+
+def test_a_singular_value_counts_from_the_zero_of_its_axis() -> None:
+    chain = chainbuild.load("kr6r900").chain()
+    assert isinstance(chain.axis_map, AffineMap)
+    b = np.array([0.0, 0.0, 0.0, 0.0, np.radians(10.0), 0.0])
+    robot = Robot(replace(chain, axis_map=replace(chain.axis_map, b=b)))
+    blocks = singular_chapter(robot, np.array([10.0, -80.0, 70.0, 20.0, 30.0, 40.0])).blocks
+    assert "Where: A5 = -10°." in [block.parts[0] for block in blocks if isinstance(block, Paragraph)]
 
 
 def test_what_other_axes_make_up_for_is_not_singular() -> None:

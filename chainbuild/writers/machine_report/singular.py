@@ -191,12 +191,9 @@ def _values_in_words(robot: Mechanism, joint: int, values: Sequence[float]) -> s
     terms = tuple(
         (float(f), axis.name) for f, axis in zip(axis_map.A[joint], robot.axes, strict=True) if abs(f) > _SLIGHT
     )
-    offset = deg_from_rad(float(axis_map.b[joint]))
-    sign = -1.0 if len(terms) == 1 and terms[0][0] < 0.0 else 1.0
-    shown = DrivenJoint("", True, tuple((sign * f, name) for f, name in terms)).text()
-    found = sorted(decimal(sign * (deg_from_rad(value) - offset), _PLACES) for value in values)
-    ordered = sorted(set(found), key=float)
-    return f"{shown} = {' or '.join(f'{value}°' for value in ordered)}"
+    found = {decimal(deg_from_rad(value - float(axis_map.b[joint])), _PLACES) for value in values}
+    sums = DrivenJoint("", True, terms).text()
+    return f"{sums} = {' or '.join(f'{value}°' for value in sorted(found, key=float))}"
 
 
 def _on_surface(
