@@ -103,7 +103,6 @@ def crosscheck(
 
 def _compare(file: str, other: Path | str, check_options: CheckOptions, options: MachineOptions) -> CrossCheck:
     """Compare the machine with a recording (a path) or another solver (its name)."""
-    from chainbuild.comparison.convention_trials import Selection
     from chainbuild.comparison.crosscheck import crosscheck as compare
     from chainbuild.tables.recording import read_recording
 
@@ -113,7 +112,7 @@ def _compare(file: str, other: Path | str, check_options: CheckOptions, options:
         read_recording(other, robot.chain) if isinstance(other, Path) else other,
         options=check_options,
         machine=machine,
-        selection=Selection(options.chosen_kinematic(machine), options.channel, options.tool_length),
+        selection=options.selection(machine),
         conventions=options.choices(),
         progress=sys.stderr.isatty(),
     )

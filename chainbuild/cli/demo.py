@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from chainbuild.writers.models.export import ExportFormat
 
 _EXAMPLE: Final = "kr6r900"
-_SAMPLED: Final = ("srdf",)
+_SLOW: Final = ("srdf", "report")
 _LOOK: Final = (
     (
         "inspect {} --export page.html",
@@ -53,7 +53,8 @@ def demo(
         machine = options.machine(name)
         chain = options.chain(machine)
         robot = Robot(chain)
-        export(robot, folder, formats=_formats(robot, everything=name == _EXAMPLE or file is not None))
+        formats = _formats(robot, everything=name == _EXAMPLE or file is not None)
+        export(robot, folder, formats=formats, machine=machine, selection=options.selection(machine))
         count = sum(finding.severity != "info" for finding in all_findings(machine, robot.chain))
         warnings.update({name: count} if count else {})
         shown.add_row(name, chain.kinematic, chain.title)
@@ -67,16 +68,18 @@ def demo(
         total, where = counted_findings(sum(warnings.values())), ", ".join(warnings)
         out.print(f"{total} in {where}; {command} check NAME lists them", soft_wrap=True)
     out.print(f"To view {example}:", highlight=False)
+    report = folder / example / f"{example}.html"
+    out.print(f"  {report}", "    is its report: open it in a browser", sep="\n", soft_wrap=True, highlight=False)
     for arguments, what in _LOOK:
         out.print(f"  {command} {arguments.format(example)}", f"    {what}", sep="\n", soft_wrap=True, highlight=False)
     return 0
 
 
 def _formats(robot: Mechanism, *, everything: bool) -> list[ExportFormat]:
-    """Return the formats to write: all, or those that take no sampling, which takes seconds for some machines."""
+    """Return the formats to write: all, or those that do not take seconds."""
     from chainbuild.writers.models.export import formats_of
 
-    return [one for one in formats_of(robot) if everything or one not in _SAMPLED]
+    return [one for one in formats_of(robot) if everything or one not in _SLOW]
 
 
 def command_name() -> str:

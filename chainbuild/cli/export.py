@@ -25,17 +25,17 @@ def export(
     json: Json = False,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
-    """Write a machine as URDF, MJCF for MuJoCo, SRDF, and parameters of ortho-parallel arms.
+    """Write a machine as URDF, MJCF for MuJoCo, SRDF, parameters of ortho-parallel arms, and a report.
 
     The files are FOLDER/NAME/NAME.urdf (with NAME.loops.yaml where loops or couplings have to be told, and meshes),
-    NAME.xml, NAME.srdf and NAME.opw.yaml; all of them are made before the first is written. The head of each says what
-    it cannot express.
+    NAME.xml, NAME.srdf, NAME.opw.yaml, and NAME.html and NAME.md with pictures; all of them are made before the first
+    is written. The head of each says what it cannot express.
 
     Example: `chainbuild export tripod_kin12 --format urdf,mjcf`
 
     Args:
         file: A machine file, or the name of a shipped machine.
-        formats: Formats, separated by commas: urdf, mjcf, srdf, opw; or all, which are those that the machine has.
+        formats: Formats, separated by commas: urdf, mjcf, srdf, opw, report; or all that the machine has.
         folder: Folder to write to.
         samples: Number of random positions by which the SRDF tells pairs that never collide.
         inertia: Write masses into the URDF; they are estimates.
@@ -54,8 +54,9 @@ def export(
         wanted += match
     if samples < 1:
         raise UsageError(f"--samples {samples}: expected at least 1")
-    robot = options.robot(file)
-    files = export_files(robot, None if everything else wanted, samples, inertia)
+    machine, robot = options.built(file)
+    source = machine, options.selection(machine)
+    files = export_files(robot, None if everything else wanted, samples, inertia, source)
     paths = write_robot_files(robot, folder, {name: text for own in files.values() for name, text in own.items()})
     if json:
         print_json({"paths": {one: [str(paths[name]) for name in own] for one, own in files.items()}})

@@ -179,14 +179,13 @@ def inspect(
 def _serve(
     machine: Machine, options: MachineOptions, at: Vector | None, playback: Playback | None, live: LiveOptions
 ) -> int:
-    from chainbuild.comparison.convention_trials import Selection
     from chainbuild.inspect.live.server import serve
     from chainbuild.inspect.live.session import Session
     from chainbuild.inspect.live.tokens import checked_token
 
     token = None if live.token is None else checked_token(live.token)
     beside = None if live.beside is None else DEFAULT_OPTIONS.robot(live.beside)
-    selection = Selection(options.chosen_kinematic(machine), options.channel, options.tool_length)
+    selection = options.selection(machine)
     session = Session(machine, selection, conventions=options.choices(), at=at, playback=playback, beside=beside)
 
     def ready(address: str, _end: Callable[[], None]) -> None:

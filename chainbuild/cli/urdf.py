@@ -37,11 +37,13 @@ def urdf(
         json: Print JSON.
         options: Which kinematic.
     """
+    from chainbuild.writers.models.notes import machine_data
     from chainbuild.writers.models.robotfiles import write_robot_files
     from chainbuild.writers.models.urdf import urdf_files, urdf_limitations
 
-    robot = options.robot(file)
-    path, *others = write_robot_files(robot, folder, urdf_files(robot, inertia=inertia)).values()
+    machine, robot = options.built(file)
+    files = urdf_files(robot, inertia=inertia, data=machine_data(machine, options.selection(machine)))
+    path, *others = write_robot_files(robot, folder, files).values()
     limitations = urdf_limitations(robot.chain)
     shaping = [used for used in robot.chain.conventions if used.convention.poses]
     if json:

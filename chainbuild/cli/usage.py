@@ -17,6 +17,7 @@ from chainbuild.findings import Finding
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain
+    from chainbuild.comparison.convention_trials import Selection
     from chainbuild.formats.machine import Machine
     from chainbuild.painting.overlay.measures import Dimension
     from chainbuild.robot import Robot
@@ -96,6 +97,12 @@ class MachineOptions:
         from chainbuild.painting.overlay.measures import dimensions
 
         return dimensions(machine, self.chosen_kinematic(machine), self.channel, self.tool_length, self.choices())
+
+    def selection(self, machine: Machine) -> Selection:
+        """Return which kinematic of a machine the options select."""
+        from chainbuild.comparison.convention_trials import Selection
+
+        return Selection(self.chosen_kinematic(machine), self.channel, self.tool_length)
 
     def machine(self, file: str) -> Machine:
         """Read a machine file or a shipped machine."""

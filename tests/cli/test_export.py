@@ -16,13 +16,18 @@ from tests.kit.command_line import Run
 
 
 def test_the_files_are_those_of_their_writers(run: Run) -> None:
-    outcome = run("export", "tripod_kin12", "--samples", "200", "-o", "out")
+    outcome = run("export", "tripod_kin12", "--samples", "200", "-o", "out", "--format", "urdf,mjcf,srdf")
     folder = Path("out/tripod_kin12")
     assert outcome.code == 0
     suffixes = ("urdf", "loops.yaml", "xml", "srdf")
     assert outcome.out.splitlines() == [str(folder / f"tripod_kin12.{suffix}") for suffix in suffixes]
-    robot = Robot.load("tripod_kin12")
-    assert (folder / "tripod_kin12.urdf").read_text("utf-8") == urdf_text(robot)
+    machine = chainbuild.load("tripod_kin12")
+    robot = Robot(machine.chain())
+    written = (folder / "tripod_kin12.urdf").read_text("utf-8")
+    assert written == chainbuild.write_urdf(robot, "other", machine=machine).read_text("utf-8")
+    for line in ("trafo[0].param[4] = 420 mm", "kin12_carriages=above", "tripod_kin12.loops.yaml says how loops"):
+        assert line in written
+    assert "Machine data" not in urdf_text(robot)
     assert (folder / "tripod_kin12.xml").read_text("utf-8") == mjcf_text(robot)
     assert "Pairs by 200 positions" in (folder / "tripod_kin12.srdf").read_text("utf-8")
 
@@ -42,7 +47,7 @@ def test_what_is_not_offered_is_refused(run: Run, words: list[str]) -> None:
 
 def test_all_are_those_that_the_machine_has(run: Run) -> None:
     data = json.loads(run("export", "kr6r900", "--samples", "5", "--no-inertia", "--json").out)
-    assert list(data["paths"]) == ["urdf", "mjcf", "srdf", "opw"]
+    assert list(data["paths"]) == ["urdf", "mjcf", "srdf", "opw", "report"]
     assert "inertial" not in Path("urdf_out/kr6r900/kr6r900.urdf").read_text("utf-8")
     outcome = run("urdf", "lambda_kin21", "-o", "out")
     assert outcome.out.splitlines()[:2] == ["out/lambda_kin21/lambda_kin21.urdf", "  beside it lambda_kin21.loops.yaml"]

@@ -72,4 +72,4 @@ def test_which_machines_have_them(tmp_path: Path) -> None:
     with pytest.raises(ChainbuildError, match="no opw parameters of this kinematic"):
         chainbuild.export(robot, tmp_path, formats=["urdf", "opw"])
     assert list(tmp_path.iterdir()) == []
-    assert set(chainbuild.export(robot, tmp_path, samples=10)) == {"urdf", "mjcf", "srdf"}
+    assert set(chainbuild.export(robot, tmp_path, samples=10)) == {"urdf", "mjcf", "srdf", "report"}

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -11,8 +12,14 @@ from chainbuild.chain.bodies.linkage import assumed_lengths
 from chainbuild.chain.elements import Axis, Chain, Joint
 from chainbuild.chain.followers import followers
 from chainbuild.files import number_text
+from chainbuild.formats.listing import array_name, arrays_of
 from chainbuild.units import deg_from_rad, mm_from_m
 from chainbuild.writers.models.masses import DENSITY
+
+if TYPE_CHECKING:
+    from chainbuild.comparison.convention_trials import Selection
+    from chainbuild.formats.entries import ParameterRow
+    from chainbuild.formats.machine import Machine
 
 _SLIGHT: Final = 1e-12  # factors below this are rounding of folded directions
 
@@ -109,7 +116,7 @@ def _sum(terms: list[tuple[str, float]], offset: float) -> str:
     return " ".join([head, *(f"{sign} {text}" for sign, text in parts[1:])])
 
 
-def header(chain: Chain, *, inertia: bool = True) -> str:
+def header(chain: Chain, *, inertia: bool = True, data: Sequence[str] = (), loops: str = "") -> str:
     """Return the header comment of a URDF as plain text lines.
 
     It names no folder and no date, so that the same chain gives the same file anywhere.
@@ -117,6 +124,8 @@ def header(chain: Chain, *, inertia: bool = True) -> str:
     Args:
         chain: The chain.
         inertia: Whether the file holds masses.
+        data: Machine data, a line each.
+        loops: Name of the file beside it that says how to drive loops and couplings, if there is one.
     """
     lines = [
         f"{chain.title}: {chain.kinematic} ({chain.dialect}), written by chainbuild.",
@@ -126,6 +135,8 @@ def header(chain: Chain, *, inertia: bool = True) -> str:
         "Readers order joints differently: map them by name.",
         *_origins(chain, inertia),
     ]
+    if data:
+        lines += ["", "Machine data used:", *(f"  {line}" for line in data)]
     shaping = [used for used in chain.conventions if used.convention.poses]
     if shaping:
         lines += ["", "Conventions used where the manuals leave a choice ([I] inferred, [?] open):"]
@@ -136,6 +147,8 @@ def header(chain: Chain, *, inertia: bool = True) -> str:
     limitations = urdf_limitations(chain)
     if limitations:
         lines += ["", "Not expressed by this file:", *(f"  {line}" for line in limitations)]
+    if loops:
+        lines += ["", f"{loops} says how loops and couplings are driven by axis values."]
     return "\n".join(_safe(line) for line in lines)
 
 
@@ -150,6 +163,22 @@ def _origins(chain: Chain, inertia: bool) -> list[str]:
         lines.append(f"Masses are ESTIMATES: the bodies solid, of {DENSITY:g} kg/m3; none at all for the base.")
     lines.append("Efforts that nobody gives are placeholders that hold estimated masses; so are speeds of joints whose")
     return [*lines, "axes have no known one."]
+
+
+def machine_data(machine: Machine, selection: Selection) -> tuple[str, ...]:
+    """Return the machine data that a file gives for a kinematic, a line each."""
+    given = [row for row in machine.parameters(selection.kinematic, selection.channel) if row.given]
+    lines = [
+        f"{array_name(group)} = {', '.join(_value(row) for row in group)} {group[0].unit}".rstrip()
+        for group in arrays_of(given)
+    ]
+    if selection.tool_length_mm:
+        lines.append(f"added tool length = {number_text(selection.tool_length_mm)} mm")
+    return tuple(lines)
+
+
+def _value(row: ParameterRow) -> str:
+    return f"{row.value:.15g}" if isinstance(row.value, float) else str(row.value)
 
 
 def mjcf_header(chain: Chain) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -17,6 +17,7 @@ from chainbuild.chain.bodies.inertia import Inertia
 from chainbuild.chain.bodies.shapes import machine_size, solid_bodies
 from chainbuild.chain.elements import BASE_LINK, Chain, Frame, Joint
 from chainbuild.chain.followers import followers
+from chainbuild.comparison.convention_trials import Selection
 from chainbuild.drawing.machine import drawn_bodies
 from chainbuild.errors import ChainError
 from chainbuild.files import angle_text, number_text, numbers_text, xml_text
@@ -31,6 +32,7 @@ from chainbuild.writers.models.notes import urdf_limitations
 from chainbuild.writers.models.robotfiles import RobotFiles, check_robot, write_robot_files
 
 if TYPE_CHECKING:
+    from chainbuild.formats.machine import Machine
     from chainbuild.kinematics.mechanism import Mechanism
 
 __all__ = ["urdf_files", "urdf_limitations", "urdf_text", "write_urdf"]
@@ -46,7 +48,14 @@ _MARKS: Final = {"tool": TOOL_COLOUR, "workpiece": WORKPIECE_SIDE[0]}
 _MARK_SHARE: Final = 0.01  # of the machine's size: seen, and in nobody's way
 
 
-def write_urdf(robot: Mechanism, folder: Path | str = "urdf_out", *, inertia: bool = True) -> Path:
+def write_urdf(
+    robot: Mechanism,
+    folder: Path | str = "urdf_out",
+    *,
+    inertia: bool = True,
+    machine: Machine | None = None,
+    selection: Selection | None = None,
+) -> Path:
     """Write a robot as folder/NAME/NAME.urdf and return that path.
 
     The same robot gives the same bytes on every machine. Links and joints carry the names of the chain, fixed joints
@@ -58,13 +67,16 @@ def write_urdf(robot: Mechanism, folder: Path | str = "urdf_out", *, inertia: bo
         robot: The robot.
         folder: Folder in which the folder NAME is created.
         inertia: False: leave out masses, which are estimates where no URDF gives any.
+        machine: The file that the robot was built from: its data are in the head.
+        selection: Which kinematic of the file the robot is; None: the default.
 
     Raises:
         ChainbuildError: the argument is not a robot.
         FileAccessError: the folder is not a path, a file cannot be written, or a mesh cannot be read.
     """
     check_robot(robot)
-    return write_robot_files(robot, folder, urdf_files(robot, inertia=inertia))[f"{robot.name}.urdf"]
+    data = () if machine is None else notes.machine_data(machine, selection or Selection())
+    return write_robot_files(robot, folder, urdf_files(robot, inertia=inertia, data=data))[f"{robot.name}.urdf"]
 
 
 def urdf_text(robot: Mechanism, *, inertia: bool = True) -> str:
@@ -72,11 +84,19 @@ def urdf_text(robot: Mechanism, *, inertia: bool = True) -> str:
     return str(urdf_files(robot, inertia=inertia)[f"{robot.name}.urdf"])
 
 
-def urdf_files(robot: Mechanism, *, inertia: bool = True) -> RobotFiles:
-    """Return the URDF of a robot and the files that belong to it: meshes, and loops and couplings if it has any."""
+def urdf_files(robot: Mechanism, *, inertia: bool = True, data: Sequence[str] = ()) -> RobotFiles:
+    """Return the URDF of a robot and the files that belong to it: meshes, and loops and couplings if it has any.
+
+    Args:
+        robot: The robot.
+        inertia: Whether to write masses.
+        data: Machine data for the head, a line each.
+    """
     chain = robot.chain
     root = ET.Element("robot", name=chain.name)
-    root.append(ET.Comment(f"\n{notes.header(chain, inertia=inertia)}\n"))
+    beside = loop_files(robot)
+    head = notes.header(chain, inertia=inertia, data=data, loops=next(iter(beside), ""))
+    root.append(ET.Comment(f"\n{head}\n"))
     bodies, meshes = drawn_bodies(chain), Meshes()
     inertias = link_inertias(chain, bodies)
     drawn = _Bodies(chain, bodies, meshes)
@@ -97,7 +117,7 @@ def urdf_files(robot: Mechanism, *, inertia: bool = True) -> RobotFiles:
             multiplier = number_text(factor)
             ET.SubElement(element, "mimic", joint=master, multiplier=multiplier, offset=angle_text(offset))
     _add_tips(root, chain, drawn)
-    return {f"{robot.name}.urdf": xml_text(root), **loop_files(robot), **meshes.files}
+    return {f"{robot.name}.urdf": xml_text(root), **beside, **meshes.files}
 
 
 def joint_speeds(chain: Chain) -> tuple[float, ...]:
