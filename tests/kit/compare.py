@@ -9,10 +9,10 @@ import pytest
 from chainbuild.robot import Robot
 
 
-def same_turns(robot: Robot, found: np.ndarray, wanted: np.ndarray) -> bool:
-    """Tell whether axis values agree to 1e-6, whole turns of rotary axes apart."""
+def same_turns(robot: Robot, found: np.ndarray, wanted: np.ndarray, tolerance: float = 1e-6) -> bool:
+    """Tell whether axis values agree to a tolerance, whole turns of rotary axes apart."""
     turn = np.array([360.0 if axis.kind == "rotary" else 1e12 for axis in robot.axes])
-    return bool(np.abs((found - wanted + turn / 2.0) % turn - turn / 2.0).max() < 1e-6)
+    return bool(np.abs((found - wanted + turn / 2.0) % turn - turn / 2.0).max() < tolerance)
 
 
 def assert_jacobian_is_the_derivative(robot: Robot, rows: np.ndarray) -> None:

@@ -34,7 +34,10 @@ _TRIED: Final = 4  # the best openings, of which well-conditioned ones are prefe
 _TRIALS: Final = 2  # poses on which the openings of the loop are tried
 _GOOD: Final = 1e5  # condition up to which one opening of the loop is enough
 _MAX_OPENINGS: Final = 3  # solved for one pose before the solutions found so far are taken
-_PERTURBATION: Final = 1e-4  # distance of the nearby pose from a singular one [arm lengths, rad]
+# Distances of nearby poses from a singular one [arm lengths, rad]: far enough for equations with some digits left.
+_PERTURBATIONS: Final = (1e-3, 1e-2, 1e-4)
+_REACHED: Final = 1e-6  # residual of a solution, and twice as much as rounding leaves of it where branches meet
+_APART: Final = 1e-4  # half the difference of solutions that are not the same
 _NO_SOLUTION: Final = 1e-2  # residuals above this are no solutions
 _DEPENDENT: Final = 1e-9  # singular values below this share of the largest are rounding
 _STEPS: Final = 8  # Newton's: from a solution of few digits, far more than are needed
@@ -63,11 +66,34 @@ class Elimination:
         G = self._scaled(target @ self.back)
         found, settled = self._solved(G)
         if not settled:
-            beside, _ = self._solved(_perturbed(G))
-            found += [self._refined(G, values) for values in beside]
+            found += self._beside(G, found)
         # The most exact first: the caller keeps the first of duplicates.
         ranked = sorted(((self._miss(G, values), n) for n, values in enumerate(found)))
         return [(self._unscaled(found[n]), (False,) * JOINTS) for miss, n in ranked if miss < _NO_SOLUTION]
+
+    def _beside(self, G: Matrix, known: Sequence[Vector]) -> list[Vector]:
+        """Return the values (6,) of poses next to a singular one, brought to it.
+
+        Next to it the equations may lose some, too: another distance is tried until one brings nothing new.
+        """
+        found: list[Vector] = []
+        reached = [values for values in known if self._miss(G, values) < _REACHED]
+        for n, distance in enumerate(_PERTURBATIONS):
+            beside, _ = self._solved(_perturbed(G, distance))
+            refined = [self._refined(G, values) for values in beside]
+            before = len(reached)
+            for values in refined:
+                if self._miss(G, values) < _REACHED and not any(self._same(values, one) for one in reached):
+                    reached.append(values)
+            found += refined
+            if n and len(reached) == before:
+                break
+        return found
+
+    def _same(self, values: Vector, others: Vector) -> bool:
+        """Return whether two sets of values are the same but for whole turns."""
+        turns = [screw.kind == "revolute" for screw in self.screws]
+        return float(np.abs(np.where(turns, np.sin((values - others) / 2.0), values - others)).max()) < _APART
 
     def _miss(self, G: Matrix, values: Vector) -> float:
         """Return how far values miss a pose [arm lengths, rad]."""
@@ -185,9 +211,9 @@ def elimination(serial: Serial) -> Elimination | None:
     return solver if solver.openings else None
 
 
-def _perturbed(G: Matrix) -> Matrix:
-    """Return a pose next to another, displaced in a generic direction."""
-    rng = np.random.default_rng(20240229)
+def _perturbed(G: Matrix, distance: float) -> Matrix:
+    """Return a pose next to another, displaced in a generic direction, which each distance has for itself."""
+    rng = np.random.default_rng([20240229, round(1.0 / distance)])
     axis = rng.normal(size=3)
-    R = rotation(axis / float(np.linalg.norm(axis)), _PERTURBATION)
-    return np.asarray(transform(R, _PERTURBATION * rng.normal(size=3)) @ G, dtype=float)
+    R = rotation(axis / float(np.linalg.norm(axis)), distance)
+    return np.asarray(transform(R, distance * rng.normal(size=3)) @ G, dtype=float)
