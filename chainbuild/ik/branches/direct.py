@@ -114,7 +114,10 @@ def _with_linear_axes(query: BranchQuery, x: Vector) -> Vector | None:
         error = T.rotation.T @ (target.translation - T.translation)
         if not np.isfinite(error).all():
             return None
-        x[linear] += np.linalg.solve(J[:3, linear], error)
+        try:
+            x[linear] += np.linalg.solve(J[:3, linear], error)
+        except np.linalg.LinAlgError:  # a rotary axis has turned one slide into the plane of the others
+            x[linear] += np.linalg.lstsq(J[:3, linear], error)[0]
     return x
 
 
