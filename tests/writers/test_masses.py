@@ -22,6 +22,7 @@ from chainbuild.robot import Robot
 from chainbuild.writers.models.masses import DENSITY, holding_efforts, link_inertias
 from chainbuild.writers.models.urdf import urdf_files, urdf_text
 from tests.kit.draws import random_axes
+from tests.kit.mesh_files import write_stl
 from tests.kit.sample_chains import arm
 
 STEEL_CUBE = 0.2**3 * DENSITY  # kg
@@ -178,3 +179,13 @@ def test_nothing_is_written_where_a_mesh_is_missing(tmp_path: Path) -> None:
 def test_geometry_names_follow_composition() -> None:
     given = Geometry(visuals={"a": ()}, inertias={"a": Inertia(1.0, np.zeros(3), np.eye(3))}).renamed({"a": "b"})
     assert set(given.visuals) == set(given.inertias) == {"b"}
+
+
+def test_a_flat_mesh_weighs_nothing(tmp_path: Path) -> None:
+    sheet = write_stl(tmp_path / "sheet.stl", ([(0, 0, 0), (9, 0, 0), (9, 9, 0)], [(0, 1, 2)]))
+    flat, cube = Shape("mesh", file=sheet), Shape("mesh", file=cube_file(tmp_path / "cube.obj", 200.0))
+    robot = with_geometry(arm(), shapes={"A1_link": (cube, flat), "A2_link": (flat,)})
+    found = link_inertias(robot.chain, drawn_bodies(robot.chain))
+    assert found["A1_link"].mass == pytest.approx(STEEL_CUBE, rel=1e-5)
+    np.testing.assert_allclose(found["A1_link"].centre, np.full(3, 0.1), atol=1e-6)
+    assert found["A2_link"].mass == 0.1
