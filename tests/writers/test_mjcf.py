@@ -24,6 +24,7 @@ from chainbuild.writers.models.mjcf import home, mjcf_text
 from tests.kit import urdf_files
 from tests.kit.mesh_files import box, surface, write_arm
 
+TURN = urdf_files.joint("A1", "revolute", "base", "arm", inside='<axis xyz="0 0 1"/>')
 CONSTRAINED = (
     "delta_kin37", "inclined_saw_kin207", "lambda_kin21", "palletiser_kin96", "rod_table_kin19", "tripod_kin12",
     "tripod_table_kin209",
