@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -111,14 +112,27 @@ def _surface(file: str, scale: Scale, hull: bool, stamp: tuple[int, int]) -> Tri
             raise FileContentError(
                 "the mesh is flat: it has no hull", span=Span(file), permitted="a body with a volume"
             )
-        mesh.buildConvexHull(True, "Qt")
-        return _of_hull(mesh.convex)
+        convex = convex_of(mesh)
+        if convex is None:
+            text = "the mesh has no hull: more than 255 edges meet in one of its corners"
+            raise FileContentError(text, span=Span(file), permitted="fewer corners")
+        return _of_hull(convex)
     corners = np.array([(t[0], t[1], t[2]) for t in map(mesh.tri_indices, range(mesh.num_tris))], dtype=np.intp)
     return Triangles(points, corners[:, ::-1] if np.prod(scale) < 0.0 else corners)
 
 
 def _unread(file: Path | str) -> FileAccessError:
     return FileAccessError("the mesh cannot be read (missing, or not STL, OBJ or DAE)", span=Span(str(file)))
+
+
+def convex_of(mesh: Any) -> Any:
+    """Return the convex hull of coal's mesh, or None where more edges meet in a corner than coal can count."""
+    # Of faces with many corners some triangulations are fans: with corners moved by rounding there are others.
+    for how in ("Qt", "QJ"):
+        if mesh.convex is None:
+            with suppress(RuntimeError):
+                mesh.buildConvexHull(True, how)
+    return mesh.convex
 
 
 def _of_hull(convex: Any) -> Triangles:

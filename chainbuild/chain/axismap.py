@@ -85,7 +85,7 @@ class Formulas:
 
     Attributes:
         steps: Names and expressions, each of axis values (SI) and of the steps before.
-        joints: An expression for each joint value (SI).
+        joints: An expression for each joint value (SI); empty: closing the loops gives it.
     """
 
     steps: tuple[tuple[str, str], ...]

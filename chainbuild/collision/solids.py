@@ -16,7 +16,7 @@ from chainbuild.chain.bodies.geometry import Shape
 from chainbuild.chain.bodies.shapes import solid_bodies
 from chainbuild.chain.elements import Chain
 from chainbuild.errors import FileAccessError, FileContentError, Span
-from chainbuild.meshes import FLAT, Scale, principal_widths
+from chainbuild.meshes import FLAT, Scale, convex_of, principal_widths
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,7 +31,7 @@ class Solid:
         reach: Radius [m] of a ball about the link's origin that holds it.
         size: Capsule and cylinder: (radius, length of the axis); sphere: (radius,); box: edges; else empty [m].
         geometry: Coal's geometry.
-        around: Of a mesh: its convex hull, which coal measures many times faster; else the geometry itself.
+        around: Of a mesh: its convex hull, if it has one, which coal measures many times faster; else the geometry.
     """
 
     name: str
@@ -95,7 +95,7 @@ def _given(link: str, shape: Shape) -> Solid:
 
 
 def _mesh(link: str, file: str, scale: Scale, hull: bool) -> tuple[Any, Any]:
-    """Return a mesh or its hull, and its hull; of a flat mesh, which has none, itself."""
+    """Return a mesh or its hull, and its hull; of a mesh that has none, such as a flat one, itself."""
     body = f"{'hull' if hull else 'mesh'} of link {link}"
     try:
         mesh, extents = _loaded(file, scale)
@@ -115,9 +115,13 @@ def _mesh(link: str, file: str, scale: Scale, hull: bool) -> tuple[Any, Any]:
             f"the {body} is flat: its {len(mesh.vertices())} vertices lie in a plane",
             span=Span(file), parameter=link, permitted="a body with a volume", hint=hint,
         )  # fmt: skip
-    if not flat and mesh.convex is None:
-        mesh.buildConvexHull(True, "Qt")
-    around = mesh if flat else mesh.convex
+    around = None if flat else convex_of(mesh)
+    if hull and around is None:
+        text = f"the {body} has a corner in which more than 255 edges meet"
+        raise FileContentError(
+            text, span=Span(file), parameter=link, permitted="fewer corners", hint='it can be given as "mesh"'
+        )
+    around = around or mesh
     return around if hull else mesh, around
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, Literal
 
+from chainbuild.chain.axismap import BlockMap
 from chainbuild.chain.bodies.body import Body
 from chainbuild.chain.bodies.shapes import detail_bodies, link_bodies
 from chainbuild.chain.elements import Chain
@@ -53,7 +54,12 @@ def drawn_bodies(chain: Chain) -> tuple[Body, ...]:
 
 
 def _known_loops(chain: Chain) -> bool:
-    """Return whether a rod on a driven arm closes some loop, which the rules draw, or the chain has no loops."""
+    """Return whether a rod on a driven arm closes some loop, which the rules draw, or the chain has no loops.
+
+    The rules draw one machine: of several that are composed, one with loops may stand on another's tool.
+    """
+    if chain.loops and isinstance(chain.axis_map, BlockMap):
+        return False
     driven = {axis.name for axis in chain.axes}
 
     def on_an_arm(frame: str) -> bool:

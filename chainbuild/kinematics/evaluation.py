@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from chainbuild import tolerances
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap, random_axis_values
+from chainbuild.chain.bodies.inertia import Inertia
 from chainbuild.chain.closing import TipMap
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint, Task
 from chainbuild.chain.fold import reach
@@ -247,7 +248,7 @@ def build_model(chain: Chain) -> pin.Model:
         model.lowerDryFrictionLimit[n], model.upperDryFrictionLimit[n] = -given.friction, given.friction
         model.damping[n] = given.damping
     for name, own in chain.geometry.inertias.items():
-        model.appendBodyToJoint(ids[name], pin.Inertia(own.mass, own.centre, own.moments), pin.SE3.Identity())
+        model.appendBodyToJoint(ids[name], _pin_inertia(own), pin.SE3.Identity())
     for link in chain.links:
         if link.name != BASE_LINK:
             model.addBodyFrame(link.name, ids[link.name], pin.SE3.Identity(), -1)
@@ -255,6 +256,13 @@ def build_model(chain: Chain) -> pin.Model:
         joint_id = ids[frame.link]
         model.addFrame(pin.Frame(frame.name, joint_id, pin.SE3(frame.T_link_frame), pin.FrameType.OP_FRAME))
     return model
+
+
+def _pin_inertia(own: Inertia) -> pin.Inertia:
+    """Return an inertia as the file gives it: the constructor refuses moments that rounding left below 0."""
+    found = pin.Inertia.Zero()
+    found.mass, found.lever, found.inertia = own.mass, own.centre, own.moments
+    return found
 
 
 def _joint_model(joint: Joint) -> pin.JointModel:

@@ -16,6 +16,7 @@ from chainbuild.collision.model import CollisionModel
 from chainbuild.collision.solids import solids_of
 from chainbuild.errors import FileAccessError, FileContentError
 from chainbuild.frames import rot_x, rot_z
+from chainbuild.meshes import read_triangles
 
 SQUARE = ((0.0, 0.0, 0.0), (100.0, 0.0, 0.0), (100.0, 80.0, 0.0), (0.0, 80.0, 0.0))
 PYRAMID = ((1, 2, 3), (1, 3, 4), (1, 2, 5), (2, 3, 5), (3, 4, 5), (4, 1, 5))
@@ -62,6 +63,30 @@ def test_a_thin_hull_keeps_its_place(tmp_path: Path) -> None:
     solid = next(solid for solid in solids_of(robot.chain) if solid.link == LINK)
     assert solid.kind == "hull"
     assert solid.reach == pytest.approx(math.hypot(0.1, 0.08), rel=1e-3)
+
+
+def test_more_edges_in_a_corner_than_coal_counts(tmp_path: Path) -> None:
+    """A cone with 300 faces: coal counts to 255."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 300, endpoint=False)
+    points = [*((100.0 * math.cos(a), 100.0 * math.sin(a), 0.0) for a in angles), (0, 0, 200), (0, 0, 0)]
+    faces = [face for n in range(300) for face in ((n + 1, (n + 1) % 300 + 1, 301), ((n + 1) % 300 + 1, n + 1, 302))]
+    mesh, _ = robot_with(tmp_path, "mesh", points, faces)
+    assert np.isfinite(CollisionModel(mesh).distances([0.0, -90.0, 90.0, 0.0, 30.0, 0.0])).all()
+    hull, file = robot_with(tmp_path, "hull", points, faces)
+    for refused in (lambda: CollisionModel(hull), lambda: read_triangles(file, (0.001, 0.001, 0.001), hull=True)):
+        with pytest.raises(FileContentError, match="more than 255 edges meet") as caught:
+            refused()
+        assert caught.value.file == str(file)
+
+
+def test_a_fan_on_a_flat_face_leaves_a_hull(tmp_path: Path) -> None:
+    """A disc with 300 corners: its ends are flat, and how they are cut into triangles is free."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 300, endpoint=False)
+    points = [(100.0 * math.cos(a), 100.0 * math.sin(a), z) for z in (0.0, 10.0) for a in angles]
+    faces = [(1, n + 1, n) for n in range(2, 300)] + [(301, 300 + n, 301 + n) for n in range(2, 300)]
+    robot, _ = robot_with(tmp_path, "hull", points, faces)
+    solid = next(solid for solid in solids_of(robot.chain) if solid.link == LINK)
+    assert solid.around.computeVolume() == pytest.approx(0.1**2 * math.pi * 0.01, rel=1e-3)
 
 
 @pytest.mark.parametrize("kind", ["hull", "mesh"])

@@ -333,3 +333,15 @@ def test_some_public_files_weigh_what_pinocchio_reads(path: Path) -> None:
 def test_all_public_files_weigh_what_pinocchio_reads(name: str) -> None:
     path = example_files()[name]
     assert_as_pinocchio(path, deepest_link(path))
+
+
+@pytest.mark.parametrize("moments", ["-1e-13 0 0 0 0 0", "0 1e-20 0 0 0 0", "1e-3 1e-2 0 1e-3 0 1e-3"])
+def test_moments_that_no_body_has_are_those_of_the_model(moments: str, tmp_path: Path) -> None:
+    """Pinocchio's reader takes them, its constructor does not."""
+    links = (link("base", 0), link("arm", 2.0, "0.1 0 0", moments, "0.3 0.2 0.1"))
+    path = written(tmp_path, *links, joint("A1", "revolute", "base", "arm", inside='<axis xyz="0 0 1"/>'))
+    robot = chainbuild.Robot.from_urdf(path)
+    given = robot.chain.geometry.inertias["arm"].moments
+    np.testing.assert_allclose(robot.model.inertias[1].inertia, given, rtol=1e-14, atol=1e-30)
+    assert robot.model.inertias[1].mass == 2.0
+    np.testing.assert_array_equal(robot.model.inertias[1].lever, [0.1, 0.0, 0.0])

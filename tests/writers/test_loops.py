@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +18,16 @@ import yourdfpy
 
 import chainbuild
 from chainbuild.chain.axismap import Block, BlockMap
+from chainbuild.chain.compose import follow
+from chainbuild.formats.twincat.axis_offsets import ShiftedMap
 from chainbuild.formats.twincat.maps.heads import SpatialAnglesMap, VirtualTurnMap
 from chainbuild.formats.twincat.maps.length import NozzleLaw, TiltLengthMap
 from chainbuild.kinematics.closure import closing_axes
 from chainbuild.machines import shipped
 from chainbuild.robot import Robot
 from chainbuild.writers.models.loops import formulas_of, loop_files
+from chainbuild.writers.models.mjcf import mjcf_text
+from chainbuild.writers.models.srdf import pair_table, srdf_text
 
 WORDS = {name: getattr(math, name) for name in ("sin", "cos", "asin", "atan2", "copysign", "pi")} | {
     "min": min,
@@ -126,6 +132,17 @@ def draws(robot: Robot, count: int) -> np.ndarray:
     return lower + (upper - lower) * rng.random((count, len(lower)))
 
 
+def read_alone(robot: Robot, folder: Path, count: int) -> dict[str, Any]:
+    """Compare the poses of one reader with those of a robot, and return what stands in the file beside the URDF."""
+    outsider = Outsider(chainbuild.write_urdf(robot, folder).parent)
+    names = [axis.name for axis in robot.axes]
+    for axes in draws(robot, count):
+        found, wanted = outsider.by_pinocchio(outsider.values(names, axes)), robot.fk(axes).homogeneous
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-12 * reach(wanted))
+    assert outsider.extra is not None
+    return outsider.extra
+
+
 def compare(name: str, folder: Path, count: int) -> None:
     """Compare the poses of three readers with those of the robot."""
     robot, outsider = written(name, folder)
@@ -170,6 +187,32 @@ def test_three_readers_agree_on_a_thousand(name: str, tmp_path: Path) -> None:
 def test_only_what_is_not_plain_gets_a_file() -> None:
     assert loop_files(Robot.load("kr6r900")) == {}
     assert list(loop_files(Robot.load("palletiser_kin96"))) == ["palletiser_kin96.loops.yaml"]
+
+
+@pytest.mark.parametrize("slides", ["x1_carries_c", "x2_carries_c"])
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_gripper_that_counts_from_x_is_turned_back_by_its_arm(side: str, slides: str, tmp_path: Path) -> None:
+    chosen = {"kin21_c_zero": "along_x", "kin21_side": side, "kin21_slides": slides}
+    robot = Robot(chainbuild.load("lambda_kin21").chain(conventions=chosen))
+    extra = read_alone(robot, tmp_path, 5)
+    assert sorted(extra["name_mot"]) == ["C_turn", "X1", "X2", "Z"]
+    assert sorted(extra["chainbuild"]["passive"]) == ["phi", "theta"]
+    passive = re.findall('passive_joint name="(.*?)"', srdf_text(robot, pair_table(robot, 1)))
+    assert sorted(passive) == ["phi", "theta"]
+
+
+@pytest.mark.parametrize("pair", [("tripod_kin12", "palletiser_kin96"), ("inclined_saw_kin207", "lambda_kin21")])
+def test_couplings_beside_loops_are_not_forgotten(pair: tuple[str, str], tmp_path: Path) -> None:
+    first, second = (chainbuild.load(name).chain() for name in pair)
+    robot = Robot(follow(first, workpiece_of=second))
+    read_alone(robot, tmp_path, 3)
+    mujoco.MjModel.from_xml_string(mjcf_text(robot))
+
+
+def test_axes_with_an_offset_stand_beside_what_they_show(tmp_path: Path) -> None:
+    chain = Robot.load("plasma_head_kin25").chain
+    shifted = replace(chain, axis_map=ShiftedMap(chain.axis_map, np.array([0.0, 0.0, 0.0, 10.0, -7.0])))
+    read_alone(Robot(shifted), tmp_path, 5)
 
 
 def evaluated(axis_map: Any, axes: np.ndarray, factors: np.ndarray) -> list[float]:

@@ -16,12 +16,13 @@ from chainbuild.chain.bodies.geometry import Geometry, Shape
 from chainbuild.chain.bodies.inertia import Inertia, JointDynamics
 from chainbuild.chain.elements import Chain
 from chainbuild.drawing.machine import drawn_bodies
-from chainbuild.errors import FileAccessError
+from chainbuild.errors import FileAccessError, OverwriteError
 from chainbuild.machines import shipped
 from chainbuild.robot import Robot
 from chainbuild.writers.models.masses import DENSITY, holding_efforts, link_inertias
 from chainbuild.writers.models.urdf import urdf_files, urdf_text
 from tests.kit.draws import random_axes
+from tests.kit.mesh_files import write_stl
 from tests.kit.sample_chains import arm
 
 STEEL_CUBE = 0.2**3 * DENSITY  # kg
@@ -33,6 +34,7 @@ def with_geometry(chain: Chain, **given: object) -> Robot:
 
 def cube_file(path: Path, edge: float) -> Path:
     """Write a cube as OBJ, its corner at the origin."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     ends = (0.0, edge)
     corners = "".join(f"v {x} {y} {z}\n" for x in ends for y in ends for z in ends)
     faces = ((1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4))
@@ -178,3 +180,29 @@ def test_nothing_is_written_where_a_mesh_is_missing(tmp_path: Path) -> None:
 def test_geometry_names_follow_composition() -> None:
     given = Geometry(visuals={"a": ()}, inertias={"a": Inertia(1.0, np.zeros(3), np.eye(3))}).renamed({"a": "b"})
     assert set(given.visuals) == set(given.inertias) == {"b"}
+
+
+def test_a_flat_mesh_weighs_nothing(tmp_path: Path) -> None:
+    sheet = write_stl(tmp_path / "sheet.stl", ([(0, 0, 0), (9, 0, 0), (9, 9, 0)], [(0, 1, 2)]))
+    flat, cube = Shape("mesh", file=sheet), Shape("mesh", file=cube_file(tmp_path / "cube.obj", 200.0))
+    robot = with_geometry(arm(), shapes={"A1_link": (cube, flat), "A2_link": (flat,)})
+    found = link_inertias(robot.chain, drawn_bodies(robot.chain))
+    assert found["A1_link"].mass == pytest.approx(STEEL_CUBE, rel=1e-5)
+    np.testing.assert_allclose(found["A1_link"].centre, np.full(3, 0.1), atol=1e-6)
+    assert found["A2_link"].mass == 0.1
+
+
+def test_a_mesh_that_is_read_is_not_written_over(tmp_path: Path) -> None:
+    """The other mesh is named as this one, and comes first."""
+    own = cube_file(tmp_path / "arm" / "meshes" / "cube.obj", 200.0)
+    robot = with_geometry(arm(), shapes={"A1_link": (Shape("mesh", file=own),)})
+    again = chainbuild.write_urdf(robot, tmp_path)
+    assert again.is_relative_to(tmp_path / "arm")
+    before = own.read_bytes()
+    other = cube_file(tmp_path / "cube.obj", 300.0)
+    shapes = {"A1_link": (Shape("mesh", file=other),), "A2_link": (Shape("mesh", file=own),)}
+    with pytest.raises(OverwriteError, match="also an input") as caught:
+        chainbuild.export(with_geometry(arm(), shapes=shapes), tmp_path, formats=["urdf", "mjcf"])
+    assert caught.value.file == str(own)
+    assert own.read_bytes() == before
+    assert sorted(path.name for path in (tmp_path / "arm").rglob("*.*")) == ["arm.urdf", "cube.obj"]

@@ -21,8 +21,10 @@ from chainbuild.robot import Robot
 from chainbuild.units import si_factor
 from chainbuild.writers.models.masses import estimated
 from chainbuild.writers.models.mjcf import home, mjcf_text
+from tests.kit import urdf_files
 from tests.kit.mesh_files import box, surface, write_arm
 
+TURN = urdf_files.joint("A1", "revolute", "base", "arm", inside='<axis xyz="0 0 1"/>')
 CONSTRAINED = (
     "delta_kin37", "inclined_saw_kin207", "lambda_kin21", "palletiser_kin96", "rod_table_kin19", "tripod_kin12",
     "tripod_table_kin209",
@@ -224,3 +226,27 @@ def test_what_is_not_expressed_is_said() -> None:
     assert "not expressed by this file" in mjcf_text(Robot.load("cardan_head_kin59"))
     assert "Without a drive, for want of a joint of their own: CV." in mjcf_text(Robot.load("rotated_head_kin70"))
     assert "not expressed" not in mjcf_text(Robot.load("tripod_kin12"))
+
+
+@pytest.mark.parametrize("given", ["0 0 0 0 0 0", "-1e-13 0 0 0 0 0", "1e-3 0 0 1e-3 0 0", "1e-15 0 0 1e-15 0 1e-15"])
+@pytest.mark.parametrize("mass", [2.0, 1e-14, 0.0])
+def test_moments_that_a_file_lacks_are_those_of_a_small_body(given: str, mass: float, tmp_path: Path) -> None:
+    links = (urdf_files.link("base", 0.0), urdf_files.link("arm", mass, "0.1 0 0", given))
+    path = urdf_files.written(
+        tmp_path, *links, urdf_files.joint("A1", "revolute", "base", "arm", inside='<axis xyz="0 0 1"/>')
+    )
+    model, _ = read(Robot.from_urdf(path))
+    arm = model.body("arm")
+    assert arm.mass[0] == (2.0 if mass == 2.0 else 0.1)
+    least = 2.0 * 0.01**2 if mass == 2.0 else 1e-5
+    assert arm.inertia.min() == pytest.approx(least, rel=1e-6)
+    assert arm.inertia.max() < 2e-3
+
+
+def test_moments_that_a_file_gives_stay(tmp_path: Path) -> None:
+    links = (urdf_files.link("base", 0.0), urdf_files.link("arm", 1e-3, moments="1e-9 0 0 2e-9 0 2.5e-9"))
+    path = urdf_files.written(
+        tmp_path, *links, urdf_files.joint("A1", "revolute", "base", "arm", inside='<axis xyz="0 0 1"/>')
+    )
+    model, _ = read(Robot.from_urdf(path))
+    np.testing.assert_allclose(sorted(model.body("arm").inertia), [1e-9, 2e-9, 2.5e-9], rtol=1e-9)

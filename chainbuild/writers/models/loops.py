@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from chainbuild.chain.axismap import AffineMap, AxisMap, BlockMap, FormulaMap, Formulas
 from chainbuild.chain.elements import Chain
 from chainbuild.files import angle_text, number_text, printable
-from chainbuild.units import si_factor
+from chainbuild.formats.twincat.axis_offsets import ShiftedMap
+from chainbuild.units import rad_from_deg, si_factor
 from chainbuild.writers.models.home import home, leading_joints
 from chainbuild.writers.models.robotfiles import RobotFiles
 
@@ -39,7 +40,8 @@ def loop_files(robot: Mechanism) -> RobotFiles:
 def loops_text(robot: Mechanism) -> str:
     """Return loops and couplings of a robot as YAML."""
     chain = robot.chain
-    driven, passive = _driven(chain)
+    found = formulas_of(chain.axis_map, [f"x{n}" for n in range(1, len(chain.axes) + 1)])
+    driven, passive = driven_joints(chain)
     lines = [
         f"# {printable(chain.title, lines=False)}: {chain.kinematic} ({chain.dialect}), written by chainbuild.",
         f"# Loops and couplings that {robot.name}.urdf leaves open: keys of the Extended URDF, then how joint values",
@@ -58,7 +60,7 @@ def loops_text(robot: Mechanism) -> str:
     for n, axis in enumerate(chain.axes, 1):
         known = {"name": axis.name, "symbol": f"x{n}", "unit": axis.unit, "factor": si_factor(axis.kind)}
         lines.append(f"    - {_flow(known)}")
-    lines += _map_lines(chain, passive)
+    lines += _map_lines(chain, found)
     if chain.loops:
         lines += _assembly_lines(robot, passive)
     return "\n".join(lines) + "\n"
@@ -71,39 +73,33 @@ def _is_plain(chain: Chain, n: int) -> bool:
     return chain.axis_map.A[n].tolist() == factors and any(factors) and float(chain.axis_map.b[n]) == 0.0
 
 
-def _driven(chain: Chain) -> tuple[list[str], list[str]]:
+def driven_joints(chain: Chain) -> tuple[list[str], list[str]]:
     """Return the joints that axes drive, and those that follow from closing the loops."""
     names = [joint.name for joint in chain.joints]
     if isinstance(chain.axis_map, AffineMap):
         return [names[n] for n in sorted(leading_joints(chain, chain.axis_map))], []
-    axes = {axis.name for axis in chain.axes}
-    driven = [name for name in names if name in axes]
-    return driven, [name for name in names if name not in axes] if chain.loops else []
+    axes = [axis.name for axis in chain.axes]
+    found = formulas_of(chain.axis_map, axes) if chain.loops else None
+    told = found.joints if found else [name if name in axes else "" for name in names]
+    driven = [name for name, text in zip(names, told, strict=True) if text]
+    return driven, [name for name in names if name not in driven] if chain.loops else []
 
 
-def _map_lines(chain: Chain, passive: Sequence[str]) -> list[str]:
-    """Return how joint values follow from axis values."""
-    symbols = [f"x{n}" for n in range(1, len(chain.axes) + 1)]
-    if chain.loops and not isinstance(chain.axis_map, AffineMap):
-        by_axis = {axis.name: symbol for axis, symbol in zip(chain.axes, symbols, strict=True)}
-        joints: Mapping[str, str] = {
-            joint.name: by_axis[joint.name] for joint in chain.joints if joint.name not in passive
-        }
-        steps: tuple[tuple[str, str], ...] = ()
-    else:
-        found = formulas_of(chain.axis_map, symbols)
-        if found is None:
-            return ["  joints: null  # the map from axis values has cases and is not written here"]
-        joints = {joint.name: text for joint, text in zip(chain.joints, found.joints, strict=True)}
-        steps = found.steps
-    lines = ["  steps:  # expressions, in this order"] if steps else []
-    lines += [f"    - {_flow([name, text])}" for name, text in steps]
+def _map_lines(chain: Chain, found: Formulas | None) -> list[str]:
+    """Return how joint values follow from axis values, those aside that closing the loops gives."""
+    if found is None:
+        return ["  joints: null  # the map from axis values has cases and is not written here"]
+    lines = ["  steps:  # expressions, in this order"] if found.steps else []
+    lines += [f"    - {_flow([name, text])}" for name, text in found.steps]
     lines.append("  joints:  # joint values as expressions of the symbols")
-    return lines + [f"    {_flow(name)}: {_flow(text)}" for name, text in joints.items()]
+    joints = zip(chain.joints, found.joints, strict=True)
+    return lines + [f"    {_flow(joint.name)}: {_flow(text)}" for joint, text in joints if text]
 
 
 def formulas_of(axis_map: AxisMap, symbols: Sequence[str], prefix: str = "") -> Formulas | None:
     """Return an axis map written down, or None where one of its parts cannot be.
+
+    A joint without an expression follows from closing the loops.
 
     Args:
         axis_map: The map.
@@ -112,6 +108,10 @@ def formulas_of(axis_map: AxisMap, symbols: Sequence[str], prefix: str = "") -> 
     """
     if isinstance(axis_map, AffineMap):
         return Formulas((), axis_map.sums(symbols))
+    if isinstance(axis_map, ShiftedMap):
+        shifts = [rad_from_deg(shift) for shift in axis_map.shift.tolist()]  # of rotary axes alone
+        stands = [f"({name} + {shift:.15g})" if shift else name for name, shift in zip(symbols, shifts, strict=True)]
+        return formulas_of(axis_map.inner, stands, prefix)
     if isinstance(axis_map, BlockMap):
         joints = [""] * axis_map.shape[0]
         steps: list[tuple[str, str]] = []

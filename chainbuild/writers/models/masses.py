@@ -21,6 +21,8 @@ DENSITY: Final = 2700.0  # kg/m³: of aluminium, between hollow castings of iron
 # Of a link without bodies or mass: simulators divide by it.
 MASSLESS: Final = Inertia(0.1, np.zeros(3), 1e-5 * np.eye(3))
 _GRAVITY: Final = 9.81  # m/s²
+_LEAST: Final = 1e-12  # kg and kg·m²: MuJoCo refuses 1e-15, and files of zeros have rounding beside them
+_SMALL_M: Final = 0.01  # radius of gyration where moments are missing: no link is smaller
 _DIGITS: Final = 6  # of estimates: their last bits differ between machines
 
 
@@ -137,12 +139,28 @@ def _of_mesh(body: Body, surface: Triangles, density: float) -> Inertia:
 
 
 def _of_solid(solid: Solid, density: float) -> Inertia:
-    """Return the inertia of one body of the overlay; a mesh counts as its hull, for it need not be closed."""
+    """Return the inertia of one body of the overlay; a mesh counts as its hull, for it need not be closed.
+
+    What encloses nothing, like a flat mesh, weighs nothing.
+    """
     geometry = solid.around
-    T, mass = solid.T_link_solid, density * float(geometry.computeVolume())
+    volume = float(geometry.computeVolume())
+    if not volume > 0.0:
+        return Inertia(0.0, np.zeros(3), np.zeros((3, 3)))
+    T, mass = solid.T_link_solid, density * volume
     centre, moments = np.asarray(geometry.computeCOM()), np.asarray(geometry.computeMomentofInertiaRelatedToCOM())
     R = T[:3, :3]
     return Inertia(mass, R @ centre.ravel() + T[:3, 3], density * R @ moments @ R.T)
+
+
+def turnable(inertia: Inertia) -> Inertia:
+    """Return an inertia by which a simulator can divide: that of a small body where a file gives none that resists."""
+    if inertia.mass < _LEAST:
+        return MASSLESS
+    least = float(np.linalg.eigvalsh(inertia.moments)[0])
+    if least > _LEAST:
+        return inertia
+    return replace(inertia, moments=inertia.moments + (inertia.mass * _SMALL_M**2 - least) * np.eye(3))
 
 
 def _rounded(inertia: Inertia) -> Inertia:

@@ -22,7 +22,7 @@ from chainbuild.frames import quaternion_from_matrix
 from chainbuild.units import si_factor
 from chainbuild.writers.models import notes
 from chainbuild.writers.models.home import home, leading_joints
-from chainbuild.writers.models.masses import MASSLESS, link_inertias
+from chainbuild.writers.models.masses import MASSLESS, link_inertias, turnable
 from chainbuild.writers.models.robotfiles import check_robot, write_robot_files
 
 if TYPE_CHECKING:
@@ -112,8 +112,7 @@ def _add_bodies(world: ET.Element, robot: Mechanism, bodies: Sequence[Body], ine
         armature = number_text(_ARMATURE[kind])
         _sub(element, "joint", name=joint.name, type=kind, axis=axis, armature=armature, **more)
     for link, element in made.items():
-        own = inertias.get(link, MASSLESS)
-        inertia = own if own.mass > 0.0 else MASSLESS
+        inertia = turnable(inertias.get(link, MASSLESS))
         moments = [float(inertia.moments[place]) for place in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
         place = {"pos": numbers_text(inertia.centre.tolist()), "mass": f"{inertia.mass:.15g}"}
         _sub(element, "inertial", **place, fullinertia=" ".join(f"{moment + 0.0:.15g}" for moment in moments))

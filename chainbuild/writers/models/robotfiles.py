@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from chainbuild.errors import ChainbuildError
-from chainbuild.files import folder_of, write_all
+from chainbuild.files import folder_of, place_of, protected, write_all
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -33,8 +33,20 @@ def write_robot_files(robot: Mechanism, folder: Path | str, files: Mapping[str, 
 
     Raises:
         FileAccessError: the folder is not a path, or a file cannot be written.
+        OverwriteError: a file would take the place of another mesh that the robot was read from.
     """
     place = folder_of(folder, robot.name)
     paths = {name: place.joinpath(*name.split("/")) for name in files}
-    write_all({paths[name]: content for name, content in files.items()})
+    geometry = robot.chain.geometry
+    bodies = (shape for given in (geometry.shapes, geometry.visuals) for shapes in given.values() for shape in shapes)
+    read = {shape.file for shape in bodies if shape.file is not None}
+    places = {place_of(file) for file in read}
+    with protected(read):
+        write_all(
+            {
+                path: files[name]
+                for name, path in paths.items()
+                if place_of(path) not in places or path.read_bytes() != files[name]
+            }
+        )
     return paths

@@ -10,6 +10,7 @@ import numpy as np
 
 from chainbuild.chain.followers import followers
 from chainbuild.files import angle_text, number_text, xml_text
+from chainbuild.writers.models.loops import driven_joints
 from chainbuild.writers.models.robotfiles import check_robot, write_robot_files
 
 if TYPE_CHECKING:
@@ -62,10 +63,8 @@ def srdf_text(robot: Mechanism, table: PairTable) -> str:
     root = ET.Element("robot", name=robot.name)
     root.append(ET.Comment(f" Pairs by {table.samples} positions drawn {_where(robot)}. "))
     _add_poses(root, robot)
-    axes = {axis.name for axis in robot.axes}
-    for joint in robot.chain.joints if robot.chain.loops else ():
-        if joint.name not in axes:
-            ET.SubElement(root, "passive_joint", name=joint.name)
+    for name in driven_joints(robot.chain)[1]:
+        ET.SubElement(root, "passive_joint", name=name)
     for verdict, reason, text in _REASONS:
         pairs = table.of(verdict)
         if pairs:

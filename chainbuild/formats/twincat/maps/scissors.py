@@ -17,6 +17,7 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.axismap import Formulas
 from chainbuild.chain.closing import Loss
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.formats.twincat.maps.rows import IN_LINE, in_columns, rod_turns
@@ -86,6 +87,21 @@ class LambdaMap:
         slides = [m_from_mm(float(axes[n])) for n in self.slides]
         turn = rad_from_deg(float(axes[_C])) - (0.0 if self.by_arm else theta + self.bend)
         return np.array([slides[0], theta, m_from_mm(float(axes[_Z])), turn, slides[1], phi])
+
+    def formulas(self, symbols: Sequence[str]) -> Formulas:
+        """Return the map written down: what the slides, Z and the gripper stand at."""
+        (c, b), z, turn = (symbols[n] for n in self.slides), symbols[_Z], symbols[_C]
+        if self.by_arm:
+            return Formulas((), (c, "", z, turn, b, ""))
+        rod, other = self.rods
+        steps = (
+            ("x", f"{b} - ({c}) + ({self.along[1] - self.along[0]:.15g})"),
+            ("to", f"atan2({self.across[1] - self.across[0]:.15g}, x)"),
+            ("apart", f"x*cos(to) + ({self.across[1] - self.across[0]:.15g})*sin(to)"),
+            ("cosine", f"({rod**2 - other**2:.15g} + apart*apart)/({2.0 * rod:.15g}*apart)"),
+            ("rod", f"to + {self.side:g}*(pi/2 - asin(max(-1, min(1, cosine))))"),
+        )
+        return Formulas(steps, (c, "", z, f"{turn} - rod - ({self.bend:.15g})", b, ""))
 
     def tip_values(self, axes: Vector) -> list[float] | None:
         """Return the joint values of the way to the gripper, or None where the rods do not meet."""

@@ -20,6 +20,7 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.axismap import Formulas
 from chainbuild.chain.closing import Loss
 from chainbuild.closest import and_joined
 from chainbuild.errors import AxisValueError, ChainbuildError
@@ -85,6 +86,11 @@ class ThreeRodsMap:
         for arm, value, (centre, _, turned) in zip(self.arms, values, centres, strict=False):
             q += [value, *self._rod_angles(arm, p, centre, turned)]
         return np.array(q)
+
+    def formulas(self, symbols: Sequence[str]) -> Formulas:
+        """Return the map written down: what the arms and rotary axes beside them stand at."""
+        arms = [text for symbol in symbols[:_ARMS] for text in (symbol, "", "")]
+        return Formulas((), ("", "", "", *symbols[_ARMS:], *arms))
 
     def tip_values(self, axes: Vector) -> list[float] | None:
         """Return the joint values of the platform and of rotary axes beside the arms, or None where nothing closes."""

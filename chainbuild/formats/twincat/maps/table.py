@@ -16,6 +16,7 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.axismap import Formulas
 from chainbuild.chain.closing import Loss, StrutRange
 from chainbuild.closest import and_joined
 from chainbuild.errors import AxisValueError, ChainbuildError
@@ -85,6 +86,13 @@ class TableMap:
             angle, _ = self._link(state)
             q += [angle, -angle]
         return np.array(q)
+
+    def formulas(self, symbols: Sequence[str]) -> Formulas:
+        """Return the map written down: what the slides and the carriages stand at."""
+        turns = 1 if self.radial else 2
+        rods = [text for symbol in symbols[_SLIDES:] for text in (symbol, *[""] * turns)]
+        guide = [""] * (self._count - _SLIDES - len(rods) - (0 if self.radial else 2))
+        return Formulas((), (*symbols[:_SLIDES], *guide, *rods, *([] if self.radial else ["", ""])))
 
     def _table_joints(self, h: float, x: float, y: float) -> list[float]:
         """Return the shifts that the guide leaves the table [m], and its turns about X, Y and Z [rad]."""
