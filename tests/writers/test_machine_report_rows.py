@@ -158,19 +158,19 @@ def test_the_screws_are_those_of_the_matrix_exponential() -> None:
 def test_right_angles_that_a_file_rounds_are_right_angles(tmp_path: Path) -> None:
     """URDF files write pi/2 with eleven decimals; a table of a UR5 has no use for what that leaves."""
     half = "1.57079632679"
-    turns = [
-        ("0 0 0.089159", "0 0 0", "0 0 1"),
-        ("0 0.13585 0", f"0 {half} 0", "0 1 0"),
-        ("0 -0.1197 0.425", "0 0 0", "0 1 0"),
-    ]
+    steps = [("0 0 0.089159", "0", "0 0 1"), ("0 0.13585 0", half, "0 1 0"), ("0 -0.1197 0.425", "0", "0 1 0")]
     joints = "".join(
         f'<link name="l{n + 1}"/><joint name="j{n + 1}" type="revolute"><parent link="l{n}"/><child link="l{n + 1}"/>'
-        f'<origin xyz="{xyz}" rpy="{rpy}"/><axis xyz="{axis}"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
-        for n, (xyz, rpy, axis) in enumerate(turns)
+        f'<origin xyz="{xyz}" rpy="0 {turn} 0"/><axis xyz="{axis}"/>'
+        '<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
+        for n, (xyz, turn, axis) in enumerate(steps)
     )
-    end = f'<link name="t"/><joint name="e" type="fixed"><parent link="l3"/><child link="t"/><origin rpy="-{half} 0 0" xyz="0 0.08 0"/></joint>'
+    tip = (
+        '<link name="t"/><joint name="e" type="fixed"><parent link="l3"/><child link="t"/>'
+        f'<origin rpy="-{half} 0 0" xyz="0 0.08 0"/></joint>'
+    )
     file = tmp_path / "arm.urdf"
-    file.write_text(f'<robot name="arm"><link name="l0"/>{joints}{end}</robot>')
+    file.write_text(f'<robot name="arm"><link name="l0"/>{joints}{tip}</robot>')
     robot = Robot.from_urdf(file)
     rows, screws = rows_chapters(robot)
     table = tables(rows)["Base to tool, standard"]
