@@ -369,6 +369,13 @@ def test_findings_name_the_line_without_a_folder() -> None:
     assert words("scara_kin36", "Findings") == "None."
 
 
+def test_the_machine_is_told_with_its_tool_and_angles() -> None:
+    said = words("kr6r900", "Machine")
+    assert "Tool | none, the TCP is in the flange" in said
+    assert "angles orirpy: Rz(A)·Ry(B)·Rx(C)" in said
+    assert "Bodies are assumed by rule. Machine data say nothing of castings." in words("kr6r900", "Pictures")
+
+
 def test_axes_tell_where_their_limits_come_from() -> None:
     assert "A2 | rotary | deg | -190 | 45 | overlay | 300 deg/s" in words("kr6r900", "Axes, limits and drives")
     said = words("lambda_kin21", "Axes, limits and drives")
