@@ -309,6 +309,47 @@ def test_sums_in_a_condition_are_told_as_sums() -> None:
     assert float(found[1]) == pytest.approx(np.degrees(np.arctan2(250.0, 1250.0)) - 180.0, abs=0.01)
 
 
+def test_a_place_on_a_surface_is_singular_in_that_way_alone() -> None:
+    """The upright arm of a TX2-60 is stretched as well; what is lost there is not what the shoulder loses."""
+    robot = Robot.load("tx2_60")
+    blocks = list(singular_chapter(robot, np.array([5.0, -60.0, 40.0, -5.0, -30.0, -115.0])).blocks)
+    said = next(b.parts[0] for b in blocks if isinstance(b, Paragraph) and "surface" in b.parts[0])
+    at = re.search(r"for instance B1\s(\S+)°, B2\s(\S+)°\.", said)
+    assert at is not None
+    found = chainbuild.examine(robot, [5.0, float(at[1]), float(at[2]), -5.0, -30.0, -115.0]).names
+    assert {one.kind for one in found} == {"shoulder"}
+
+
+def test_a_lost_direction_is_told_with_its_position() -> None:
+    robot = Robot.load("kr6r900")
+    reference = np.array([5.0, -60.0, 40.0, -5.0, -30.0, -115.0])
+    items = [item for b in singular_chapter(robot, reference).blocks if isinstance(b, Bullets) for item in b.items]
+    stretched = next(item.parts[0] for item in items if "stretched" in item.parts[0]).replace("\u00a0", " ")
+    assert stretched.endswith("(Seen at A1 5°, A2 -60°, A3 4.76°, A4 -5°, A5 -30°, A6 -115°.)")
+
+
+def test_whole_turns_of_a_singular_axis_are_told_once() -> None:
+    chain = chainbuild.load("kr6r900").chain()
+    renamed = {"A4": "hand_turn", "A5": "hand"}
+    axes = tuple(
+        replace(
+            axis,
+            name=renamed.get(axis.name, axis.name),
+            **({"lower": -400.0, "upper": 400.0} if axis.name == "A5" else {}),
+        )
+        for axis in chain.axes
+    )
+    joints = tuple(replace(joint, name=renamed.get(joint.name, joint.name)) for joint in chain.joints)
+    robot = Robot(replace(chain, axes=axes, joints=joints))
+    blocks = list(singular_chapter(robot, np.array([5.0, -60.0, 40.0, -5.0, -30.0, -115.0])).blocks)
+    where = next(n for n, b in enumerate(blocks) if isinstance(b, Paragraph) and b.parts[0].startswith("Where: hand ="))
+    assert blocks[where] == Paragraph.of("Where: hand = -360° or -180° or 0° or 180° or 360°.")
+    told = blocks[where + 1]
+    assert isinstance(told, Bullets)
+    # A name is written as it is, also at the beginning of a sentence.
+    assert [item.parts[0].split(":")[0] for item in told.items] == ["hand_turn and A6 are parallel (hand = 0°)"]
+
+
 def test_conventions_without_default_come_first_then_open_ones() -> None:
     used = chainbuild.load("rod_table_kin19").chain().conventions
     titles = [block.parts for block in conventions_chapter(used).blocks if isinstance(block, Heading)]
@@ -326,6 +367,13 @@ def test_conventions_without_default_come_first_then_open_ones() -> None:
 def test_findings_name_the_line_without_a_folder() -> None:
     assert "CB307 | warning | kr6r900.tea:48 |" in words("kr6r900", "Findings")
     assert words("scara_kin36", "Findings") == "None."
+
+
+def test_the_machine_is_told_with_its_tool_and_angles() -> None:
+    said = words("kr6r900", "Machine")
+    assert "Tool | none, the TCP is in the flange" in said
+    assert "angles orirpy: Rz(A)·Ry(B)·Rx(C)" in said
+    assert "Bodies are assumed by rule. Machine data say nothing of castings." in words("kr6r900", "Pictures")
 
 
 def test_axes_tell_where_their_limits_come_from() -> None:

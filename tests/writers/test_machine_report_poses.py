@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,9 +11,12 @@ import pytest
 
 import chainbuild
 from chainbuild.analysis.singularity.measures import smallest_value
+from chainbuild.chain.poses import frame_placement, link_placements
 from chainbuild.collision.model import CollisionModel
+from chainbuild.collision.solids import solids_of
+from chainbuild.frames import rot_about, transform
 from chainbuild.robot import Robot
-from chainbuild.writers.machine_report.checkform import check_chapter
+from chainbuild.writers.machine_report.checkform import bodies_in_words, check_chapter, tool_in_words
 from chainbuild.writers.machine_report.checkposes import CheckPoses, check_poses, moved_both_ways
 from chainbuild.writers.machine_report.document.blocks import Bullets, TableBlock
 
@@ -61,6 +65,76 @@ def test_the_straight_ways_are_free(name: str) -> None:
             for row in way(start, pose.axes):
                 assert machine.violated_limits(row) == ()
                 assert not bodies.collides(row)
+
+
+def lowest_point(machine: Robot, axes: np.ndarray) -> float:
+    """Return the lowest height [m] of the capsules behind the first joint, and of the tool, in the base."""
+    chain = machine.chain
+    links = link_placements(chain, chain.axis_map.q(axes))
+    heights = [float(frame_placement(chain, "tool", axes)[2, 3])]
+    for solid in solids_of(chain):
+        if solid.kind == "capsule" and solid.link not in ("base", chain.joints[0].child):
+            T = links[solid.link] @ solid.T_link_solid
+            heights += [T[2, 3] + side * T[2, 2] * solid.size[1] / 2.0 - solid.size[0] for side in (-1.0, 1.0)]
+    return min(heights)
+
+
+@pytest.mark.parametrize("name", ["palletiser_nr4", "kr6r900_2"])
+def test_nothing_comes_below_the_floor(name: str) -> None:
+    """The base stands at 0, and these arms at home above it."""
+    found, machine = poses(name), robot(name)
+    assert found.floor == 0.0
+    for start in (found.poses[0].axes, np.zeros(len(machine.axes))):
+        for pose in found.poses:
+            assert min(lowest_point(machine, row) for row in way(start, pose.axes)[::4]) > -1e-3
+    assert "; nothing comes below Z 0 mm of the base." in bullets(name).items[1].parts[0]
+
+
+def test_a_machine_that_hangs_below_its_base_has_its_floor_at_home() -> None:
+    machine = robot("kr6r900")
+    base = replace(
+        machine.chain.joints[0], T_parent_joint=transform(rot_about([1.0, 0.0, 0.0], 180.0), [0.0, 0.0, -0.4])
+    )
+    hanging = Robot(replace(machine.chain, joints=(base, *machine.chain.joints[1:])))
+    found = check_poses(hanging)
+    assert found.floor == pytest.approx(lowest_point(hanging, np.zeros(6)), abs=0.02)  # a ball counts, too
+    assert len(found.poses) == found.wanted
+    assert poses("ac_table_kin58").floor is None
+
+
+def test_the_form_says_which_bodies_were_looked_at() -> None:
+    """No data place bodies of a table machine that could touch: to say that none does would be no help."""
+    assert poses("ac_table_kin58").watched == ()
+    said = [item.parts[0] for item in bullets("ac_table_kin58").items]
+    assert "Collisions were NOT looked for" in said[1]
+    assert "collisions" not in said[2]
+    said = [item.parts[0] for item in bullets("tripod_kin12").items]
+    assert "These bodies, assumed by rule, do not touch: platform_z_link, Z1_swing_link, Z1_lean_link," in said[1]
+    assert "free of collisions of these bodies" in said[2]
+
+
+def test_the_form_says_with_which_tool_its_poses_are() -> None:
+    assert (
+        bullets("kr6r900")
+        .items[0]
+        .parts[0]
+        .endswith("the tool is that of this report: none, the TCP is in the flange.")
+    )
+    chain = robot("kr6r900").chain
+    tool = transform(rot_about([0.0, 1.0, 0.0], 30.0), [0.1, 0.0, -0.0255])
+    frames = tuple(
+        replace(one, T_link_frame=one.T_link_frame @ tool) if one.name == "tool" else one for one in chain.frames
+    )
+    said = tool_in_words(replace(chain, frames=frames)).replace("\u00a0", " ")
+    assert said == "TCP at X 100 mm, Z -25.5 mm of the flange, its axes turned by 30°"
+
+
+def test_bodies_are_said_to_come_from_where_they_do() -> None:
+    chain = robot("kr6r900").chain
+    given = replace(chain, geometry=replace(chain.geometry, shapes={"base": ()}))
+    assert bodies_in_words(chain) == "assumed by rule"
+    assert bodies_in_words(given) == "given by the overlay, else assumed by rule"
+    assert bodies_in_words(replace(given, dialect="URDF")) == "given by the URDF"
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -152,6 +153,38 @@ def test_the_screws_are_those_of_the_matrix_exponential() -> None:
     pose = np.linalg.inv(T["workpiece"]) @ T["tool"]
     pose[:3, 3] /= 1000.0
     np.testing.assert_allclose(pose, robot.fk(axes).homogeneous, rtol=0.0, atol=1e-9)
+
+
+def test_right_angles_that_a_file_rounds_are_right_angles(tmp_path: Path) -> None:
+    """URDF files write pi/2 with eleven decimals; a table of a UR5 has no use for what that leaves."""
+    half = "1.57079632679"
+    steps = [("0 0 0.089159", "0", "0 0 1"), ("0 0.13585 0", half, "0 1 0"), ("0 -0.1197 0.425", "0", "0 1 0")]
+    joints = "".join(
+        f'<link name="l{n + 1}"/><joint name="j{n + 1}" type="revolute"><parent link="l{n}"/><child link="l{n + 1}"/>'
+        f'<origin xyz="{xyz}" rpy="0 {turn} 0"/><axis xyz="{axis}"/>'
+        '<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
+        for n, (xyz, turn, axis) in enumerate(steps)
+    )
+    tip = (
+        '<link name="t"/><joint name="e" type="fixed"><parent link="l3"/><child link="t"/>'
+        f'<origin rpy="-{half} 0 0" xyz="0 0.08 0"/></joint>'
+    )
+    file = tmp_path / "arm.urdf"
+    file.write_text(f'<robot name="arm"><link name="l0"/>{joints}{tip}</robot>')
+    robot = Robot.from_urdf(file)
+    rows, screws = rows_chapters(robot)
+    table = tables(rows)["Base to tool, standard"]
+    assert [row[1:] for row in table.rows] == [
+        ["j1", "89.159", "0", "-90"],
+        ["j2", "0", "425", "0"],
+        ["j3 + 90", "96.15", "0", "0"],
+    ]
+    names = values_of(robot, positions(robot))
+    check_against_poses(robot, rows, {"tool": from_rows(table, names)})
+    twists = tables(screws)
+    assert max(len(cell) for row in twists["Base to tool: screws"].rows for cell in row) < 9
+    found = from_screws(twists["Base to tool: screws"], twists["Base to tool: M"], names)
+    check_against_poses(robot, screws, {"tool": found})
 
 
 def test_a_known_arm_has_its_textbook_rows() -> None:

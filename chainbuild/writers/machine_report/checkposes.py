@@ -2,8 +2,8 @@
 
 A first position is sought from which every axis can be moved both ways; each axis is then moved alone, and further
 positions move all of them, each to the side on which it was not yet. All are whole degrees and millimetres, inside all
-limits, away from singular positions and from bodies, and so are the straight ways of the axes from home and from the
-first position.
+limits, away from singular positions and from bodies, above the floor of a machine that stands on it, and so are the
+straight ways of the axes from home and from the first position.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from chainbuild.analysis.singularity.measures import measure_batch, smallest_val
 from chainbuild.chain.axismap import AffineMap, random_axis_values
 from chainbuild.chain.bodies.rods import has_rods
 from chainbuild.chain.bodies.shapes import machine_size, shown_limits
+from chainbuild.chain.elements import BASE_LINK
+from chainbuild.chain.poses import link_placements
 from chainbuild.closest import and_joined
 from chainbuild.collision.model import bodies_of
 from chainbuild.drawing.site import home_of
@@ -31,6 +33,8 @@ from chainbuild.shown import fields_shown
 
 if TYPE_CHECKING:
     from chainbuild.arrays import Matrix, Vector
+    from chainbuild.collision.model import CollisionModel
+    from chainbuild.collision.solids import Solid
     from chainbuild.kinematics.mechanism import Mechanism
 
 _BEGINNINGS: Final = 4  # tried where an axis cannot be moved both ways
@@ -40,6 +44,7 @@ _SMALLEST: Final = 0.06  # smallest scaled singular value: a little above where 
 _GOOD: Final = 0.2  # above which a position gains nothing by it
 _CLEARANCE: Final = 0.01  # share of the machine's size between bodies, but at most
 _WIDEST: Final = 0.02  # m
+_FLAT: Final = 1e-6  # m: what stands on the floor is not below it
 _NEIGHBOURS: Final = 40  # positions by which bodies that are never farther apart are told
 _EDGE: Final = 0.05  # share of an axis' range kept free at its ends
 _SEED: Final = 4  # any: the same machine gives the same poses
@@ -57,7 +62,7 @@ _USUAL: Final = {"rotary": 30.0, "linear": 100.0}  # degrees, mm: seen well, and
 _SHORT: Final = 0.25  # of an axis' range: the usual step at most
 _FINE: Final = 20.0  # steps of whole degrees or mm in a range below which tenths are taken
 _ROUND: Final = 5.0  # the first position stands at multiples of this many steps
-_SAMPLES: Final = 24  # positions of a way looked at where an axis map is not affine
+_SAMPLES: Final = 24  # positions of a way looked at for the floor, and for the rest where an axis map is not affine
 _SCORE_PLACES: Final = 3  # of a score: the last bit must not decide between two positions
 
 
@@ -85,6 +90,8 @@ class CheckPoses:
         wanted: How many there should be.
         home: (n_axes,) the home position from which all of them are reached on straight ways; None: they are not.
         reason: Why they are not reached from home; else empty.
+        watched: Links between which collisions were looked for; none: the data place no two bodies that could touch.
+        floor: Height in the base [m] below which nothing comes; None: nobody knows where the floor is.
     """
 
     __repr__ = fields_shown
@@ -93,6 +100,8 @@ class CheckPoses:
     wanted: int
     home: Vector | None
     reason: str = ""
+    watched: tuple[str, ...] = ()
+    floor: float | None = None
 
 
 def check_poses(robot: Mechanism) -> CheckPoses:
@@ -104,7 +113,9 @@ def check_poses(robot: Mechanism) -> CheckPoses:
     if not best and home is not None:
         home, reason = None, "no straight way of the axes leads from there to a safe position"
         best = search.best(None, wanted)
-    return CheckPoses(tuple(best), wanted, home, reason)
+    seen = {link for pair in search.bodies.pairs_by_link() for link in pair}
+    watched = tuple(link for link in (BASE_LINK, *(joint.child for joint in robot.chain.joints)) if link in seen)
+    return CheckPoses(tuple(best), wanted, home, reason, watched, search.floor.height)
 
 
 def moved_both_ways(poses: Sequence[CheckPose]) -> NDArray[np.bool_]:
@@ -114,12 +125,53 @@ def moved_both_ways(poses: Sequence[CheckPose]) -> NDArray[np.bool_]:
     return both
 
 
+class _Floor:
+    """The plane below which nothing comes: the base's, or that which a machine that hangs reaches at home.
+
+    Attributes:
+        height: Its height in the base [m]; None: the base has no body, and nobody knows where the floor is.
+    """
+
+    def __init__(self, robot: Mechanism, bodies: CollisionModel) -> None:
+        self.chain = robot.chain
+        # What turns on the base stays where it is.
+        still = {BASE_LINK, *(joint.child for joint in robot.chain.joints if joint.parent == BASE_LINK)}
+        self.moving = [(solid.link, *_points(solid)) for solid in bodies.solids if solid.link not in still]
+        home = home_of(robot.chain)
+        stands = any(solid.link == BASE_LINK for solid in bodies.solids)
+        self.height = min(0.0, 0.0 if home is None else self.lowest(home)) if stands else None
+
+    def lowest(self, axes: Vector) -> float:
+        """Return the height [m] in the base of the lowest point of the bodies that move, or of the tool."""
+        links = link_placements(self.chain, self.chain.axis_map.q(axes))
+        tool = self.chain.frame("tool")
+        moving = [points @ links[link][2] - radius for link, points, radius in self.moving]
+        return float(np.concatenate([[(links[tool.link] @ tool.T_link_frame)[2, 3]], *moving]).min())
+
+    def clear(self, rows: Matrix) -> bool:
+        """Return whether nothing comes below it at positions (n, n_axes)."""
+        return self.height is None or all(self.lowest(row) >= self.height - _FLAT for row in rows)
+
+
+def _points(solid: Solid) -> tuple[Matrix, float]:
+    """Return points (n, 4) and a radius [m] about them that hold a body, in the axes of its link, with ones behind."""
+    solid.geometry.computeLocalAABB()
+    box, radius = solid.geometry.aabb_local, 0.0
+    sides = np.array([box.min_, box.max_])
+    if solid.kind == "capsule":
+        radius = solid.size[0]
+        sides = np.array([0.0, 0.0, solid.size[1] / 2.0]) * [[-1.0], [1.0]]
+    picked = np.array([[sides[i, 0], sides[j, 1], sides[k, 2], 1.0] for i, j, k in np.ndindex(2, 2, 2)])
+    return picked @ solid.T_link_solid.T, radius
+
+
 class _Search:
     """What counts as safe, and the search for such positions."""
 
     def __init__(self, robot: Mechanism) -> None:
         self.robot = robot
         self.bodies = bodies_of(robot, None)
+        self.floor = _Floor(robot, self.bodies)
         lower, upper = shown_limits(robot.chain)
         self.clearance = self._clearances(lower, upper)
         self.range = upper - lower
@@ -261,6 +313,8 @@ class _Search:
     def _safe(self, axes: Vector) -> bool:
         """Return whether a position is inside all limits, shown unambiguously, not singular, and clear of bodies."""
         robot = self.robot
+        if not self.floor.clear(axes[None, :]):
+            return False
         if self.bodies.pairs and not (self.bodies.distances(axes) > self.clearance).all():
             return False
         try:
@@ -277,10 +331,12 @@ class _Search:
 
     def _free(self, start: Vector, end: Vector) -> bool:
         """Return whether all axes can move straight from one position to another, inside the limits."""
+        rows = start + np.linspace(0.0, 1.0, _SAMPLES)[:, None] * (end - start)
+        if not self.floor.clear(rows):
+            return False
         if isinstance(self.robot.chain.axis_map, AffineMap) and not self.robot.limits.curved:
             # Limits on axes and sums of them hold between two positions where they hold at both.
             return first_contact(self.robot, np.array([start, end]), bodies=self.bodies) is None
-        rows = start + np.linspace(0.0, 1.0, _SAMPLES)[:, None] * (end - start)
         if not self.robot.limits.inside_rows(rows).all():
             return False
         closed = all(np.isfinite(self.robot.chain.axis_map.q(row)).all() for row in rows)

@@ -21,7 +21,7 @@ from chainbuild.shown import fields_shown
 from chainbuild.units import deg_from_rad, mm_from_m
 from chainbuild.writers.machine_report.serial import JointRow
 
-_PARALLEL: Final = 1e-12  # sine: right data are parallel to 1e-15, and what is less is 1e-12 m at 1 m
+_PARALLEL: Final = 1e-9  # sine: URDF files round right angles to 1e-11, machine data to less; it is 1e-9 m at 1 m
 _NEARLY: Final = 1e-3  # sine below which feet of the normal are a thousand times as far as the lines are apart
 _TOUCHING: Final = 1e-11  # m: lines this near meet; machine data carry 1e-7
 

@@ -128,7 +128,7 @@ def _data_blocks(robot: Mechanism, source: DataSource) -> Iterator[ReportBlock]:
     counting = [row for row in rows if not row.given and row.name in moving]
     if counting:
         yield Heading(("Not in the file: default values in force",))
-        yield Paragraph.of("A value of these in the file would move the machine.")
+        yield Paragraph.of("Another value of one of these in the file would move the machine.")
         yield _parameter_table(counting)
     others = sum(not row.given for row in rows) - len(counting)
     if others > 0:

@@ -18,7 +18,7 @@ from chainbuild.frames import ANGLE_MODES
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.painting.overlay.measures import dimensions
 from chainbuild.writers.machine_report.axes import axes_chapter
-from chainbuild.writers.machine_report.checkform import check_chapter, column_title
+from chainbuild.writers.machine_report.checkform import check_chapter, column_title, tool_in_words
 from chainbuild.writers.machine_report.checkposes import CheckPoses, check_poses
 from chainbuild.writers.machine_report.choices import conventions_chapter, findings_chapter
 from chainbuild.writers.machine_report.document.blocks import Chapter, Report, Verbatim, table_block
@@ -112,11 +112,11 @@ def _machine_chapter(robot: Mechanism, source: DataSource | None) -> Chapter:
     chain = robot.chain
     rows: list[Sequence[str]] = [
         ["Machine", chain.title],
-        ["Kinematic", chain.kinematic],
-        ["Controller", chain.dialect],
+        *([] if chain.kinematic == chain.dialect else [["Kinematic", chain.kinematic]]),
+        ["Source" if chain.dialect == "URDF" else "Controller", chain.dialect],
     ]
     if source is not None:
-        rows.append(["File read", Verbatim(file_name(source.machine))])
+        rows.append(["Files read", Verbatim(file_name(source.machine))])
         one = source.selection
         titles = dict.fromkeys(
             entry.title for entry in source.machine.kinematics() if entry.type.startswith(chain.kinematic)
@@ -126,6 +126,7 @@ def _machine_chapter(robot: Mechanism, source: DataSource | None) -> Chapter:
             rows.append(["Added tool length", f"{one.tool_length_mm:g} mm"])
     rows += [
         ["Axes", ", ".join(axis.name for axis in chain.axes)],
+        ["Tool", tool_in_words(chain)],
         ["A pose", _pose_in_words(chain)],
         ["Made by", f"chainbuild {__version__}"],
     ]
@@ -138,7 +139,7 @@ def _pose_in_words(chain: Chain) -> str:
     if chain.display.rtcp:
         return f"{shown} (RTCP: position and the machine's own rotary axes)"
     if chain.display.kind == "angles":
-        return f"{shown}; {chain.angle_mode}, {ANGLE_MODES[chain.angle_mode].meaning}"
+        return f"{shown}; angles {chain.angle_mode}: {ANGLE_MODES[chain.angle_mode].meaning}"
     return shown
 
 

@@ -11,8 +11,15 @@ from chainbuild.chain.poses import path_to
 from chainbuild.closest import and_joined
 from chainbuild.units import mm_from_m
 from chainbuild.writers.machine_report.dh import DhRow, NearlyParallel, dh_form
-from chainbuild.writers.machine_report.document.blocks import Chapter, Heading, Paragraph, ReportBlock, TableBlock
-from chainbuild.writers.machine_report.document.numbers import decimal
+from chainbuild.writers.machine_report.document.blocks import (
+    Chapter,
+    Heading,
+    Paragraph,
+    ReportBlock,
+    TableBlock,
+    Verbatim,
+)
+from chainbuild.writers.machine_report.document.numbers import decimal, neat
 from chainbuild.writers.machine_report.serial import JointRow, Tip, joint_row, named_by_joints
 
 if TYPE_CHECKING:
@@ -36,8 +43,8 @@ def rows_chapters(robot: Mechanism) -> tuple[Chapter, Chapter]:
     found = {tip: joint_row(robot, tip) for tip in _TIPS}
     head = [*_what_values_are(robot.chain), *_why_no_rows(robot.chain, found)]
     pose = Paragraph.of(
-        "The programmed pose, tool seen from workpiece, is (T_base_workpiece)⁻¹ · T_base_tool. "
-        + ("" if _moved(found["workpiece"]) else _workpiece_in_words(found["workpiece"]))
+        "The programmed pose, tool seen from workpiece, is (T_base_workpiece)⁻¹ · T_base_tool."
+        + ("" if _moved(found["workpiece"]) else f" {_workpiece_in_words(found['workpiece'])}")
     )
     rows = [row for row in found.values() if row is not None and row.joints]
     return (
@@ -60,7 +67,9 @@ def _why_no_rows(chain: Chain, found: dict[Tip, JointRow | None]) -> Iterator[Re
             passive = [joint.name for joint in path_to(chain, chain.frame(tip).link)]
             yield Paragraph.of(
                 f"The {tip} hangs in closed loops: what moves it, {and_joined(passive)}, follows from the loops and "
-                "from no single axis: there is no row of joints to tabulate. Its pose is that of robot.fk(axes)."
+                "from no single axis: there is no row of joints to tabulate. ",
+                Verbatim("chainbuild fk"),
+                " computes its pose.",
             )
 
 
@@ -80,8 +89,7 @@ def _matrix_in_words(T: Matrix) -> str:
 
 def _matrix(T: Matrix) -> list[list[str]]:
     return [
-        [*(decimal(float(part), _SHARE) for part in T[n, :3]), decimal(mm_from_m(float(T[n, 3])), _MM)]
-        for n in range(3)
+        [*(_neat(float(part), _SHARE) for part in T[n, :3]), _neat(mm_from_m(float(T[n, 3])), _MM)] for n in range(3)
     ]
 
 
@@ -111,16 +119,20 @@ def _nearly_in_words(row: JointRow, reason: NearlyParallel) -> str:
     )
 
 
+def _neat(value: float, places: int) -> str:
+    return decimal(neat(value, places), places)
+
+
 def _dh_cells(row: JointRow, numbers: Sequence[DhRow], modified: bool) -> list[list[str]]:
     cells = []
     for n, one in enumerate(numbers):
         joint = row.joints[n - 1] if 0 < n < len(numbers) - 1 else None
-        theta, d = decimal(one.theta, _DEG), decimal(one.d, _MM)
+        theta, d = _neat(one.theta, _DEG), _neat(one.d, _MM)
         if joint is not None and joint.turns:
-            theta = joint.text(one.theta, _DEG)
+            theta = joint.text(neat(one.theta, _DEG), _DEG)
         elif joint is not None:
-            d = joint.text(one.d, _MM)
-        across = [decimal(one.a, _MM), decimal(one.alpha, _DEG)]
+            d = joint.text(neat(one.d, _MM), _MM)
+        across = [_neat(one.a, _MM), _neat(one.alpha, _DEG)]
         name = "base" if n == 0 else row.tip if joint is None else joint.name
         cells.append([name, *reversed(across), theta, d] if modified else [name, theta, d, *across])
     return [one for n, one in enumerate(cells) if 0 < n < len(cells) - 1 or set(one[1:]) != {"0"}]
@@ -143,8 +155,8 @@ def _screw_blocks(rows: Sequence[JointRow]) -> Iterator[ReportBlock]:
 def _screw_cells(row: JointRow) -> list[list[str]]:
     cells = []
     for joint, direction, point in zip(row.joints, row.directions, row.points, strict=True):
-        line = [decimal(float(part), _SHARE) for part in direction]
-        moment = [decimal(mm_from_m(float(part)), _MM) for part in np.cross(point, direction)]
+        line = [_neat(float(part), _SHARE) for part in direction]
+        moment = [_neat(mm_from_m(float(part)), _MM) for part in np.cross(point, direction)]
         parts = [*line, *moment] if joint.turns else ["0", "0", "0", *line]
         cells.append([joint.name, joint.text(), "deg" if joint.turns else "mm", *parts])
     return cells

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
@@ -37,6 +38,7 @@ _GRID: Final = 7  # values of each other joint tried for a position on a surface
 _PLACES: Final = 2  # decimals of axis values
 _MATTERS: Final = 7.0  # degrees, mm: a position that stays singular over these does not depend on the axis
 _SINGULAR: Final = 1e-5  # scaled singular value, which a descent brings to 1e-7
+_ONE_VALUE: Final = re.compile(r" \([^()]* = [^()]*\)")  # "(A5 = 0°)", in which sentences on whole turns differ
 _SLIGHT: Final = 1e-9  # of an amplitude: what is less is rounding
 _TITLES: Final = {
     "wrist": "Wrist", "elbow": "Elbow", "shoulder": "Shoulder", "pole": "Pole", "tilt_end": "End of the tilt",
@@ -78,13 +80,15 @@ def _function_blocks(robot: Mechanism, function: SingularFunction, reference: Ve
     if len(joints) == 1:
         values = _roots_inside(robot, function, joints[0], reference)
         where = _values_in_words(robot, joints[0], values)
-        places = [_plain_place(robot, function.kind, joints[0], value, reference) for value in values]
+        # Whole turns lose the same: the nearest to zero stands for all.
+        alike = {round(math.remainder(value, math.tau) % math.tau, 6): value for value in sorted(values, key=abs)[::-1]}
+        places = [_plain_place(robot, function.kind, joints[0], value, reference) for value in alike.values()]
     else:
         names = and_joined([robot.chain.joints[n].name for n in joints])
         place = _on_surface(robot, function, joints, reference)
         where = f"a surface in the values of {names}"
         if place is not None:
-            where += f", for instance {_place_in_words(robot, place)}"
+            where += f", for instance {_place_in_words(robot, place, joints)}"
         places = [] if place is None else [place]
     if not places:
         yield Heading((_TITLES[function.kind],))
@@ -98,15 +102,30 @@ def _function_blocks(robot: Mechanism, function: SingularFunction, reference: Ve
 def _named(robot: Mechanism, kind: str, where: str, places: Sequence[Vector]) -> Iterator[ReportBlock]:
     """Yield what there is to say on a kind of singularity, in the words for positions on it."""
     wanted = ("pole", "tilt_end") if kind == "pole" else (kind,)
-    told = [found for axes in places for found in examine(robot, axes).names if found.kind in wanted]
-    kinds = list(dict.fromkeys(_title(found) for found in told)) or [_TITLES[kind]]
+    told = [(axes, found) for axes in places for found in examine(robot, axes).names if found.kind in wanted]
+    kinds = list(dict.fromkeys(_title(found) for _, found in told)) or [_TITLES[kind]]
     yield Heading((and_joined(kinds),))
     yield Paragraph.of(f"Where: {where}.")
     if not told:
         yield Paragraph.of("Not singular all the same: the other axes make up for what these lose.")
-    texts = dict.fromkeys(text for found in told for text in (found.sentence, _own_remark(robot, found)) if text)
+    texts: dict[str, str] = {}
+    for axes, found in told:
+        texts.setdefault(_ONE_VALUE.sub("", found.sentence), _told_at(robot, axes, found))
+        if remark := _own_remark(robot, found):
+            texts.setdefault(remark, _sentence(robot, remark))
     if texts:
-        yield Bullets(tuple(Paragraph.of(f"{text[0].upper()}{text[1:]}.") for text in texts))
+        yield Bullets(tuple(Paragraph.of(text) for text in texts.values()))
+
+
+def _told_at(robot: Mechanism, axes: Vector, found: Singularity) -> str:
+    """Return what is lost, and where: a direction in the flange frame holds at one position."""
+    return f"{_sentence(robot, found.sentence)} (Seen at {named_values(robot.axes, axes.tolist(), _PLACES)}.)"
+
+
+def _sentence(robot: Mechanism, text: str) -> str:
+    """Return a text as a sentence; a name stays as it is written."""
+    named = text.split(maxsplit=1)[0] in {joint.name for joint in robot.chain.joints}
+    return f"{text if named else text[0].upper() + text[1:]}."
 
 
 def _own_remark(robot: Mechanism, found: Singularity) -> str:
@@ -199,7 +218,8 @@ def _values_in_words(robot: Mechanism, joint: int, values: Sequence[float]) -> s
 def _on_surface(
     robot: Mechanism, function: SingularFunction, joints: Sequence[int], reference: Vector
 ) -> Vector | None:
-    """Return axis values at which a function of several joints is 0, the first found on a grid of the others."""
+    """Return axis values at which a function of several joints is 0: of a grid the first singular in no other way."""
+    first = None
     lower, upper = shown_limits(robot.chain)
     last, others = joints[-1], joints[:-1]
     axes_of = [_driver(robot, joint) for joint in others]
@@ -210,16 +230,20 @@ def _on_surface(
         for root in _roots(function, last, robot.q(axes)):
             for turn in (0.0, -math.tau, math.tau):
                 place = _at(robot, axes, last, root + turn)
-                if robot.limits.inside_rows(place[None, :])[0]:
+                if not robot.limits.inside_rows(place[None, :])[0]:
+                    continue
+                first = place if first is None else first
+                if {found.kind for found in examine(robot, place).names} == {function.kind}:
                     return place
-    return None
+    return first
 
 
-def _place_in_words(robot: Mechanism, axes: Vector) -> str:
-    """Return the axis values of a singular position, without those that do not matter."""
-    kept = [
-        n for n in range(len(axes)) if not smallest_value(robot, axes + _MATTERS * np.eye(len(axes))[n]) < _SINGULAR
-    ]
+def _place_in_words(robot: Mechanism, axes: Vector, joints: Sequence[int] = ()) -> str:
+    """Return the axis values of a singular position: of the drivers of some joints, and of those that matter."""
+    kept = sorted(
+        {_driver(robot, joint) for joint in joints}
+        | {n for n in range(len(axes)) if not smallest_value(robot, axes + _MATTERS * np.eye(len(axes))[n]) < _SINGULAR}
+    )
     return named_values([robot.axes[n] for n in kept], axes[kept], _PLACES) or "everywhere"
 
 
@@ -243,8 +267,9 @@ def _sought(robot: Mechanism, seen: set[SingularityKind]) -> Iterator[ReportBloc
             told[key] = None
             yield Heading((_title(found),))
             yield Paragraph.of(f"Where: for instance {_place_in_words(robot, nearest.axes)}.")
-            texts = [text for text in (found.sentence, _own_remark(robot, found)) if text]
-            yield Bullets(tuple(Paragraph.of(f"{text[0].upper()}{text[1:]}.") for text in texts))
+            remark = _own_remark(robot, found)
+            texts = [_told_at(robot, nearest.axes, found), *([_sentence(robot, remark)] if remark else [])]
+            yield Bullets(tuple(Paragraph.of(text) for text in texts))
 
 
 def _gimbal_lock(robot: Mechanism) -> Iterator[ReportBlock]:

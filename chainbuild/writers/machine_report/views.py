@@ -9,6 +9,7 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.painting.picture import drawing_svg
 from chainbuild.painting.stage import Stage
 from chainbuild.painting.views import ViewName
+from chainbuild.writers.machine_report.checkform import bodies_in_words
 from chainbuild.writers.machine_report.document.blocks import Chapter, Drawing, Drawings, Paragraph, ReportBlock
 from chainbuild.writers.machine_report.document.numbers import named_values
 
@@ -30,6 +31,11 @@ _CALLED: Final = {
 }
 
 
+def _bodies(robot: Mechanism) -> str:
+    said = f"Bodies are {bodies_in_words(robot.chain)}."
+    return said if robot.chain.dialect == "URDF" else f"{said} Machine data say nothing of castings."
+
+
 def pictures_chapter(robot: Mechanism, lengths: Sequence[Dimension]) -> Chapter:
     """Return the chapter of pictures, the machine at home."""
     try:
@@ -45,7 +51,7 @@ def pictures_chapter(robot: Mechanism, lengths: Sequence[Dimension]) -> Chapter:
             " Blue lines are lengths of the machine data that are not 0, from where what they place would be without."
         )
     blocks: list[ReportBlock] = [
-        Paragraph.of(f"At home: {home}. {told} Machine data say nothing of castings: the bodies are assumed by rule."),
+        Paragraph.of(f"At home: {home}. {told} {_bodies(robot)}"),
         Drawings(drawn),
     ]
     return Chapter("Pictures", blocks)

@@ -16,6 +16,8 @@ from chainbuild.chain.elements import Axis
 from chainbuild.units import AxisUnit
 
 _FINER: Final = 3  # decimals more in which the noise of a product lies
+_SHORTER: Final = 3  # decimals fewer of a number that noise made long
+_NOISE: Final = 50.0  # last digits: what URDF files, which round right angles, leave in products
 _DATA: Final = 6  # decimals of mm and degrees: finer than any machine datum
 _HALF_TURN: Final = -180.0  # degrees: the same angle as +180, between which the last bit would choose
 _SIGNS: Final[dict[AxisUnit, str]] = {"deg": "°", "mm": "\u00a0mm"}
@@ -30,6 +32,16 @@ def decimal(value: float, places: int = _DATA) -> str:
 def fixed(value: float, places: int) -> str:
     """Return a number with so many decimals, 0 without a sign."""
     return f"{round(round(value, places + _FINER), places) + 0.0:.{places}f}"
+
+
+def neat(value: float, places: int) -> float:
+    """Return a number without the noise of its last two of so many decimals, where a shorter number is as near.
+
+    >>> neat(-89.159000004, 9), neat(817.25012345, 9)
+    (-89.159, 817.25012345)
+    """
+    shorter = round(value, places - _SHORTER)
+    return shorter if abs(value - shorter) < _NOISE * 10.0**-places else value
 
 
 def angle(value: float, places: int) -> str:
