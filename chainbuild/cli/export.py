@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from chainbuild.cli.show import print_json, say
-from chainbuild.cli.urdf import Folder
+from chainbuild.cli.urdf import Folder, NoInertia
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
 
 Formats = Annotated[str, Parameter(name=["--format", "-f"])]
@@ -21,7 +21,7 @@ def export(
     formats: Formats = "all",
     folder: Folder = Path("urdf_out"),
     samples: int = 10_000,
-    inertia: bool = True,
+    no_inertia: NoInertia = False,
     json: Json = False,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
@@ -38,7 +38,7 @@ def export(
         formats: Formats, separated by commas: urdf, mjcf, srdf, opw, report; or all that the machine has.
         folder: Folder to write to.
         samples: Number of random positions by which the SRDF tells pairs that never collide.
-        inertia: Write masses into the URDF; they are estimates.
+        no_inertia: Leave masses out of the URDF: they are estimates.
         json: Print JSON.
         options: Which kinematic.
     """
@@ -56,7 +56,7 @@ def export(
         raise UsageError(f"--samples {samples}: expected at least 1")
     machine, robot = options.built(file)
     source = machine, options.selection(machine)
-    files = export_files(robot, None if everything else wanted, samples, inertia, source)
+    files = export_files(robot, None if everything else wanted, samples, not no_inertia, source)
     paths = write_robot_files(robot, folder, {name: text for own in files.values() for name, text in own.items()})
     if json:
         print_json({"paths": {one: [str(paths[name]) for name in own] for one, own in files.items()}})

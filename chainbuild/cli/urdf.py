@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from chainbuild.cli.show import print_json, say
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions
 
+NoInertia = Annotated[bool, Parameter(negative="")]
 Folder = Annotated[Path, Parameter(name=["--output", "-o"])]
 
 
@@ -18,7 +19,7 @@ def urdf(
     /,
     *,
     folder: Folder = Path("urdf_out"),
-    inertia: bool = True,
+    no_inertia: NoInertia = False,
     json: Json = False,
     options: MachineOptions = DEFAULT_OPTIONS,
 ) -> int:
@@ -33,7 +34,7 @@ def urdf(
     Args:
         file: A machine file, or the name of a shipped machine.
         folder: Folder to write to.
-        inertia: Write masses; they are estimates.
+        no_inertia: Leave masses out of the URDF: they are estimates.
         json: Print JSON.
         options: Which kinematic.
     """
@@ -42,7 +43,7 @@ def urdf(
     from chainbuild.writers.models.urdf import urdf_files, urdf_limitations
 
     machine, robot = options.built(file)
-    files = urdf_files(robot, inertia=inertia, data=machine_data(machine, options.selection(machine)))
+    files = urdf_files(robot, inertia=not no_inertia, data=machine_data(machine, options.selection(machine)))
     path, *others = write_robot_files(robot, folder, files).values()
     limitations = urdf_limitations(robot.chain)
     shaping = [used for used in robot.chain.conventions if used.convention.poses]
