@@ -273,10 +273,9 @@ def test_bodies_are_where_they_were() -> None:
         model_to_urdf(model, bodies)
 
 
-def test_another_reader_sees_the_same(tmp_path: Path) -> None:
-    path = next(path for path in FILES if path.name == "kinova.urdf")
+def check_by_yourdfpy(path: Path, file: Path) -> None:
+    """Compare a model with what yourdfpy reads of its file: poses of links."""
     model = pin.buildModelFromUrdf(str(path))
-    file = tmp_path / "kinova.urdf"
     file.write_text(model_to_urdf(model), "utf-8")
     robot = yourdfpy.URDF.load(str(file), load_meshes=False, build_scene_graph=True)
     q, data = pin.integrate(model, pin.neutral(model), np.linspace(-1, 1, model.nv)), model.createData()
@@ -287,9 +286,22 @@ def test_another_reader_sees_the_same(tmp_path: Path) -> None:
         part = q[joint.idx_q : joint.idx_q + joint.nq]
         values[str(model.names[n])] = float(part[0]) if joint.nq == 1 else float(np.arctan2(part[1], part[0]))
     robot.update_cfg(values)
-    for frame in (one for one in model.frames if one.type == pin.FrameType.BODY):
+    bodies = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
+    assert bodies
+    for frame in bodies:
         found = robot.get_transform(frame.name, robot.base_link)
-        np.testing.assert_allclose(found, data.oMf[model.getFrameId(frame.name)].homogeneous, rtol=0, atol=1e-9)
+        place = data.oMf[model.getFrameId(frame.name, pin.FrameType.BODY)]
+        np.testing.assert_allclose(found, place.homogeneous, rtol=0, atol=1e-9)
+
+
+def test_another_reader_sees_the_same(tmp_path: Path) -> None:
+    check_by_yourdfpy(next(path for path in FILES if path.name == "kinova.urdf"), tmp_path / "robot.urdf")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", [path for path in FILES if path.stem not in NO_MODEL], ids=lambda path: path.stem)
+def test_another_reader_sees_every_robot(path: Path, tmp_path: Path) -> None:
+    check_by_yourdfpy(path, tmp_path / "robot.urdf")
 
 
 def test_it_is_a_function_of_the_package() -> None:
