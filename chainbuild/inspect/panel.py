@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from html import escape
 from pathlib import PurePath
+from typing import Final
 
 from chainbuild.chain.bodies.body import BASE_COLOUR, TOOL_SIDE, WORKPIECE_SIDE, Colour
 from chainbuild.chain.bodies.shapes import shown_limits
@@ -17,7 +18,7 @@ from chainbuild.frames import ANGLE_MODES
 
 _MARKS = {"I": "inferred", "?": "open"}
 _UNITS = {"mm": "mm", "deg": "°", "": ""}
-_SHORT_NAME = 7  # characters that stand beside a slider
+_SHORT_NAME: Final = 7  # characters that stand beside a slider
 _SPOKEN = {"mm": "millimetres", "deg": "degrees"}
 
 
