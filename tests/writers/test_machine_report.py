@@ -241,6 +241,7 @@ def test_reach_is_that_of_the_stretched_arm() -> None:
     wrist = 25.0 + 455.0 + np.hypot(420.0, 35.0)
     said = words("kr6r900", "Reach")
     assert re.search(rf"wrist point from axis A1 \| 0 \|.* \| {wrist:.0f} \| A2 0°, A3 5°", said)
+    assert "Axes that are not named may stand anywhere." in said
     assert re.search(rf"TCP from axis A1 \| 0 \|.* \| {wrist + 80.0:.0f} \|", said)
     assert "TCP along Z of the workpiece frame | 50 | Z 150 mm | 250 | Z 350 mm" in words("scara_kin36", "Reach")
 
