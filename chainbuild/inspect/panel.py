@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from html import escape
 from pathlib import PurePath
+from typing import Final
 
 from chainbuild.chain.bodies.body import BASE_COLOUR, TOOL_SIDE, WORKPIECE_SIDE, Colour
 from chainbuild.chain.bodies.shapes import shown_limits
@@ -17,6 +18,7 @@ from chainbuild.frames import ANGLE_MODES
 
 _MARKS = {"I": "inferred", "?": "open"}
 _UNITS = {"mm": "mm", "deg": "°", "": ""}
+_SHORT_NAME: Final = 7  # characters that stand beside a slider
 _SPOKEN = {"mm": "millimetres", "deg": "degrees"}
 
 
@@ -34,7 +36,7 @@ def panel_html(chain: Chain, grid_cell: float, *, varying: bool = True) -> str:
         varying: False: without conventions and findings.
     """
     parts = [
-        f'<p class="soft">{html_escaped(chain.dialect)} · {html_escaped(chain.kinematic)}</p>',
+        f'<p class="soft">{" · ".join(map(html_escaped, dict.fromkeys((chain.dialect, chain.kinematic))))}</p>',
         _state(),
         '<section id="playback" hidden></section>',
         _pose(chain),
@@ -135,8 +137,9 @@ def _axis_row(axis: Axis, low: float, high: float) -> str:
     ends = "".join(f"<span>{_number(end)}</span>" for end in (low, high))
     limits = "endless" if axis.endless else f"limits {_number(axis.range[0])} … {_number(axis.range[1])} {unit}"
     held = '<span class="held">held</span>' if axis.held else ""
+    kind = "axis long" if len(axis.name) > _SHORT_NAME else "axis"
     return (
-        f'<div class="axis" role="group" aria-label="Axis {name}" title="{axis.kind}, {limits}">'
+        f'<div class="{kind}" role="group" aria-label="Axis {name}" title="{axis.kind}, {limits}">'
         f'<span class="name">{name}{" *" if axis.assumed else ""}{held}</span>'
         f'<span class="track"><input type="range" data-axis="{name}" min="{low:.12g}" max="{high:.12g}" step="any" '
         f'aria-label="{name} slider, {unit}">{ticks}<span class="ends">{ends}</span></span>'

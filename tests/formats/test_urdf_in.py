@@ -89,6 +89,7 @@ def test_other_branches_are_left_out_and_the_tool_must_be_clear(tmp_path: Path) 
     with pytest.raises(ChainbuildError, match="2 links could be the tool") as caught:
         chainbuild.from_urdf(path)
     assert caught.value.permitted == "camera, hand"
+    assert 'tool="hand"' in str(caught.value)
     with pytest.raises(ChainbuildError, match="no joint leads to a link 'finger'"):
         chainbuild.from_urdf(path, tool="finger")
 

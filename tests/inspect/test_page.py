@@ -17,6 +17,7 @@ from chainbuild.chain.programmed.display import Display
 from chainbuild.errors import FileAccessError, Span
 from chainbuild.findings import Finding
 from chainbuild.inspect.export import export_page, page_html
+from chainbuild.inspect.panel import panel_html
 from chainbuild.inspect.sweep import rest_pose
 from chainbuild.kinematics.displayed import vector_of_angles
 from chainbuild.robot import Robot
@@ -199,3 +200,12 @@ def test_a_missing_browser_says_how_to_get_one(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr("shutil.which", lambda _: None)
     with pytest.raises(pytest.fail.Exception, match="apt-get install chromium"):
         chromium()
+
+
+def test_long_names_of_joints_stand_above_their_sliders() -> None:
+    chain = chainbuild.load("kr6r900").chain()
+    renamed = replace(chain.axes[1], name="shoulder_lift_joint")
+    text = panel_html(replace(chain, axes=(chain.axes[0], renamed), dialect="URDF", kinematic="URDF"), 0.1)
+    assert '<div class="axis" role="group" aria-label="Axis A1"' in text
+    assert '<div class="axis long" role="group" aria-label="Axis shoulder_lift_joint"' in text
+    assert '<p class="soft">URDF</p>' in text

@@ -79,7 +79,8 @@ def serves_until_interrupted(arguments: list[str]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("page", "least"), [("README.md", 4), ("docs/tables.md", 3), ("docs/paths.md", 4), ("docs/export.md", 1)]
+    ("page", "least"),
+    [("README.md", 4), ("docs/tables.md", 3), ("docs/paths.md", 4), ("docs/export.md", 1), ("docs/report.md", 1)],
 )
 def test_the_commands_of_the_pages_run(page: str, least: int, tmp_path: Path) -> None:
     commands = commands_of(page)

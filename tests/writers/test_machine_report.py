@@ -191,6 +191,12 @@ def test_a_hostile_title_is_text() -> None:
     assert len(re.findall(r"(?<!\\)\|", rows[0])) == 3
 
 
+def test_cells_of_rows_stand_below_their_titles() -> None:
+    text = page_text(Report("t", "n", chapters=(chapter("kr6r900", "Denavit-Hartenberg parameters"),)))
+    assert text.count('<table class="rows">') == 2
+    assert ".rows td:not(:first-child), .rows th:not(:first-child) { text-align: right;" in text
+
+
 def test_verbatim_texts_are_code() -> None:
     blocks = [Paragraph.of("a ", Verbatim("b_c`|<d>")), TableBlock(("x", ""), [[Verbatim("e|f"), "1"]])]
     made = Report("t", "n", (Chapter("c", blocks),))
@@ -235,6 +241,7 @@ def test_reach_is_that_of_the_stretched_arm() -> None:
     wrist = 25.0 + 455.0 + np.hypot(420.0, 35.0)
     said = words("kr6r900", "Reach")
     assert re.search(rf"wrist point from axis A1 \| 0 \|.* \| {wrist:.0f} \| A2 0°, A3 5°", said)
+    assert "Axes that are not named may stand anywhere." in said
     assert re.search(rf"TCP from axis A1 \| 0 \|.* \| {wrist + 80.0:.0f} \|", said)
     assert "TCP along Z of the workpiece frame | 50 | Z 150 mm | 250 | Z 350 mm" in words("scara_kin36", "Reach")
 
@@ -295,6 +302,13 @@ def test_what_other_axes_make_up_for_is_not_singular() -> None:
     said = [block.parts[0] for block in singular_chapter(robot, axes).blocks if isinstance(block, Paragraph)]
     assert "Where: B2 = 3.41°." in said
     assert sum("Not singular all the same" in text for text in said) == 3
+
+
+def test_partials_of_a_coupling_are_said_to_have_their_own() -> None:
+    blocks = singular_chapter(Robot.load("robot_tilting_table_kin210"), np.full(10, 10.0)).blocks
+    said = ["".join(block.parts) for block in blocks if isinstance(block, Paragraph)]
+    assert any("has its own singular positions" in text and "--kinematic NAME" in text for text in said)
+    assert "own singular positions" not in words("kr6r900", "Singular positions")
 
 
 def test_sums_in_a_condition_are_told_as_sums() -> None:

@@ -222,6 +222,12 @@ def test_the_file_is_the_same_each_time_and_lies_beside_the_urdf(tmp_path: Path)
         chainbuild.write_mjcf("delta_kin37", tmp_path)  # type: ignore[arg-type]
 
 
+def test_the_head_of_a_machine_with_loops_says_which_joints_are_axes() -> None:
+    text = mjcf_text(Robot.load("tripod_kin12"))
+    assert "Joints with the names of axes stand at axis values, in metres and radians; the others follow" in text
+    assert "robot.q(axes)" not in text
+
+
 def test_what_is_not_expressed_is_said() -> None:
     assert "not expressed by this file" in mjcf_text(Robot.load("cardan_head_kin59"))
     assert "Without a drive, for want of a joint of their own: CV." in mjcf_text(Robot.load("rotated_head_kin70"))

@@ -78,7 +78,7 @@ def test_the_group_of_axes_stands_there_without_poses() -> None:
 def test_reasons_stand_with_their_confidence(tmp_path: Path) -> None:
     robot = chainbuild.Robot.load("kr6r900")
     text = chainbuild.write_srdf(robot, tmp_path, samples=59).read_text("utf-8")
-    assert "Never: they touched at none of 59 positions, and with 95% confidence do at less than 0.05 of all" in text
+    assert "Never: they touched at none of 59 positions, and with 95% confidence touch at less than 0.05 of all" in text
     assert text.index("Never: ") < text.index('reason="Never"')
     assert "Adjacent: a joint connects them" in text
 

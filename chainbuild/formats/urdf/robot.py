@@ -114,7 +114,11 @@ def _way_to(tool: str | None, joints: Sequence[UrdfJoint], file: Span) -> list[U
     leaves = sorted(set(by_child) - {joint.parent for joint in joints})
     if tool is None and len(leaves) != 1:
         raise ChainbuildError(
-            f"{len(leaves)} links could be the tool", span=file, parameter="tool", permitted=", ".join(leaves)
+            f"{len(leaves)} links could be the tool",
+            span=file,
+            parameter="tool",
+            permitted=", ".join(leaves),
+            hint=f'name the link whose frame is the TCP, for instance tool="{leaves[-1]}"',
         )
     link = leaves[0] if tool is None else tool
     if link not in by_child:

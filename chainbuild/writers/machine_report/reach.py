@@ -74,7 +74,13 @@ def reach_chapter(robot: Mechanism) -> Chapter:
     if held:
         told += f"; {', '.join(held)} at 0 or the limit next to it"
     head = ("Length", "Least [mm]", "at", "Largest [mm]", "at")
-    return Chapter("Reach", [Paragraph.of(f"{told}. Self-collision is not looked at here."), TableBlock(head, rows)])
+    return Chapter(
+        "Reach",
+        [
+            Paragraph.of(f"{told}. Self-collision is not looked at here. Axes that are not named may stand anywhere."),
+            TableBlock(head, rows),
+        ],
+    )
 
 
 def _end(robot: Mechanism, measure: _Measure, found: Extreme) -> list[str]:

@@ -107,7 +107,7 @@ def _dh_blocks(rows: Sequence[JointRow]) -> Iterator[ReportBlock]:
             continue
         for modified, numbers in ((False, form.standard), (True, form.modified)):
             yield Heading((f"Base to {row.tip}, {'modified' if modified else 'standard'}",))
-            yield TableBlock(_DH_HEAD[modified], _dh_cells(row, numbers, modified))
+            yield TableBlock(_DH_HEAD[modified], _dh_cells(row, numbers, modified), "rows")
 
 
 def _nearly_in_words(row: JointRow, reason: NearlyParallel) -> str:
@@ -147,7 +147,7 @@ def _screw_blocks(rows: Sequence[JointRow]) -> Iterator[ReportBlock]:
     for row in rows:
         yield Heading((f"Base to {row.tip}: screws",))
         head = ("Joint", "θ", "unit", "ωx", "ωy", "ωz", "vx", "vy", "vz")
-        yield TableBlock(head, _screw_cells(row))
+        yield TableBlock(head, _screw_cells(row), "rows")
         yield Heading((f"Base to {row.tip}: M",))
         yield TableBlock(("x axis", "y axis", "z axis", "origin [mm]"), _matrix(row.T))
 

@@ -22,7 +22,14 @@ from chainbuild.drawing.site import home_of
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import ANGLE_MODES
 from chainbuild.units import deg_from_rad, si_factor
-from chainbuild.writers.machine_report.document.blocks import Bullets, Chapter, Heading, Paragraph, ReportBlock
+from chainbuild.writers.machine_report.document.blocks import (
+    Bullets,
+    Chapter,
+    Heading,
+    Paragraph,
+    ReportBlock,
+    Verbatim,
+)
 from chainbuild.writers.machine_report.document.numbers import decimal, named_values
 from chainbuild.writers.machine_report.serial import DrivenJoint
 
@@ -39,6 +46,7 @@ _PLACES: Final = 2  # decimals of axis values
 _MATTERS: Final = 7.0  # degrees, mm: a position that stays singular over these does not depend on the axis
 _SINGULAR: Final = 1e-5  # scaled singular value, which a descent brings to 1e-7
 _ONE_VALUE: Final = re.compile(r" \([^()]* = [^()]*\)")  # "(A5 = 0°)", in which sentences on whole turns differ
+_COUPLING: Final = "KIN_TYP 210"
 _SLIGHT: Final = 1e-9  # of an amplitude: what is less is rounding
 _TITLES: Final = {
     "wrist": "Wrist", "elbow": "Elbow", "shoulder": "Shoulder", "pole": "Pole", "tilt_end": "End of the tilt",
@@ -69,6 +77,15 @@ def singular_chapter(robot: Mechanism, reference: Vector) -> Chapter:
         )
     if not blocks:
         blocks.append(Paragraph.of("No singular position within the limits was found."))
+    if robot.chain.kinematic.startswith(_COUPLING):
+        blocks.append(
+            Paragraph.of(
+                "All axes together: what some of them lose, the others make up for. A partial kinematic that is moved "
+                "alone has its own singular positions, and they stand in its own report: ",
+                Verbatim("chainbuild export FILE --format report --kinematic NAME"),
+                ".",
+            )
+        )
     if remark := rtcp_remark(robot):
         blocks.append(Paragraph.of(f"They matter {remark}."))
     blocks += _gimbal_lock(robot)

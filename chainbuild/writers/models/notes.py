@@ -209,6 +209,11 @@ def _joint_values(chain: Chain) -> list[str]:
     same = "Joint values are the controller's axis values in metres and radians, by name"
     if not lines:
         return [f"{same}."]
+    if chain.loops and not isinstance(chain.axis_map, AffineMap):
+        return [
+            "Joints with the names of axes stand at axis values, in metres and radians; the others follow from closing",
+            "the loops.",
+        ]
     if not isinstance(chain.axis_map, AffineMap):
         return ["The joint values of this file are Pinocchio's q:", *(f"  {line}" for line in lines)]
     return [f"{same}, except these (from mm and degrees):", *(f"  {line}" for line in lines)]

@@ -22,8 +22,8 @@ SRDF_SAMPLES: Final = 10_000  # bounds what was missed at 3e-4 of all positions,
 _MISSED: Final = "with {confidence:.0%} confidence {pair} at less than {bound:.2g} of all positions"
 _REASONS: Final[tuple[tuple[Verdict, str, str], ...]] = (
     ("adjacent", "Adjacent", "a joint connects them"),
-    ("always", "Always", "they touched at all {samples} positions, and " + _MISSED.replace("{pair}", "do not")),
-    ("never", "Never", "they touched at none of {samples} positions, and " + _MISSED.replace("{pair}", "do")),
+    ("always", "Always", "they touched at all {samples} positions, and " + _MISSED.replace("{pair}", "are apart")),
+    ("never", "Never", "they touched at none of {samples} positions, and " + _MISSED.replace("{pair}", "touch")),
 )
 
 

@@ -58,14 +58,15 @@ class TableBlock:
     Attributes:
         head: Titles of the columns.
         rows: Cells of each row.
-        kind: "form": empty cells are to be filled in; "facts": the first column names what the others say.
+        kind: "form": empty cells are to be filled in; "facts": the first column names what the others say; "rows":
+            cells are numbers and sums, but for the first.
     """
 
     __repr__ = fields_shown
 
     head: tuple[str, ...]
     rows: Sequence[Sequence[str]]
-    kind: Literal["plain", "form", "facts"] = "plain"
+    kind: Literal["plain", "form", "facts", "rows"] = "plain"
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +141,7 @@ class Report:
 
 
 def table_block(
-    head: Sequence[str], rows: Sequence[Sequence[str]], kind: Literal["plain", "form", "facts"] = "plain"
+    head: Sequence[str], rows: Sequence[Sequence[str]], kind: Literal["plain", "form", "facts", "rows"] = "plain"
 ) -> TableBlock:
     """Return a table without the columns that are empty in every row."""
     if kind == "form" or not rows:

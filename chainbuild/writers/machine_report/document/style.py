@@ -27,6 +27,7 @@ nav a { color: #0b4fb3; text-decoration: none; display: block; padding: .08rem 0
 th, td { text-align: left; vertical-align: top; padding: .28rem .8rem .28rem 0; }
 th { font-weight: 600; white-space: nowrap; } tbody tr { border-bottom: 1px solid #e4e8ec; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+.rows td:not(:first-child), .rows th:not(:first-child) { text-align: right; padding-left: .8rem; }
 td.short { white-space: nowrap; } .facts td:first-child { white-space: nowrap; color: #57606a; }
 .form td { border: 1px solid #9aa4af; padding: .3rem .5rem; } .form th { padding: .3rem .5rem; }
 .form td.blank { min-width: 4.2rem; height: 1.5rem; } .form td.tick { text-align: center; vertical-align: middle;
