@@ -71,7 +71,8 @@ def test_the_group_of_axes_stands_there_without_poses() -> None:
     robot = chainbuild.Robot.load("irb2600")
     root = ET.fromstring(srdf_text(robot, classify_pairs(robot, samples=3)))
     [group] = root.findall("group")
-    assert [joint.get("name") for joint in group] == [joint.name for joint in robot.chain.joints]
+    assert [joint.get("name") for joint in group.findall("joint")] == [joint.name for joint in robot.chain.joints]
+    assert [link.get("name") for link in group.findall("link")] == ["tool"]
     assert root.find("group_state") is None
 
 

@@ -76,7 +76,10 @@ def srdf_text(robot: Mechanism, table: PairTable) -> str:
 
 
 def _add_poses(root: ET.Element, robot: Mechanism) -> None:
-    """Write one group, which has every joint that no other one drives, and the named poses as its states."""
+    """Write one group, which has every joint that no other one drives, and the named poses as its states.
+
+    By the link `tool` its fixed joint belongs to the group, too: what plans with the group takes it for the tip.
+    """
     chain = robot.chain
     states = [(pose.name, chain.axis_map.q(np.array(pose.axes))) for pose in chain.named_poses]
     states = [(name, q) for name, q in states if np.isfinite(q).all()]
@@ -85,6 +88,7 @@ def _add_poses(root: ET.Element, robot: Mechanism) -> None:
     group = ET.SubElement(root, "group", name=_GROUP)
     for n in free:
         ET.SubElement(group, "joint", name=chain.joints[n].name)
+    ET.SubElement(group, "link", name="tool")
     for name, q in states:
         state = ET.SubElement(root, "group_state", name=name, group=_GROUP)
         for n in free:
