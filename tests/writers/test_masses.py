@@ -206,3 +206,11 @@ def test_a_mesh_that_is_read_is_not_written_over(tmp_path: Path) -> None:
     assert caught.value.file == str(own)
     assert own.read_bytes() == before
     assert sorted(path.name for path in (tmp_path / "arm").rglob("*.*")) == ["arm.urdf", "cube.obj"]
+
+
+def test_long_names_of_meshes_are_cut(tmp_path: Path) -> None:
+    files = [cube_file(tmp_path / f"{'x' * 248}{n}.obj", 200.0) for n in (1, 2)]
+    robot = with_geometry(arm(), shapes={"A1_link": tuple(Shape("hull", file=file) for file in files)})
+    written = chainbuild.write_urdf(robot, tmp_path / "out").parent / "meshes"
+    names = sorted(path.name for path in written.iterdir())
+    assert names == [f"{'x' * 80}_2_hull.stl", f"{'x' * 80}_hull.stl"]
