@@ -190,9 +190,11 @@ def test_only_what_is_not_plain_gets_a_file() -> None:
 
 
 @pytest.mark.parametrize("slides", ["x1_carries_c", "x2_carries_c"])
-@pytest.mark.parametrize("side", ["left", "right"])
-def test_a_gripper_that_counts_from_x_is_turned_back_by_its_arm(side: str, slides: str, tmp_path: Path) -> None:
-    chosen = {"kin21_c_zero": "along_x", "kin21_side": side, "kin21_slides": slides}
+@pytest.mark.parametrize(("side", "along"), [("left", "x"), ("right", "y")])
+def test_a_gripper_that_counts_from_x_is_turned_back_by_its_arm(
+    side: str, along: str, slides: str, tmp_path: Path
+) -> None:
+    chosen = {"kin21_c_zero": "along_x", "kin21_side": side, "kin21_slides": slides, "kin21_hd5_along": along}
     robot = Robot(chainbuild.load("lambda_kin21").chain(conventions=chosen))
     extra = read_alone(robot, tmp_path, 5)
     assert sorted(extra["name_mot"]) == ["C_turn", "X1", "X2", "Z"]
