@@ -13,7 +13,7 @@ import chainbuild
 from chainbuild.errors import ChainbuildError
 from chainbuild.machines import shipped
 from chainbuild.robot import Robot
-from chainbuild.writers.models.opw import opw_text
+from chainbuild.writers.models.opw import _half_turn, opw_text
 from tests.kit.draws import random_axes
 
 ARMS = (
@@ -73,3 +73,10 @@ def test_which_machines_have_them(tmp_path: Path) -> None:
         chainbuild.export(robot, tmp_path, formats=["urdf", "opw"])
     assert list(tmp_path.iterdir()) == []
     assert set(chainbuild.export(robot, tmp_path, samples=10)) == {"urdf", "mjcf", "srdf", "report"}
+
+
+@pytest.mark.parametrize(
+    ("angle", "wanted"), [(-np.pi, np.pi), (3 * np.pi, np.pi), (-3.5 * np.pi, 0.5 * np.pi), (-1.0, -1.0)]
+)
+def test_offsets_lie_within_half_a_turn_and_half_a_turn_is_positive(angle: float, wanted: float) -> None:
+    assert _half_turn(angle) == pytest.approx(wanted, abs=1e-12)
