@@ -140,6 +140,8 @@ def read_alone(robot: Robot, folder: Path, count: int) -> dict[str, Any]:
         found, wanted = outsider.by_pinocchio(outsider.values(names, axes)), robot.fk(axes).homogeneous
         np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-12 * reach(wanted))
     assert outsider.extra is not None
+    start = outsider.extra["chainbuild"].get("assembly", {"axes": [], "joints": {}})
+    assert all(isinstance(value, int | float) for value in (*start["axes"], *start["joints"].values()))
     return outsider.extra
 
 
@@ -209,6 +211,14 @@ def test_couplings_beside_loops_are_not_forgotten(pair: tuple[str, str], tmp_pat
     robot = Robot(follow(first, workpiece_of=second))
     read_alone(robot, tmp_path, 3)
     mujoco.MjModel.from_xml_string(mjcf_text(robot))
+
+
+def test_tiny_numbers_of_a_closed_state_are_numbers(tmp_path: Path) -> None:
+    chain = chainbuild.load("lambda_kin21").chain()
+    axes = tuple(replace(axis, lower=4e-6) if axis.name == "C" else axis for axis in chain.axes)
+    extra = read_alone(Robot(chain.with_axes(axes)), tmp_path, 1)
+    assert "e-0" in (tmp_path / "lambda_kin21" / "lambda_kin21.loops.yaml").read_text("utf-8")
+    assert extra["chainbuild"]["assembly"]["joints"]["C"] > 0.0
 
 
 def test_axes_with_an_offset_stand_beside_what_they_show(tmp_path: Path) -> None:
