@@ -49,6 +49,15 @@ class Triangles:
         normals: Matrix = np.cross(b - a, c - a)
         return normals
 
+    @property
+    def closed(self) -> bool:
+        """Whether every edge of a triangle is one of another that runs along it the other way."""
+        number = np.unique(self.points, axis=0, return_inverse=True)[1].ravel()  # files repeat vertices
+        ends = number[self.corners]
+        start, end = ends.ravel(), np.roll(ends, -1, axis=1).ravel()
+        count = len(self.points)
+        return np.array_equal(np.sort(start * count + end), np.sort(end * count + start))
+
 
 def read_triangles(file: Path | str, scale: Scale, *, hull: bool = False) -> Triangles:
     """Return the surface of a mesh file.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -29,7 +30,8 @@ def with_sums(chain: Chain, overlay: Overlay) -> Chain:
         overlay: What has them.
 
     Raises:
-        OverlayError: a sum of what are no axes, of one axis alone, or of linear and rotary ones.
+        OverlayError: a sum of what are no axes, of one axis alone, or of linear and rotary ones; or limits that no
+            axis values within theirs keep.
     """
     found = []
     for text, (lower, upper) in overlay.sums.items():
@@ -39,6 +41,10 @@ def with_sums(chain: Chain, overlay: Overlay) -> Chain:
             known = ", ".join(axis.name for axis in chain.axes)
             permitted = f'two or more axes of a kind, such as "A2+A3" or "A3 - 0.5*A2", of {known}'
             raise overlay.error(f"'{text}' is no sum of axes", ("limits", SUMS, text), permitted)
+        least, most = _bounds(chain.axes, coefficients)
+        if lower > most or upper < least:
+            wrong = f"no axis values within their limits give '{text}' a value from {lower:g} to {upper:g}"
+            raise overlay.error(wrong, ("limits", SUMS, text), f"limits that overlap {least:g} to {most:g}")
         found.append(AxisConstraint(text, AxisSum(coefficients, 0.0), lower, upper))
     return replace(chain, constraints=(*chain.constraints, *found))
 
@@ -57,6 +63,15 @@ def _coefficients(axes: Sequence[Axis], text: str) -> tuple[float, ...]:
         found[n] += (-1.0 if part[1] == "-" else 1.0) * float(part[2] or 1.0)
         at = part.end()
     return tuple(found)
+
+
+def _bounds(axes: Sequence[Axis], coefficients: Sequence[float]) -> tuple[float, float]:
+    """Return the least and the largest value of a sum within the limits of its axes; endless ones have none."""
+    pairs = [(axis, one) for axis, one in zip(axes, coefficients, strict=True) if one]
+    if any(axis.endless for axis, _ in pairs):
+        return -math.inf, math.inf
+    ends = [sorted((one * axis.lower, one * axis.upper)) for axis, one in pairs]
+    return sum(low for low, _ in ends), sum(high for _, high in ends)
 
 
 def with_coupling(chain: Chain, overlay: Overlay) -> Chain:

@@ -22,6 +22,7 @@ COMMANDS = {
     "ik": "ik kr6r900 --poses ../poses.csv -o axes.csv",
     "as-universal": "as-universal bed_mill_kin1 -o list.lis",
     "urdf": "urdf kr6r900 -o out",
+    "export": "export tripod_kin12 --format urdf,mjcf -o out",
     "demo": "demo kr6r900 -o out",
     "inspect": "inspect kr6r900 --export page.html",
     "picture": "picture kr6r900 -o m.png",

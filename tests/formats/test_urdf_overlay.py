@@ -178,6 +178,9 @@ base_link = [{box = [100, 100, 50]}]
         ('[limits.sums]\n"A2+X" = [0, 1]', 2, "no sum of axes", "of a kind"),
         ('[limits.sums]\n"A2+A3" = [1, 1]', 2, "leave no range", "lower below upper"),
         ('[limits.sums]\n"A2+A3" = 3', 2, "has the wrong type", "[lower, upper]"),
+        ('[limits.sums]\n"A2-A3" = [144, 200]', 2, "no axis values within", "-143.239 to 143.239"),
+        ('[limits.sums]\n"A2-A3" = [-200, -144]', 2, "no axis values within", "-143.239 to 143.239"),
+        ('[limits.sums]\n"0.5*A2+A3" = [129, 200]', 2, "no axis values within", "-85.9437 to 128.916"),
         ("[coupling]\nA3 = 1", 2, "has the wrong type", "a table"),
         ("[coupling]\nA3 = {A2 = true}", 2, "has the wrong type", "a finite number"),
         ("[coupling]\nA3 = {Z = 1}", 2, "no axis 'Z'", "A1, A2, A3, X"),
@@ -194,6 +197,12 @@ def test_what_does_not_fit_is_one_error(tmp_path: Path, overlay: str, line: int,
     assert message in caught.value.message
     assert permitted in (caught.value.permitted or "")
     assert (caught.value.line, caught.value.file) == (line, str(tmp_path / "robot.chainbuild.toml"))
+
+
+@pytest.mark.parametrize("text", ['"A2-A3" = [143, 200]', '"A2-A3" = [-200, -143]', '"A2+A3" = [900, 901]'])
+def test_sums_that_some_axis_values_keep_are_taken(tmp_path: Path, text: str) -> None:
+    endless = 'endless = ["A2"]\n' if "900" in text else ""
+    assert len(arm(tmp_path, f"{endless}[limits.sums]\n{text}").chain.constraints) == 1
 
 
 def test_an_overlay_of_another_name_is_taken_where_it_is_named(tmp_path: Path) -> None:

@@ -140,6 +140,8 @@ def read_alone(robot: Robot, folder: Path, count: int) -> dict[str, Any]:
         found, wanted = outsider.by_pinocchio(outsider.values(names, axes)), robot.fk(axes).homogeneous
         np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-12 * reach(wanted))
     assert outsider.extra is not None
+    start = outsider.extra["chainbuild"].get("assembly", {"axes": [], "joints": {}})
+    assert all(isinstance(value, int | float) for value in (*start["axes"], *start["joints"].values()))
     return outsider.extra
 
 
@@ -190,9 +192,11 @@ def test_only_what_is_not_plain_gets_a_file() -> None:
 
 
 @pytest.mark.parametrize("slides", ["x1_carries_c", "x2_carries_c"])
-@pytest.mark.parametrize("side", ["left", "right"])
-def test_a_gripper_that_counts_from_x_is_turned_back_by_its_arm(side: str, slides: str, tmp_path: Path) -> None:
-    chosen = {"kin21_c_zero": "along_x", "kin21_side": side, "kin21_slides": slides}
+@pytest.mark.parametrize(("side", "along"), [("left", "x"), ("right", "y")])
+def test_a_gripper_that_counts_from_x_is_turned_back_by_its_arm(
+    side: str, along: str, slides: str, tmp_path: Path
+) -> None:
+    chosen = {"kin21_c_zero": "along_x", "kin21_side": side, "kin21_slides": slides, "kin21_hd5_along": along}
     robot = Robot(chainbuild.load("lambda_kin21").chain(conventions=chosen))
     extra = read_alone(robot, tmp_path, 5)
     assert sorted(extra["name_mot"]) == ["C_turn", "X1", "X2", "Z"]
@@ -207,6 +211,14 @@ def test_couplings_beside_loops_are_not_forgotten(pair: tuple[str, str], tmp_pat
     robot = Robot(follow(first, workpiece_of=second))
     read_alone(robot, tmp_path, 3)
     mujoco.MjModel.from_xml_string(mjcf_text(robot))
+
+
+def test_tiny_numbers_of_a_closed_state_are_numbers(tmp_path: Path) -> None:
+    chain = chainbuild.load("lambda_kin21").chain()
+    axes = tuple(replace(axis, lower=4e-6) if axis.name == "C" else axis for axis in chain.axes)
+    extra = read_alone(Robot(chain.with_axes(axes)), tmp_path, 1)
+    assert "e-0" in (tmp_path / "lambda_kin21" / "lambda_kin21.loops.yaml").read_text("utf-8")
+    assert extra["chainbuild"]["assembly"]["joints"]["C"] > 0.0
 
 
 def test_axes_with_an_offset_stand_beside_what_they_show(tmp_path: Path) -> None:

@@ -24,6 +24,8 @@ from chainbuild.writers.models.urdf import urdf_files, urdf_text
 from tests.kit.draws import random_axes
 from tests.kit.mesh_files import write_stl
 from tests.kit.sample_chains import arm
+from tests.kit.urdf_files import joint as urdf_joint
+from tests.kit.urdf_files import link, written
 
 STEEL_CUBE = 0.2**3 * DENSITY  # kg
 
@@ -206,3 +208,25 @@ def test_a_mesh_that_is_read_is_not_written_over(tmp_path: Path) -> None:
     assert caught.value.file == str(own)
     assert own.read_bytes() == before
     assert sorted(path.name for path in (tmp_path / "arm").rglob("*.*")) == ["arm.urdf", "cube.obj"]
+
+
+def test_long_names_of_meshes_are_cut(tmp_path: Path) -> None:
+    files = [cube_file(tmp_path / f"{'x' * 248}{n}.obj", 200.0) for n in (1, 2)]
+    robot = with_geometry(arm(), shapes={"A1_link": tuple(Shape("hull", file=file) for file in files)})
+    written = chainbuild.write_urdf(robot, tmp_path / "out").parent / "meshes"
+    names = sorted(path.name for path in written.iterdir())
+    assert names == [f"{'x' * 80}_2_hull.stl", f"{'x' * 80}_hull.stl"]
+
+
+def test_a_slide_holds_its_load_at_the_end_of_its_stroke(tmp_path: Path) -> None:
+    """By hand: 2 kg, 0.1 m beyond a slide that stands 0.3 m off the turn and leaves up to 1.2 m."""
+    limit = '<axis xyz="1 0 0"/><limit lower="{}" upper="{}" effort="1" velocity="1"/>'
+    path = written(
+        tmp_path,
+        *(link("base", 0.0), link("turn", 0.0), link("ram", 2.0, "0.1 0 0")),
+        urdf_joint("A1", "revolute", "base", "turn", inside=limit.format(-1, 1)),
+        urdf_joint("A2", "prismatic", "turn", "ram", "0 0.3 0", limit.format(-1.2, 0.5)),
+    )
+    chain = Robot.from_urdf(path).chain
+    found = holding_efforts(chain, chain.geometry.inertias)
+    np.testing.assert_allclose(found, 9.81 * 2.0 * np.array([0.1 + 0.3 + 1.2, 1.0]))

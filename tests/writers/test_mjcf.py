@@ -209,8 +209,9 @@ def test_masses_of_meshes_are_those_of_what_they_enclose(tmp_path: Path) -> None
     np.testing.assert_allclose(found.centre, (T @ (1, 1, 1, 1))[:3], atol=1e-12)
     np.testing.assert_allclose(found.moments, known.moments, atol=1e-12)
     assert mesh.surface is not None
-    open_one = replace(mesh, surface=Triangles(mesh.surface.points, mesh.surface.corners[:0]))
-    assert estimated([open_one]).mass == pytest.approx(known.mass)
+    for count in (0, 8, 11):
+        open_one = replace(mesh, surface=Triangles(mesh.surface.points, mesh.surface.corners[:count]))
+        assert estimated([open_one]).mass == pytest.approx(known.mass)
     assert mujoco.MjModel.from_xml_string(mjcf_text(Robot.from_urdf(write_arm(tmp_path)))).nbody == 4
 
 
@@ -256,3 +257,11 @@ def test_moments_that_a_file_gives_stay(tmp_path: Path) -> None:
     )
     model, _ = read(Robot.from_urdf(path))
     np.testing.assert_allclose(sorted(model.body("arm").inertia), [1e-9, 2e-9, 2.5e-9], rtol=1e-9)
+
+
+@pytest.mark.parametrize("body", ['box size="1e-9 1 1"', 'sphere radius="1e-8"', 'cylinder radius="1" length="1e-8"'])
+def test_bodies_thinner_than_the_drawing_are_left_out(body: str, tmp_path: Path) -> None:
+    arm = f'<link name="arm"><visual><geometry><{body}/></geometry></visual></link>'
+    path = urdf_files.written(tmp_path, urdf_files.link("base", 0.0), arm, TURN)
+    model, _ = read(Robot.from_urdf(path))
+    assert model.ngeom == 0

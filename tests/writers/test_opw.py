@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,8 @@ import chainbuild
 from chainbuild.errors import ChainbuildError
 from chainbuild.machines import shipped
 from chainbuild.robot import Robot
-from chainbuild.writers.models.opw import opw_text
+from chainbuild.writers.models.opw import _half_turn, opw_text
+from chainbuild.writers.models.robotfiles import yaml_number
 from tests.kit.draws import random_axes
 
 ARMS = (
@@ -73,3 +75,30 @@ def test_which_machines_have_them(tmp_path: Path) -> None:
         chainbuild.export(robot, tmp_path, formats=["urdf", "opw"])
     assert list(tmp_path.iterdir()) == []
     assert set(chainbuild.export(robot, tmp_path, samples=10)) == {"urdf", "mjcf", "srdf", "report"}
+
+
+@pytest.mark.parametrize(
+    ("angle", "wanted"), [(-np.pi, np.pi), (3 * np.pi, np.pi), (-3.5 * np.pi, 0.5 * np.pi), (-1.0, -1.0)]
+)
+def test_offsets_lie_within_half_a_turn_and_half_a_turn_is_positive(angle: float, wanted: float) -> None:
+    assert _half_turn(angle) == pytest.approx(wanted, abs=1e-12)
+
+
+def test_tiny_numbers_are_numbers_for_readers_of_yaml() -> None:
+    """YAML 1.1 takes 5e-06 for a text."""
+    chain = chainbuild.load("kr6r900").chain()
+    T = chain.joints[1].T_parent_joint.copy()
+    T[0, 3] = 5e-6
+    robot = Robot(
+        replace(chain, joints=(chain.joints[0], replace(chain.joints[1], T_parent_joint=T), *chain.joints[2:]))
+    )
+    text = opw_text(robot)
+    assert text is not None
+    read = yaml.safe_load(text)
+    numbers = [*read["opw_kinematics_geometric_parameters"].values(), *read["opw_kinematics_joint_offsets"]]
+    numbers += [value for place in ("base", "tool") for part in read["chainbuild"][place].values() for value in part]
+    assert "e-06" in text
+    assert all(isinstance(value, float) for value in numbers)
+    assert [yaml_number(one) for one in ("5e-06", "-1e-13", "5.5e-06", "7", "0.25")] == [
+        "5.0e-06", "-1.0e-13", "5.5e-06", "7", "0.25",
+    ]  # fmt: skip

@@ -18,7 +18,7 @@ from chainbuild.files import angle_text, number_text, printable
 from chainbuild.formats.twincat.axis_offsets import ShiftedMap
 from chainbuild.units import rad_from_deg, si_factor
 from chainbuild.writers.models.home import home, leading_joints
-from chainbuild.writers.models.robotfiles import RobotFiles
+from chainbuild.writers.models.robotfiles import RobotFiles, yaml_number
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -146,13 +146,13 @@ def _assembly_lines(robot: Mechanism, passive: Sequence[str]) -> list[str]:
         joint.name: (angle_text if joint.kind == "revolute" else number_text)(float(value))
         for joint, value in zip(robot.chain.joints, q, strict=True)
     }
-    shown = [float(number_text(float(value))) for value in axes]
+    shown = ", ".join(yaml_number(json.dumps(float(number_text(float(value))))) for value in axes)
     return [
         f"  passive: {_flow(list(passive))}  # they follow from closing the loops",
         "  assembly:  # a closed state: others of the same way of assembly are reached from it without a singularity",
-        f"    axes: {_flow(shown)}  # as the controller shows them",
+        f"    axes: [{shown}]  # as the controller shows them",
         "    joints:",
-        *(f"      {_flow(name)}: {text}" for name, text in values.items()),
+        *(f"      {_flow(name)}: {yaml_number(text)}" for name, text in values.items()),
     ]
 
 

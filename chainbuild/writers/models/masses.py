@@ -127,7 +127,7 @@ def _of_mesh(body: Body, surface: Triangles, density: float) -> Inertia:
     a, b, c = (surface.points[surface.corners[:, n]] for n in range(3))
     volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
     volume = float(volumes.sum())
-    if not 0.0 < volume <= math.prod(body.dimensions):
+    if not surface.closed or not 0.0 < volume <= math.prod(body.dimensions):
         return _part(replace(body, kind="box", surface=None), density)
     total = a + b + c
     centre = np.einsum("i,ij->j", volumes, total) / (4.0 * volume)

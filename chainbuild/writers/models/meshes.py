@@ -21,6 +21,7 @@ from chainbuild.writers.models.robotfiles import RobotFiles
 
 _FOLDER: Final = "meshes"
 _HEADER: Final = b"chainbuild: convex hull".ljust(80)  # binary STL begins with 80 bytes that nobody reads
+_LONGEST: Final = 80  # letters of a mesh's name: files have 255 at most, and a number is added
 _UNSCALED: Final = (1.0, 1.0, 1.0)  # hulls are written in metres
 
 
@@ -78,7 +79,7 @@ class Meshes:
         hull = shape.kind == "hull"
         key = (shape.file.resolve(), shape.kind, shape.scale if hull else None)
         if key not in self._names:
-            stem = "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in shape.file.stem)
+            stem = "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in shape.file.stem[:_LONGEST])
             suffix = "_hull.stl" if hull else shape.file.suffix.lower()
             taken, number = {name.lower() for name in self.files}, 1
             name = f"{_FOLDER}/{stem}{suffix}"

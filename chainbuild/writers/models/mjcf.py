@@ -116,7 +116,7 @@ def _add_bodies(world: ET.Element, robot: Mechanism, bodies: Sequence[Body], ine
         moments = [float(inertia.moments[place]) for place in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
         place = {"pos": numbers_text(inertia.centre.tolist()), "mass": f"{inertia.mass:.15g}"}
         _sub(element, "inertial", **place, fullinertia=" ".join(f"{moment + 0.0:.15g}" for moment in moments))
-        for body in (body for body in shown[link] if body.kind != "mesh"):
+        for body in (body for body in shown[link] if body.kind != "mesh" and min(body.dimensions) > 0.0):
             size = [value / 2.0 for value in body.dimensions] if body.kind == "box" else list(body.dimensions)
             if body.kind == "cylinder":
                 size[1] /= 2.0

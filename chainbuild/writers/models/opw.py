@@ -11,6 +11,7 @@ import numpy as np
 from chainbuild.arrays import Matrix
 from chainbuild.files import angle_text, number_text, printable
 from chainbuild.frames import inverse, translation, urdf_rpy
+from chainbuild.writers.models.robotfiles import yaml_number
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -82,4 +83,4 @@ def _half_turn(angle: float) -> float:
 
 def _decimal(text: str) -> str:
     """Return a number with a decimal point: readers of YAML tell whole numbers from others."""
-    return text if set(text) & set(".en") else f"{text}.0"
+    return yaml_number(text) if set(text) & set(".e") else f"{text}.0"

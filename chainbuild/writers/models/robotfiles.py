@@ -50,3 +50,9 @@ def write_robot_files(robot: Mechanism, folder: Path | str, files: Mapping[str, 
             }
         )
     return paths
+
+
+def yaml_number(text: str) -> str:
+    """Return a number as YAML reads it: with an exponent, but without a decimal point, it would be a text."""
+    digits, e, power = text.partition("e")
+    return text if not e or "." in digits else f"{digits}.0e{power}"
