@@ -128,3 +128,13 @@ def test_all_public_files_come_back(name: str, tmp_path: Path) -> None:
 
 def test_there_are_many_public_files() -> None:
     assert len(example_files()) >= 60
+
+
+def test_the_file_that_is_read_is_not_written_over(tmp_path: Path) -> None:
+    path = chainbuild.write_urdf(chainbuild.Robot.load("kr6r900"), tmp_path)
+    before = path.read_bytes()
+    robot = chainbuild.Robot.from_urdf(path, tool="tool")
+    with pytest.raises(chainbuild.ChainbuildError, match="also an input"):
+        chainbuild.write_urdf(robot, tmp_path, inertia=False)
+    assert path.read_bytes() == before
+    assert chainbuild.write_urdf(robot, tmp_path / "other", inertia=False).read_bytes() != before

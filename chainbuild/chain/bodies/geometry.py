@@ -94,6 +94,7 @@ class Geometry:
         rod_data: Their dimensions, also for analyses that add them for themselves.
         ignore: Pairs of links whose collision does not count.
         stand: How a machine tool is drawn.
+        source: The URDF that bodies and masses are from, which no output may replace; None: there is none.
     """
 
     __repr__ = fields_shown
@@ -106,6 +107,7 @@ class Geometry:
     rod_data: RodData = RodData()
     ignore: tuple[tuple[str, str], ...] = ()
     stand: Stand = Stand()
+    source: Path | None = None
 
     @property
     def links(self) -> tuple[str, ...]:
@@ -113,13 +115,14 @@ class Geometry:
         return (*self.radii, *self.shapes, *(link for pair in self.ignore for link in pair))
 
     def over(self, given: Geometry) -> Geometry:
-        """Return this with a file's masses, and with its bodies of the links that have none here.
+        """Return this with a file's name and masses, and with its bodies of the links that have none here.
 
         Args:
             given: What the file gives.
         """
         visuals = {link: shapes for link, shapes in given.visuals.items() if link not in self.shapes}
-        return replace(self, shapes={**given.shapes, **self.shapes}, visuals=visuals, inertias=given.inertias)
+        shapes = {**given.shapes, **self.shapes}
+        return replace(self, shapes=shapes, visuals=visuals, inertias=given.inertias, source=given.source)
 
     def renamed(self, names: Mapping[str, str]) -> Geometry:
         """Return the same of links with other names.

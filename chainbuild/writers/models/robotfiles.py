@@ -33,13 +33,14 @@ def write_robot_files(robot: Mechanism, folder: Path | str, files: Mapping[str, 
 
     Raises:
         FileAccessError: the folder is not a path, or a file cannot be written.
-        OverwriteError: a file would take the place of another mesh that the robot was read from.
+        OverwriteError: a file would take the place of the URDF, or of another mesh, that the robot was read from.
     """
     place = folder_of(folder, robot.name)
     paths = {name: place.joinpath(*name.split("/")) for name in files}
     geometry = robot.chain.geometry
     bodies = (shape for given in (geometry.shapes, geometry.visuals) for shapes in given.values() for shape in shapes)
     read = {shape.file for shape in bodies if shape.file is not None}
+    read |= set() if geometry.source is None else {geometry.source}
     places = {place_of(file) for file in read}
     with protected(read):
         write_all(
