@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -91,3 +92,11 @@ def along(direction: Vector, centre: Vector | None = None) -> Matrix:
     helper = np.eye(3)[int(np.argmin(np.abs(z.round(9))))]
     x = frames.unit(np.cross(helper, z))
     return frames.transform(np.column_stack([x, np.cross(z, x), z]), np.zeros(3) if centre is None else centre)
+
+
+def by_link(bodies: Iterable[Body]) -> dict[str, list[Body]]:
+    """Return bodies by the links that carry them, those of links without any left out."""
+    found: dict[str, list[Body]] = {}
+    for body in bodies:
+        found.setdefault(body.link, []).append(body)
+    return found

@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Vector
-from chainbuild.chain.bodies.body import Body
-from chainbuild.chain.bodies.inertia import Inertia
+from chainbuild.chain.bodies.body import Body, by_link
+from chainbuild.chain.bodies.inertia import Inertia, lumped
 from chainbuild.chain.bodies.shapes import machine_size, shown_limits
 from chainbuild.chain.elements import Chain
 from chainbuild.collision.solids import Solid, solids_of
@@ -38,18 +38,16 @@ def link_inertias(chain: Chain, bodies: Iterable[Body], density: float = DENSITY
     """
     if chain.geometry.inertias:
         return dict(chain.geometry.inertias)
-    drawn: dict[str, list[Body]] = {link.name: [] for link in chain.links}
-    for body in bodies:
-        drawn[body.link].append(body)
+    drawn = by_link(bodies)
     given = [link for link, shapes in chain.geometry.shapes.items() if shapes]
     solids = [solid for solid in solids_of(chain) if solid.link in given] if given else []
     return {
-        link: _rounded(
-            _together([_of_solid(solid, density) for solid in solids if solid.link == link])
-            if link in given
-            else estimated(drawn[link], density)
+        link.name: _rounded(
+            _together([_of_solid(solid, density) for solid in solids if solid.link == link.name])
+            if link.name in given
+            else estimated(drawn.get(link.name, ()), density)
         )
-        for link in drawn
+        for link in chain.links
     }
 
 
@@ -90,15 +88,7 @@ def estimated(bodies: Iterable[Body], density: float = DENSITY) -> Inertia:
 
 def _together(parts: Sequence[Inertia]) -> Inertia:
     """Return the inertia of several bodies of one link, or a bare one where there are none."""
-    mass = sum(part.mass for part in parts)
-    if mass <= 0.0:
-        return MASSLESS
-    centre: Vector = np.sum([part.mass * part.centre for part in parts], axis=0) / mass
-    moments = np.zeros((3, 3))
-    for part in parts:
-        away = part.centre - centre
-        moments += part.moments + part.mass * (away @ away * np.eye(3) - np.outer(away, away))
-    return Inertia(mass, centre, moments)
+    return lumped(parts) if sum(part.mass for part in parts) > 0.0 else MASSLESS
 
 
 def _part(body: Body, density: float) -> Inertia:
@@ -118,8 +108,7 @@ def _part(body: Body, density: float) -> Inertia:
         mass = density * math.pi * radius**2 * length
         across = mass * (3.0 * radius**2 + length**2) / 12.0
         own = np.array([across, across, mass * radius**2 / 2.0])
-    R = body.T_link_body[:3, :3]
-    return Inertia(mass, body.T_link_body[:3, 3], R @ np.diag(own) @ R.T)
+    return Inertia(mass, np.zeros(3), np.diag(own)).seen_from(body.T_link_body)
 
 
 def _of_mesh(body: Body, surface: Triangles, density: float) -> Inertia:
@@ -133,9 +122,7 @@ def _of_mesh(body: Body, surface: Triangles, density: float) -> Inertia:
     centre = np.einsum("i,ij->j", volumes, total) / (4.0 * volume)
     second = sum(np.einsum("i,ij,ik->jk", volumes, one, one) for one in (a, b, c, total)) / 20.0
     second = density * (second - volume * np.outer(centre, centre))
-    T = body.T_link_body
-    moments = T[:3, :3] @ (np.trace(second) * np.eye(3) - second) @ T[:3, :3].T
-    return Inertia(density * volume, T[:3, :3] @ centre + T[:3, 3], moments)
+    return Inertia(density * volume, centre, np.trace(second) * np.eye(3) - second).seen_from(body.T_link_body)
 
 
 def _of_solid(solid: Solid, density: float) -> Inertia:
@@ -147,10 +134,8 @@ def _of_solid(solid: Solid, density: float) -> Inertia:
     volume = float(geometry.computeVolume())
     if not volume > 0.0:
         return Inertia(0.0, np.zeros(3), np.zeros((3, 3)))
-    T, mass = solid.T_link_solid, density * volume
     centre, moments = np.asarray(geometry.computeCOM()), np.asarray(geometry.computeMomentofInertiaRelatedToCOM())
-    R = T[:3, :3]
-    return Inertia(mass, R @ centre.ravel() + T[:3, 3], density * R @ moments @ R.T)
+    return Inertia(density * volume, centre.ravel(), density * moments).seen_from(solid.T_link_solid)
 
 
 def turnable(inertia: Inertia) -> Inertia:

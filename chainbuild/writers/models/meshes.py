@@ -14,10 +14,10 @@ from chainbuild.arrays import Matrix
 from chainbuild.chain.bodies.body import along
 from chainbuild.chain.bodies.geometry import Shape
 from chainbuild.errors import FileAccessError, Span
-from chainbuild.files import angle_text, number_text, numbers_text
-from chainbuild.frames import f_frame, translation, urdf_rpy
+from chainbuild.files import number_text, numbers_text
+from chainbuild.frames import f_frame, translation
 from chainbuild.meshes import Triangles, dae_unit, read_triangles
-from chainbuild.writers.models.robotfiles import RobotFiles
+from chainbuild.writers.models.robotfiles import RobotFiles, rpy_texts
 
 _FOLDER: Final = "meshes"
 _HEADER: Final = b"chainbuild: convex hull".ljust(80)  # binary STL begins with 80 bytes that nobody reads
@@ -48,8 +48,7 @@ class Meshes:
         for shape in shapes:
             for T, kind, attributes in self._parts(shape):
                 element = ET.SubElement(link, tag)
-                rpy = " ".join(angle_text(angle) for angle in urdf_rpy(T[:3, :3], _as_written))
-                ET.SubElement(element, "origin", xyz=numbers_text(T[:3, 3].tolist()), rpy=rpy)
+                add_origin(element, T)
                 ET.SubElement(ET.SubElement(element, "geometry"), kind, attributes)
                 found.append((element, shape))
         return found
@@ -93,6 +92,11 @@ class Meshes:
         return self._names[key]
 
 
+def add_origin(element: ET.Element, T: Matrix) -> None:
+    """Write the place of an element: T (4, 4) [m]."""
+    ET.SubElement(element, "origin", xyz=numbers_text(T[:3, 3].tolist()), rpy=" ".join(rpy_texts(T)))
+
+
 def _hull_stl(hull: Triangles) -> bytes:
     """Return a convex body as binary STL, its triangles in an order that does not depend on how it was made."""
     turned = []
@@ -114,7 +118,3 @@ def _content(file: Path) -> bytes:
 
 def _place(shape: Shape) -> Matrix:
     return f_frame(shape.place[:3], shape.place[3:])
-
-
-def _as_written(angle: float) -> float:
-    return float(angle_text(angle))

@@ -11,7 +11,7 @@ import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.chain.bodies.body import Body
+from chainbuild.chain.bodies.body import Body, by_link
 from chainbuild.chain.bodies.inertia import Inertia
 from chainbuild.chain.bodies.shapes import machine_size
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain
@@ -95,9 +95,7 @@ def mjcf_text(robot: Mechanism) -> str:
 def _add_bodies(world: ET.Element, robot: Mechanism, bodies: Sequence[Body], inertias: Mapping[str, Inertia]) -> None:
     """Write the tree of links with joints, inertias, bodies to look at, and frames as sites."""
     chain = robot.chain
-    shown: dict[str, list[Body]] = {link.name: [] for link in chain.links}
-    for body in bodies:
-        shown[body.link].append(body)
+    shown = by_link(bodies)
     made: dict[str, ET.Element] = {BASE_LINK: _sub(world, "body", name=BASE_LINK)}
     lower, upper = robot.model.lowerPositionLimit, robot.model.upperPositionLimit
     for n, joint in enumerate(chain.joints):
@@ -116,7 +114,7 @@ def _add_bodies(world: ET.Element, robot: Mechanism, bodies: Sequence[Body], ine
         moments = [float(inertia.moments[place]) for place in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
         place = {"pos": numbers_text(inertia.centre.tolist()), "mass": f"{inertia.mass:.15g}"}
         _sub(element, "inertial", **place, fullinertia=" ".join(f"{moment + 0.0:.15g}" for moment in moments))
-        for body in (body for body in shown[link] if body.kind != "mesh" and min(body.dimensions) > 0.0):
+        for body in (body for body in shown.get(link, ()) if body.kind != "mesh" and min(body.dimensions) > 0.0):
             size = [value / 2.0 for value in body.dimensions] if body.kind == "box" else list(body.dimensions)
             if body.kind == "cylinder":
                 size[1] /= 2.0

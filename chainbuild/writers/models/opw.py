@@ -10,8 +10,8 @@ import numpy as np
 
 from chainbuild.arrays import Matrix
 from chainbuild.files import angle_text, number_text, printable
-from chainbuild.frames import inverse, translation, urdf_rpy
-from chainbuild.writers.models.robotfiles import yaml_number
+from chainbuild.frames import inverse, translation
+from chainbuild.writers.models.robotfiles import rpy_texts, yaml_number
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -69,9 +69,7 @@ def _flange(robot: Mechanism, T_wrist_tool: Matrix) -> float:
 
 def _placement(T: Matrix) -> str:
     xyz = ", ".join(_decimal(number_text(value)) for value in T[:3, 3].tolist())
-    rpy = ", ".join(
-        _decimal(angle_text(angle)) for angle in urdf_rpy(T[:3, :3], lambda angle: float(angle_text(angle)))
-    )
+    rpy = ", ".join(_decimal(text) for text in rpy_texts(T))
     return f"{{xyz: [{xyz}], rpy: [{rpy}]}}"
 
 

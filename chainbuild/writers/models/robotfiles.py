@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from chainbuild.arrays import Matrix
 from chainbuild.errors import ChainbuildError
-from chainbuild.files import folder_of, place_of, protected, write_all
+from chainbuild.files import angle_text, folder_of, place_of, protected, write_all
+from chainbuild.frames import urdf_rpy
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -51,6 +53,11 @@ def write_robot_files(robot: Mechanism, folder: Path | str, files: Mapping[str, 
             }
         )
     return paths
+
+
+def rpy_texts(T: Matrix) -> list[str]:
+    """Return roll, pitch, yaw [rad] of a place (4, 4) as they are written: roll makes up for the rounding of yaw."""
+    return [angle_text(angle) for angle in urdf_rpy(T[:3, :3], lambda angle: float(angle_text(angle)))]
 
 
 def yaml_number(text: str) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 from chainbuild import tolerances
 from chainbuild.arrays import Matrix
-from chainbuild.chain.bodies.body import BASE_COLOUR, TOOL_COLOUR, WORKPIECE_SIDE, Body, Colour
+from chainbuild.chain.bodies.body import BASE_COLOUR, TOOL_COLOUR, WORKPIECE_SIDE, Body, Colour, by_link
 from chainbuild.chain.bodies.geometry import Shape
 from chainbuild.chain.bodies.inertia import Inertia
 from chainbuild.chain.bodies.shapes import machine_size, solid_bodies
@@ -27,7 +27,7 @@ from chainbuild.units import m_from_mm, rad_from_deg
 from chainbuild.writers.models import notes
 from chainbuild.writers.models.loops import loop_files
 from chainbuild.writers.models.masses import holding_efforts, link_inertias
-from chainbuild.writers.models.meshes import Meshes
+from chainbuild.writers.models.meshes import Meshes, add_origin
 from chainbuild.writers.models.notes import urdf_limitations
 from chainbuild.writers.models.robotfiles import RobotFiles, check_robot, write_robot_files
 
@@ -146,9 +146,9 @@ class _Bodies:
 
     def __init__(self, chain: Chain, bodies: Iterable[Body], meshes: Meshes) -> None:
         self._given, self._meshes = chain.geometry, meshes
-        self._drawn = _by_link(bodies)
+        self._drawn = by_link(bodies)
         own = [body for body in solid_bodies(chain) if body.link not in chain.geometry.shapes]
-        self._solid = _by_link(body for body in own if body.part not in _TIPS)
+        self._solid = by_link(body for body in own if body.part not in _TIPS)
         self.tips = {_TIPS[body.part]: body for body in own if body.part in _TIPS}
 
     def add_to(self, element: ET.Element, link: str) -> None:
@@ -158,11 +158,11 @@ class _Bodies:
         if seen is None and any(shape.file is not None for shape in given or ()):
             seen = given
         if seen is None:
-            add_visuals(element, drawn)
+            _add_visuals(element, drawn)
         else:
             self._add_seen(element, seen, drawn[0].colour if drawn else TOOL_COLOUR)
         if given is None:
-            add_solids(element, self._solid.get(link, ()))
+            _add_solids(element, self._solid.get(link, ()))
         else:
             self._meshes.add_bodies(element, "collision", given)
 
@@ -171,15 +171,7 @@ class _Bodies:
             _add_colour(visual, element.attrib["name"], n, shape.colour or colour)
 
 
-def _by_link(bodies: Iterable[Body]) -> dict[str, list[Body]]:
-    """Return bodies by their link."""
-    found: dict[str, list[Body]] = {}
-    for body in bodies:
-        found.setdefault(body.link, []).append(body)
-    return found
-
-
-def add_visuals(element: ET.Element, bodies: Iterable[Body]) -> None:
+def _add_visuals(element: ET.Element, bodies: Iterable[Body]) -> None:
     """Write bodies to look at."""
     for n, body in enumerate(bodies, 1):
         visual = ET.SubElement(element, "visual")
@@ -187,7 +179,7 @@ def add_visuals(element: ET.Element, bodies: Iterable[Body]) -> None:
         _add_colour(visual, element.attrib["name"], n, body.colour)
 
 
-def add_solids(element: ET.Element, bodies: Iterable[Body]) -> None:
+def _add_solids(element: ET.Element, bodies: Iterable[Body]) -> None:
     """Write bodies that count in collisions."""
     for body in bodies:
         _add_body(ET.SubElement(element, "collision"), body)
@@ -269,10 +261,10 @@ def _add_tips(root: ET.Element, chain: Chain, bodies: _Bodies) -> None:
         element = ET.SubElement(root, "link", name=frame.name)
         if not chain.geometry.visuals:
             colour = _MARKS.get(frame.name, BASE_COLOUR)
-            add_visuals(element, [Body(frame.name, "joint", translation(), "sphere", (size,), colour)])
+            _add_visuals(element, [Body(frame.name, "joint", translation(), "sphere", (size,), colour)])
         body = bodies.tips.get(frame.name)
         if body is not None and body.link == frame.link:
-            add_solids(element, [_in_frame(body, frame)])
+            _add_solids(element, [_in_frame(body, frame)])
         fixed = ET.SubElement(root, "joint", name=f"{frame.name}_fixed", type="fixed")
         _add_connection(fixed, frame.T_link_frame, frame.link, frame.name)
 
@@ -282,12 +274,7 @@ def _in_frame(body: Body, frame: Frame) -> Body:
     return replace(body, link=frame.name, T_link_body=inverse(frame.T_link_frame) @ body.T_link_body)
 
 
-def _as_written(angle: float) -> float:
-    return float(angle_text(angle))
-
-
 def _add_connection(element: ET.Element, T: Matrix, parent: str, child: str) -> None:
-    rpy = " ".join(angle_text(angle) for angle in urdf_rpy(T[:3, :3], _as_written))
-    ET.SubElement(element, "origin", xyz=numbers_text(T[:3, 3].tolist()), rpy=rpy)
+    add_origin(element, T)
     ET.SubElement(element, "parent", link=parent)
     ET.SubElement(element, "child", link=child)
