@@ -74,6 +74,9 @@ def every_branch(query: BranchQuery) -> Solutions:
 
 def nearest_branch(request: IkRequest) -> IkResult | None:
     """Return the branch nearest to the start, or a failure; None if the plan only searches."""
+    quick = quick_branches(request.mechanism, request.target, request.start, request.held)
+    if quick is not None and len(quick):
+        return quick[0]
     query = BranchQuery.of(request)
     if not plan_for(query).complete:
         return None
