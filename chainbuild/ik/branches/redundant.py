@@ -78,7 +78,7 @@ def _values(mechanism: Mechanism, n: int, samples: int, own: float | None) -> li
     return row if own is None or own in row else [own, *row]
 
 
-def joined(parts: Sequence[Branches], x0: Vector) -> Branches:
+def joined_branches(parts: Sequence[Branches], x0: Vector) -> Branches:
     """Return the branches of several held values as one, nearest to a start first.
 
     Args:
