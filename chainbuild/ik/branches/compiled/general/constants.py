@@ -26,9 +26,6 @@ JOINTS: Final = 6
 ROWS: Final = 14  # equations: the numbers of an arrow without the one that is always 1
 EQUATIONS: Final = 6  # without the eight products of the two joints that are eliminated
 COMBINATIONS: Final = 9  # products of the cosine, the sine and 1 of two joints
-POINT: Final = 5  # numbers of the arrow's point, and how a motion acts on them: by a block
-REST: Final = 10  # the other numbers, on which it acts by another block
-BLOCKS: Final = POINT * POINT + REST * REST
 
 # Where the parts of the packed constants begin.
 CENTRE: Final = 1
@@ -47,7 +44,7 @@ ROLES: Final = 4
 LEFT: Final = ROLES + JOINTS
 RANGE: Final = LEFT + 3 * ROWS * COMBINATIONS
 STEPS_BEFORE: Final = RANGE + 8 * ROWS
-ARROWS_BEHIND: Final = STEPS_BEFORE + COMBINATIONS * BLOCKS
+ARROWS_BEHIND: Final = STEPS_BEFORE + COMBINATIONS * ROWS * SIZE
 PER_OPENING: Final = ARROWS_BEHIND + COMBINATIONS * SIZE
 
 VIEWS: Final = (0.3, 1.5, 2.7, -0.9, -2.1)  # angles from which the hidden joint is looked at; any that are apart
@@ -86,17 +83,17 @@ class _Opening:
         part = np.zeros(PER_OPENING)
         part[:ROLES] = pairs, len(self.before), len(self.behind), self.backwards
         part[ROLES:LEFT] = self.roles
-        part[LEFT:RANGE] = self.left.ravel()
+        part[LEFT:RANGE] = self.left.transpose(1, 0, 2).ravel()
         part[RANGE:STEPS_BEFORE] = np.concatenate([self.range.real, self.range.imag], axis=1).ravel()
-        blocks = [np.concatenate([one[:POINT, :POINT].ravel(), one[POINT:, POINT:].ravel()]) for one in self.before]
-        part[STEPS_BEFORE : STEPS_BEFORE + len(blocks) * BLOCKS] = np.concatenate(blocks)
+        steps = self.before[:, _KEPT].transpose(2, 1, 0)
+        part[STEPS_BEFORE : STEPS_BEFORE + steps.size] = steps.ravel()
         part[ARROWS_BEHIND : ARROWS_BEHIND + self.behind.size] = self.behind.ravel()
         return part
 
     def rows(self, G: Matrix) -> tuple[Matrix, float]:
         """Return the six equations (6, 3, 9) at a pose, and how well the eliminated joints are told apart."""
         pose = motion(inverse(G) if self.backwards else G)
-        right = np.einsum("lij,jk,rk->irl", self.before, pose, self.behind)[_KEPT].reshape(ROWS, COMBINATIONS)
+        right = np.einsum("lij,rj->irl", self.before[:, _KEPT], self.behind @ pose.T).reshape(ROWS, COMBINATIONS)
         u, sizes, _ = np.linalg.svd(right[:, :-1])
         left = self.left.copy()
         left[2, :, -1] -= right[:, -1]
@@ -174,13 +171,14 @@ def _openings(screws: Sequence[Screw]) -> Iterator[_Opening]:
         for first in (0, 4, 5):
             one, two, hidden, x, y, last = ((first + n) % JOINTS for n in range(JOINTS))
             end = arrow(row[last].point, row[last].direction)
-            left = np.einsum("hij,xjk,ykl,l->hixy", steps[hidden], steps[x], steps[y], end)[:, _KEPT]
+            left = np.einsum("xjk,yk->jxy", steps[x], steps[y] @ end)
+            left = np.einsum("hij,jxy->hixy", steps[hidden][:, _KEPT], left)
             u, _, _ = np.linalg.svd((steps[hidden][0] - 1j * steps[hidden][1])[_KEPT])
             before, behind = np.eye(SIZE)[None], end[None]
             if first == 0:
                 before = np.einsum("bij,ajk->abik", back[two], back[one]).reshape(-1, SIZE, SIZE)
             elif first == 4:
-                behind = np.einsum("bij,ajk,k->abi", back[two], back[one], end).reshape(-1, SIZE)
+                behind = np.einsum("bij,aj->abi", back[two], back[one] @ end).reshape(-1, SIZE)
             else:
                 before, behind = back[two], back[one] @ end
             roles = tuple(JOINTS - 1 - n if backwards else n for n in (one, two, hidden, x, y, last))

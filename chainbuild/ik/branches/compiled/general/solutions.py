@@ -14,8 +14,8 @@ from chainbuild.ik.branches.compiled.general.constants import (
     ROWS,
     SCREWS,
 )
-from chainbuild.ik.branches.compiled.general.eigen import lu_in_place, null_vector
-from chainbuild.ik.branches.compiled.general.equations import PRODUCTS, matrix_at
+from chainbuild.ik.branches.compiled.general.eigen import gauss, substitute
+from chainbuild.ik.branches.compiled.general.equations import PRODUCTS, TERMS
 from chainbuild.ik.search.compiled.kernels import jit
 
 _STEPS: Final = 8  # Newton's: from a few digits, two are usual
@@ -24,7 +24,7 @@ _EXACT: Final = 1e-12  # residual [arm lengths, rad] at which no step improves a
 
 
 @jit
-def pose_and_screws(constants, q, T, J):
+def write_screws(constants, q, T, J):
     """Write the loop's motion (3, 4) and the screws (6, 6) of its joints there: shift, then turn, one a column."""
     for i in range(3):
         for j in range(4):
@@ -37,12 +37,10 @@ def pose_and_screws(constants, q, T, J):
                 turn += T[i, j] * constants[at + 24 + j]
                 moment += T[i, j] * constants[at + 27 + j]
             J[3 + i, n], J[i, n] = turn, moment
-        x, y, z = T[0, 3], T[1, 3], T[2, 3]
-        J[0, n] += y * J[5, n] - z * J[4, n]
-        J[1, n] += z * J[3, n] - x * J[5, n]
-        J[2, n] += x * J[4, n] - y * J[3, n]
-        sine, cosine = math.sin(q[n]), math.cos(q[n])
-        versine = 1.0 - cosine
+        for i in range(3):
+            j, k = (i + 1) % 3, (i + 2) % 3
+            J[i, n] += T[j, 3] * J[3 + k, n] - T[k, 3] * J[3 + j, n]
+        sine, versine = math.sin(q[n]), 1.0 - math.cos(q[n])
         for i in range(3):
             a, b, c = T[i, 0], T[i, 1], T[i, 2]
             for j in range(4):
@@ -53,129 +51,82 @@ def pose_and_screws(constants, q, T, J):
 
 
 @jit
-def rest_of(G, T, e):
-    """Write what is left to a pose as a screw (6,), shift and sine of the turn; returns the turn's cosine, all that is left."""
+def write_rest(G, T, J):
+    """Write what is left to a pose to column 6 of J: shift and sine of the turn; returns its cosine, the largest part."""
     for i in range(3):
-        e[i], e[3 + i] = G[i, 3], 0.0
+        J[i, JOINTS] = G[i, 3]
     largest, trace = 0.0, 0.0
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         along = G[i, 0] * T[i, 0] + G[i, 1] * T[i, 1] + G[i, 2] * T[i, 2]
         above = G[i, 0] * T[j, 0] + G[i, 1] * T[j, 1] + G[i, 2] * T[j, 2]
         below = G[j, 0] * T[i, 0] + G[j, 1] * T[i, 1] + G[j, 2] * T[i, 2]
-        e[3 + k] = 0.5 * (below - above)
-        e[i] -= along * T[i, 3] + above * T[j, 3]
-        e[j] -= below * T[i, 3]
+        J[3 + k, JOINTS] = 0.5 * (below - above)
+        J[i, JOINTS] -= along * T[i, 3] + above * T[j, 3]
+        J[j, JOINTS] -= below * T[i, 3]
         trace += along
         largest = max(largest, abs(along - 1.0), abs(above), abs(below))
-    return 0.5 * (trace - 1.0), max(largest, abs(e[0]), abs(e[1]), abs(e[2]))
+    return 0.5 * (trace - 1.0), max(largest, abs(J[0, JOINTS]), abs(J[1, JOINTS]), abs(J[2, JOINTS]))
 
 
 @jit
-def solve_square(J, e):
-    """Solve J·x = e (6) by elimination with pivots, both overwritten; returns the smallest pivot's share."""
-    least, most = math.inf, 0.0
-    for k in range(JOINTS):
-        best = k
-        for i in range(k + 1, JOINTS):
-            if abs(J[i, k]) > abs(J[best, k]):
-                best = i
-        if best != k:
-            for j in range(k, JOINTS):
-                J[k, j], J[best, j] = J[best, j], J[k, j]
-            e[k], e[best] = e[best], e[k]
-        pivot = J[k, k]
-        least, most = min(least, abs(pivot)), max(most, abs(pivot))
-        if pivot == 0.0:
-            return 0.0
-        for i in range(k + 1, JOINTS):
-            factor = J[i, k] / pivot
-            for j in range(k + 1, JOINTS):
-                J[i, j] -= factor * J[k, j]
-            e[i] -= factor * e[k]
-    for i in range(JOINTS - 1, -1, -1):
-        total = e[i]
-        for j in range(i + 1, JOINTS):
-            total -= J[i, j] * e[j]
-        e[i] = total / J[i, i]
-    return least / most
-
-
-@jit
-def polish(constants, G, q, T, J, e):
+def polish(constants, G, q, T, J):
     """Bring joint values (6,) to a pose by Newton steps, in place; returns what they miss [arm lengths, rad]."""
-    before = math.inf
+    miss = math.inf
     for step in range(_STEPS + 1):
-        pose_and_screws(constants, q, T, J)
-        _, miss = rest_of(G, T, e)
-        if miss < _EXACT or step == _STEPS or (step > 3 and miss > 0.5 * before and miss < 1e-9):
-            return miss
         before = miss
-        if solve_square(J, e) == 0.0:
-            return miss
-        longest = 0.0
+        write_screws(constants, q, T, J)
+        _, miss = write_rest(G, T, J)
+        if miss < _EXACT or step == _STEPS or not miss < math.inf or (miss < 1e-9 and miss > 0.5 * before):
+            break
+        gauss(J, JOINTS, JOINTS + 1)
+        substitute(J, JOINTS, JOINTS + 1)
+        longest = _MAX_STEP
         for n in range(JOINTS):
-            longest = max(longest, abs(e[n]))
-        share = 1.0 / max(1.0, longest / _MAX_STEP)
-        if not share > 0.0:
-            return math.inf
+            longest = max(longest, abs(J[n, JOINTS]))
         for n in range(JOINTS):
-            q[n] += share * e[n]
-    return before
+            q[n] += J[n, JOINTS] * _MAX_STEP / longest
+    return miss
 
 
 @jit
-def values_of(constants, part, G, w, pairs, half, q, T, J, e):
-    """Write all six joint values (6,) that go with half the hidden joint's angle; not polished."""
-    matrix_at(w, pairs, math.cos(half), math.sin(half))
-    lu_in_place(w.lead, 12, w.order)
-    v = w.vector
-    null_vector(w.lead, 12, w.order, v)
+def write_values(constants, part, G, right, B, half_angle, sides, q, T, J):
+    """Write all six joint values (6,) that go with a kernel, see `write_kernel`, and half the hidden joint's angle."""
     cosine, sine = 0.0, 0.0
     for m in range(4):
-        cosine += v[3 * m] * v[3 * m + 2]
-        sine += v[3 * m + 1] * v[3 * m + 2]
-    x, y = 2.0 * math.atan2(v[11], v[8]), math.atan2(sine, cosine)
-    hidden = 2.0 * half
-    _outer(part, w, hidden, x, y, e)
+        cosine += B[3 * m, 12] * B[3 * m + 2, 12]
+        sine += B[3 * m + 1, 12] * B[3 * m + 2, 12]
+    x, y = 2.0 * math.atan2(B[11, 12], B[8, 12]), math.atan2(sine, cosine)
+    hidden = 2.0 * half_angle
+    write_eliminated(part, right, hidden, x, y, sides, q)
     last = int(part[ROLES + 5])
-    q[int(part[ROLES])], q[int(part[ROLES + 1])] = e[0], e[1]
     q[int(part[ROLES + 2])], q[int(part[ROLES + 3])], q[int(part[ROLES + 4])] = hidden, x, y
     q[last] = 0.0
-    pose_and_screws(constants, q, T, J)
-    turned, _ = rest_of(G, T, e)
-    q[last] = math.atan2(J[3, last] * e[3] + J[4, last] * e[4] + J[5, last] * e[5], turned)
+    write_screws(constants, q, T, J)
+    turned, _ = write_rest(G, T, J)
+    q[last] = math.atan2(J[3, last] * J[3, 6] + J[4, last] * J[4, 6] + J[5, last] * J[5, 6], turned)
 
 
 @jit
-def _outer(part, w, hidden, x, y, found):
-    """Write the values of the two joints that were eliminated to the first entries of `found`."""
-    left = part[LEFT : LEFT + 3 * ROWS * COMBINATIONS].reshape((3, ROWS, COMBINATIONS))
-    by_x, by_y = (math.cos(x), math.sin(x), 1.0), (math.cos(y), math.sin(y), 1.0)
-    by_hidden = (math.cos(hidden), math.sin(hidden), 1.0)
-    z, products = w.small[0], w.small[1]
-    for a in range(3):
-        for b in range(3):
-            products[3 * a + b] = by_x[a] * by_y[b]
+def write_eliminated(part, right, hidden, x, y, sides, q):
+    """Write the values of the two joints that were eliminated, from the products that the other joints leave them."""
+    left = part[LEFT : LEFT + ROWS * TERMS].reshape((ROWS, TERMS))
+    terms, reached, z = sides[0], sides[1], sides[2]
+    for c in range(TERMS):
+        a, b, e = c // COMBINATIONS, c // 3 % 3, c % 3
+        by_hidden = math.cos(hidden) if a == 0 else (math.sin(hidden) if a == 1 else 1.0)
+        by_x = math.cos(x) if b == 0 else (math.sin(x) if b == 1 else 1.0)
+        terms[c] = by_hidden * by_x * (math.cos(y) if e == 0 else (math.sin(y) if e == 1 else 1.0))
     for k in range(ROWS):
-        total = 0.0
-        for n in range(3):
-            part_ = 0.0
-            for c in range(COMBINATIONS):
-                part_ += left[n, k, c] * products[c]
-            total += by_hidden[n] * part_
-        z[k] = total
-    for k in range(PRODUCTS):
-        total = z[k]
-        for i in range(k + 1, ROWS):
-            total += w.right[i, k] * z[i]
-        total *= w.factors[k]
-        z[k] -= total
-        for i in range(k + 1, ROWS):
-            z[i] -= total * w.right[i, k]
+        reached[k] = 0.0
+        for c in range(TERMS):
+            reached[k] += left[k, c] * terms[c]
     for k in range(PRODUCTS - 1, -1, -1):
-        total = z[k] - w.right[k, PRODUCTS]
+        total = -right[k, PRODUCTS]
+        for i in range(ROWS):
+            total += right[k, COMBINATIONS + i] * reached[i]
         for j in range(k + 1, PRODUCTS):
-            total -= w.right[k, j] * z[j]
-        z[k] = total / w.right[k, k]
-    found[0], found[1] = math.atan2(z[5], z[2]), math.atan2(z[7], z[6])
+            total -= right[k, j] * z[j]
+        z[k] = total / right[k, k]
+    # The products are in the order cosine, sine, 1 of the first joint, and in each the same of the second.
+    q[int(part[ROLES])], q[int(part[ROLES + 1])] = math.atan2(z[5], z[2]), math.atan2(z[7], z[6])

@@ -18,18 +18,15 @@ from chainbuild.ik.branches.compiled.general.constants import (
     OPENINGS,
     PER_OPENING,
     SCALE,
-    VIEWS,
 )
 from chainbuild.ik.branches.compiled.general.eigen import eigenvalues_of
-from chainbuild.ik.branches.compiled.general.equations import companion_of, equations_of, work_of
-from chainbuild.ik.branches.compiled.general.solutions import polish, values_of
+from chainbuild.ik.branches.compiled.general.equations import write_best_companion, write_equations, write_kernel
+from chainbuild.ik.branches.compiled.general.solutions import polish, write_values
 from chainbuild.ik.search.compiled.kernels import jit
 
-_GOOD: Final = 60.0  # entries of the matrix up to which no better view is looked for
 _USELESS: Final = 1e7  # entries of the matrix above which its eigenvalues have no digits
 _APART: Final = 1e-9  # share below which the eliminated joints are not told apart
-_NOISE: Final = 1e-15  # times the square of the largest entry: what rounding moves a simple eigenvalue by, at most
-_CERTAIN: Final = 10.0  # times that: an eigenvalue so far from the real ones is complex
+_NOISE: Final = 1e-13  # times the square of the largest entry: 10 to 100 times what rounding was seen to make of 0
 _MET: Final = 1e-10  # residual of a solution [arm lengths, rad]
 _SAME: Final = 1e-4  # rad: solutions nearer than this are one
 
@@ -76,45 +73,30 @@ def is_new(values, count, q):
 
 
 @jit
-def best_view(w, pairs):
-    """Write the eigenvalue problem seen from where it is conditioned best; returns angle, size, largest entry."""
-    best, least, size, largest = 0, math.inf, 0, 0.0
-    for k in range(len(VIEWS)):
-        size, largest = companion_of(w, pairs, VIEWS[k])
-        if largest < least:
-            best, least = k, largest
-        if largest < _GOOD:
-            return VIEWS[k], size, largest
-    if best != len(VIEWS) - 1:
-        size, largest = companion_of(w, pairs, VIEWS[best])
-    return VIEWS[best], size, largest
-
-
-@jit
 def solve(constants, T, values):
     """Write the solutions of a pose (4, 4) to the rows of `values` (32, 6); returns how many, whether certainly all."""
-    w = work_of()
-    G, pose, J = np.empty((3, 4)), np.empty((3, 4)), np.empty((JOINTS, JOINTS))
-    q, e = np.empty(JOINTS), np.empty(JOINTS)
-    one, other = np.empty(JOINTS, np.complex128), np.empty(JOINTS, np.complex128)
+    G, pose, J, q = np.empty((3, 4)), np.empty((3, 4)), np.empty((JOINTS, JOINTS + 1)), np.empty(JOINTS)
+    right, P, product, null = np.empty((15, 23)), np.empty((6, 14)), np.empty((10, 15)), np.empty((15, 20))
+    combined, rows, nine, B = np.empty((10, 6)), np.empty((10, 27)), np.empty((16, 126)), np.empty((12, 32))
+    A, real, imaginary = np.empty((21, 21)), np.empty(20), np.empty(20)
     scaled(constants, T, G)
     found = 0
     for n in range(int(constants[0])):
         part = constants[OPENINGS + n * PER_OPENING : OPENINGS + (n + 1) * PER_OPENING]
-        pairs, apart = equations_of(part, G, w, one, other)
-        if not apart > _APART:
+        half, apart = write_equations(part, G, right, P, product, null, combined, rows, nine)
+        angle, size, largest = write_best_companion(rows, half, nine, B, A)
+        if not (apart > _APART and largest < _USELESS and eigenvalues_of(A, size, real, imaginary)):
             continue
-        angle, size, largest = best_view(w, pairs)
-        if not largest < _USELESS or not eigenvalues_of(w.companion, size, w.real, w.imaginary):
-            continue
-        noise = _CERTAIN * _NOISE * largest * largest
+        noise = _NOISE * largest * largest
         perhaps = 0
         for k in range(size):
-            if w.imaginary[k] != 0.0 and is_complex(w.real, w.imaginary, size, k, noise):
+            if imaginary[k] != 0.0 and is_complex(real, imaginary, size, k, noise):
                 continue
             perhaps += 1
-            values_of(constants, part, G, w, pairs, 0.5 * angle + math.atan(w.real[k]), q, pose, J, e)
-            if polish(constants, G, q, pose, J, e) < _MET and is_new(values, found, q) and found < len(values):
+            half_angle = 0.5 * angle + math.atan(real[k])
+            write_kernel(rows, half, math.cos(half_angle), math.sin(half_angle), nine, B)
+            write_values(constants, part, G, right, B, half_angle, nine, q, pose, J)
+            if polish(constants, G, q, pose, J) < _MET and is_new(values, found, q) and found < len(values):
                 for i in range(JOINTS):
                     values[found, i] = q[i]
                 found += 1
