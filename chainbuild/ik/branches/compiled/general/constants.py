@@ -216,8 +216,8 @@ def _of_low_degree(rows: Matrix, pairs: int) -> tuple[Matrix, Matrix, Matrix]:
     u, _, _ = np.linalg.svd(rows[:, 0] - 1j * rows[:, 1])
     null = u[:, 4:].conj().T
     if pairs == 1:
-        null = isotropic(null @ null.T) @ null
-    real, imaginary = np.atleast_2d(null.real), np.atleast_2d(null.imag)
+        null = _least_real(null)
+    real, imaginary = null.real, null.imag
     _, _, vt = np.linalg.svd(np.concatenate([real, imaginary]))
     c, s, one = (np.tensordot(real, rows[:, n], 1) for n in range(3))
     turned = np.tensordot(imaginary, rows[:, 2], 1)
@@ -225,15 +225,11 @@ def _of_low_degree(rows: Matrix, pairs: int) -> tuple[Matrix, Matrix, Matrix]:
     return np.concatenate([one + c, turned + s]), np.concatenate([s - turned, one - c]), others
 
 
-def isotropic(squares: Complex) -> Complex:
-    """Return c (2,) with c·squares·c = 0: the combination of two complex rows whose parts are at right angles."""
-    a, b, e = squares[0, 0], squares[0, 1], squares[1, 1]
-    root = np.sqrt(b * b - a * e)
-    plus, minus = b + root, b - root
-    larger = plus if abs(plus) > abs(minus) else minus
-    found = np.array([-e, larger]) if abs(e) > abs(a) else np.array([larger, -a])
-    length = float(np.linalg.norm(found))
-    return found / length if length > 0.0 else np.array([1.0 + 0j, 0.0])
+def _least_real(null: Complex) -> Complex:
+    """Return the combination of two complex rows (2, 6), of a few, whose parts are most nearly at right angles."""
+    one, other = null
+    rows = np.array([one, other, (one + other) / math.sqrt(2.0), (one + 1j * other) / math.sqrt(2.0)])
+    return np.asarray(rows[int(np.argmin(np.abs((rows * rows).sum(axis=1))))][None], dtype=complex)
 
 
 def _companion(parts: tuple[Matrix, Matrix, Matrix], angle: float) -> Matrix:

@@ -29,7 +29,6 @@ from chainbuild.ik.branches.compiled.general.eigen import gauss, multiply, refle
 from chainbuild.ik.search.compiled.kernels import jit
 
 PRODUCTS: Final = COMBINATIONS - 1
-MONOMIALS: Final = 12  # cosine and sine of 3·x/2 and of x/2, times cosine and sine of y and 1
 TERMS: Final = 3 * COMBINATIONS
 _GOOD: Final = 60.0  # entries of the matrix up to which no better view is looked for
 _FIRST, _SECOND = np.triu_indices(5, 1)
@@ -58,49 +57,49 @@ def write_motion(G, backwards, motion):
 
 
 @jit
-def write_right_side(part, motion, moved, sides, right):
-    """Write the right side (14, 9), by the products of the joints to eliminate, and behind it the unit matrix."""
-    before, behind = int(part[BEFORE]), int(part[BEHIND])
-    arrows = part[ARROWS_BEHIND : ARROWS_BEHIND + behind * SIZE].reshape((behind, SIZE))
-    steps = part[STEPS_BEFORE : STEPS_BEFORE + SIZE * ROWS * before].reshape((SIZE, ROWS * before))
-    multiply(arrows, motion, moved, behind, SIZE, SIZE)
-    multiply(moved, steps, sides, behind, SIZE, ROWS * before)
-    for i in range(ROWS):
-        for b in range(behind):
-            for a in range(before):
-                right[i, b * before + a] = sides[b, i * before + a]
-        for j in range(ROWS):
-            right[i, COMBINATIONS + j] = 1.0 if i == j else 0.0
+def write_unit(A, n, first):
+    """Write the unit matrix (n, n) to the columns of A from one on, and 0 to everything else."""
+    flat = A.reshape(A.size)
+    for i in range(A.size):
+        flat[i] = 0.0
+    for i in range(n):
+        A[i, first + i] = 1.0
 
 
 @jit
-def at_right_angles(null):
-    """Combine the rows (a, b), standing for a + i·b, behind the eighth: a and b are at right angles and of one length.
+def write_right_side(part, motion, moved, sides, right):
+    """Write the right side (14, 9), by the products of the joints to eliminate, and behind it the unit matrix."""
+    before, behind = int(part[BEFORE]), int(part[BEHIND])
+    size, rows = moved.shape[1], right.shape[0] - 1
+    arrows = part[ARROWS_BEHIND : ARROWS_BEHIND + behind * SIZE].reshape((behind, SIZE))
+    steps = part[STEPS_BEFORE : STEPS_BEFORE + SIZE * ROWS * before].reshape((SIZE, ROWS * before))
+    multiply(arrows, motion, moved, behind, size, size)
+    multiply(moved, steps, sides, behind, size, rows * before)
+    write_unit(right, rows, COMBINATIONS)
+    for i in range(rows):
+        for b in range(behind):
+            for a in range(before):
+                right[i, b * before + a] = sides[b, i * before + a]
 
-    Of the four rows, which span two complex ones, the first and the one that is least a multiple of it are taken.
+
+@jit
+def choose_pair(null):
+    """Put one pair of rows (a, b) and (−b, a), with a and b most nearly at right angles and of one length, to the front.
+
+    The rows stand for a + i·b and span two complex ones, of which one may be nearly real: of four at most two are so.
     """
-    best, least = 9, math.inf
-    for k in range(9, MONOMIALS):
-        along = 0.0
-        for i in range(EQUATIONS):
-            along += null[8, 8 + i] * null[k, 14 + i] - null[8, 14 + i] * null[k, 8 + i]
-        if abs(along) < least:
-            best, least = k, abs(along)
-    a, b, e = 0.0j, 0.0j, 0.0j
-    for i in range(EQUATIONS):
-        one, other = complex(null[8, 8 + i], null[8, 14 + i]), complex(null[best, 8 + i], null[best, 14 + i])
-        a, b, e = a + one * one, b + one * other, e + other * other
-    root = np.sqrt(b * b - a * e)
-    larger = b + root if abs(b + root) > abs(b - root) else b - root
-    first, second = (-e, larger) if abs(e) > abs(a) else (larger, -a)
-    length = math.sqrt(abs(first) ** 2 + abs(second) ** 2)
-    if length == 0.0:
-        first, length = 1.0 + 0.0j, 1.0
-    for i in range(EQUATIONS):
-        one, other = complex(null[8, 8 + i], null[8, 14 + i]), complex(null[best, 8 + i], null[best, 14 + i])
-        row = (first * one + second * other) / length
-        null[8, 8 + i], null[8, 14 + i] = row.real, row.imag
-        null[9, 8 + i], null[9, 14 + i] = -row.imag, row.real
+    best, least = 8, math.inf
+    for k in range(8, len(null) - 1):
+        squares, product = 0.0, 0.0
+        for i in range(8, 14):
+            squares += null[k, i] * null[k, i] - null[k, 6 + i] * null[k, 6 + i]
+            product += null[k, i] * null[k, 6 + i]
+        size = squares * squares + 4.0 * product * product
+        if size < least:
+            best, least = k, size
+    for i in range(8, 14):
+        a, b = null[best, i], null[best, 6 + i]
+        null[8, i], null[8, 6 + i], null[9, i], null[9, 6 + i] = a, b, -b, a
 
 
 @jit
@@ -110,62 +109,63 @@ def write_combinations(part, P, product, null, T):
     Rows (a, b) with (a + i·b)·P·range = 0 have no part of exp(i·h): first all a, then all b, then the combinations
     at right angles to all of them, which keep the whole degree.
     """
-    multiply(P, part[RANGE : RANGE + 8 * ROWS].reshape((ROWS, 8)), product, EQUATIONS, ROWS, 8)
-    for i in range(EQUATIONS):
+    count, rows = P.shape
+    range_ = part[RANGE : RANGE + 8 * ROWS].reshape((ROWS, 8))
+    multiply(P, range_, product, count, rows, range_.shape[1])
+    write_unit(null, 2 * count, 8)
+    for i in range(count):
         for j in range(4):
             null[i, j] = null[6 + i, 4 + j] = product[i, j]
             null[i, 4 + j] = product[i, 4 + j]
             null[6 + i, j] = -product[i, 4 + j]
-    for i in range(MONOMIALS):
-        for j in range(MONOMIALS):
-            null[i, 8 + j] = 1.0 if i == j else 0.0
-    reflect(null, MONOMIALS, 8, 20)
+    reflect(null, 2 * count, range_.shape[1], null.shape[1])
     half = 4
     if part[PAIRS] == 1.0:
         half = 2
-        at_right_angles(null)
+        choose_pair(null)
     side = product
-    for i in range(EQUATIONS):
+    write_unit(side, count, half)
+    for i in range(count):
         for r in range(half):
             T[r, i], T[half + r, i] = null[8 + r, 8 + i], null[8 + r, 14 + i]
             side[i, r] = T[r, i]
-        for j in range(EQUATIONS):
-            side[i, half + j] = 1.0 if i == j else 0.0
-    reflect(side, EQUATIONS, half, half + EQUATIONS)
-    for r in range(half, EQUATIONS):
-        for i in range(EQUATIONS):
+    reflect(side, count, half, half + count)
+    for r in range(half, count):
+        for i in range(count):
             T[half + r, i] = side[r, half + i]
     return half
 
 
 @jit
-def write_equations(part, G, right, P, product, null, T, rows, nine):
+def write_equations(part, G, right, P, product, motion, null, T, rows, nine):
     """Write the six equations at a pose to `rows`; returns how many are of half the degree, how well P is determined.
 
     Those of half the degree: their parts of cos(h/2) and sin(h/2); the others: of cos h, sin h and 1.
     """
-    write_motion(G, part[BACKWARDS] != 0.0, null)
-    write_right_side(part, null, product, nine, right)
-    reflect(right, ROWS, PRODUCTS, COMBINATIONS + ROWS)
+    equations, width = P.shape
+    terms = rows.shape[1]
+    write_motion(G, part[BACKWARDS] != 0.0, motion)
+    write_right_side(part, motion, product, nine, right)
+    reflect(right, width, width - equations, right.shape[1])
     least, most = math.inf, 0.0
-    for k in range(PRODUCTS):
+    for k in range(width - equations):
         least, most = min(least, abs(right[k, k])), max(most, abs(right[k, k]))
-    for i in range(EQUATIONS):
-        for j in range(ROWS):
+    for i in range(equations):
+        for j in range(width):
             P[i, j] = right[PRODUCTS + i, COMBINATIONS + j]
     half = write_combinations(part, P, product, null, T)
-    count = EQUATIONS + half
-    multiply(T, P, product, count, EQUATIONS, ROWS)
-    multiply(product, part[LEFT : LEFT + ROWS * TERMS].reshape((ROWS, TERMS)), rows, count, ROWS, TERMS)
-    for r in range(count):
-        for i in range(EQUATIONS):
+    multiply(T, P, product, equations + half, equations, width)
+    left = part[LEFT : LEFT + ROWS * TERMS].reshape((ROWS, TERMS))
+    multiply(product, left, rows, equations + half, width, terms)
+    for r in range(equations + half):
+        for i in range(equations):
             rows[r, TERMS - 1] -= T[r, i] * right[PRODUCTS + i, PRODUCTS]
     for r in range(half):
-        for c in range(COMBINATIONS):
+        for c in range(terms // 3):
             rows[r, c] += rows[r, 18 + c]
             rows[r, 9 + c] -= rows[half + r, 18 + c]
-    for r in range(half, EQUATIONS):
-        for c in range(TERMS):
+    for r in range(half, equations):
+        for c in range(terms):
             rows[r, c] = rows[half + r, c]
     return half, least / most
 
@@ -184,31 +184,34 @@ def write_times_x(nine, count, B):
 @jit
 def write_companion(rows, half, angle, nine, B, A):
     """Write the matrix whose eigenvalues are tan((h − angle)/2); returns its size and its largest entry."""
-    linear, square = 2 * half, MONOMIALS - 2 * half
+    monomials = B.shape[0]
+    equations, columns = monomials // 2, rows.shape[1] // 3
+    linear, square = 2 * half, monomials - 2 * half
     c, s = math.cos(0.5 * angle), math.sin(0.5 * angle)
     for r in range(half):
-        for k in range(COMBINATIONS):
-            nine[EQUATIONS + r, k] = c * rows[r, k] + s * rows[r, 9 + k]
+        for k in range(columns):
+            nine[equations + r, k] = c * rows[r, k] + s * rows[r, 9 + k]
             nine[r, k] = c * rows[r, 9 + k] - s * rows[r, k]
     c, s = math.cos(angle), math.sin(angle)
-    for r in range(half, EQUATIONS):
-        for k in range(COMBINATIONS):
+    for r in range(half, equations):
+        for k in range(columns):
             along = c * rows[r, k] + s * rows[r, 9 + k]
             nine[r, k] = rows[r, 18 + k] - along
-            nine[EQUATIONS + r, k] = 2.0 * (c * rows[r, 9 + k] - s * rows[r, k])
-            nine[2 * EQUATIONS - half + r, k] = rows[r, 18 + k] + along
-    write_times_x(nine, 3 * EQUATIONS - half, B)
-    size = MONOMIALS + square
-    width = MONOMIALS + size
-    gauss(B, MONOMIALS, width)
-    substitute(B, MONOMIALS, width)
+            nine[equations + r, k] = 2.0 * (c * rows[r, 9 + k] - s * rows[r, k])
+            nine[2 * equations - half + r, k] = rows[r, 18 + k] + along
+    write_times_x(nine, 3 * equations - half, B)
+    size = monomials + square
+    gauss(B, monomials, monomials + size)
+    substitute(B, monomials, monomials + size)
     largest = 0.0
     for i in range(size):
-        for j in range(MONOMIALS):
-            A[i, j] = -B[j, MONOMIALS + i]
+        for j in range(monomials):
+            A[i, j] = -B[j, monomials + i]
             largest = max(largest, abs(A[i, j]))
-        for j in range(MONOMIALS, size):
-            A[i, j] = 1.0 if i == linear + j - MONOMIALS else 0.0
+        for j in range(monomials, size):
+            A[i, j] = 0.0
+    for k in range(square):
+        A[linear + k, monomials + k] = 1.0
     return size, largest
 
 
@@ -232,18 +235,20 @@ def write_best_companion(rows, half, nine, B, A):
 @jit
 def write_kernel(rows, half, c, s, nine, B):
     """Write to column 12 of B what the equations' matrix shrinks most where h/2 has cosine c and sine s."""
+    monomials = B.shape[0]
+    equations, columns = monomials // 2, rows.shape[1] // 3
     for r in range(half):
-        for k in range(COMBINATIONS):
+        for k in range(columns):
             nine[r, k] = c * rows[r, k] + s * rows[r, 9 + k]
     a, b = c * c - s * s, 2.0 * c * s
-    for r in range(half, EQUATIONS):
-        for k in range(COMBINATIONS):
+    for r in range(half, equations):
+        for k in range(columns):
             nine[r, k] = a * rows[r, k] + b * rows[r, 9 + k] + rows[r, 18 + k]
-    write_times_x(nine, EQUATIONS, B)
-    for i in range(MONOMIALS):
+    write_times_x(nine, equations, B)
+    for i in range(monomials):
         for j in range(i):
             B[i, j], B[j, i] = B[j, i], B[i, j]
-    gauss(B, MONOMIALS, MONOMIALS)
-    for i in range(MONOMIALS):
-        B[i, MONOMIALS] = 1.0
-    substitute(B, MONOMIALS, MONOMIALS + 1)
+    gauss(B, monomials, monomials)
+    for i in range(monomials):
+        B[i, monomials] = 1.0
+    substitute(B, monomials, monomials + 1)

@@ -79,8 +79,8 @@ def polish(constants, G, q, T, J):
         _, miss = write_rest(G, T, J)
         if miss < _EXACT or step == _STEPS or not miss < math.inf or (miss < 1e-9 and miss > 0.5 * before):
             break
-        gauss(J, JOINTS, JOINTS + 1)
-        substitute(J, JOINTS, JOINTS + 1)
+        gauss(J, len(q), len(q) + 1)
+        substitute(J, len(q), len(q) + 1)
         longest = _MAX_STEP
         for n in range(JOINTS):
             longest = max(longest, abs(J[n, JOINTS]))

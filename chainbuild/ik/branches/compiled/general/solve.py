@@ -76,14 +76,15 @@ def is_new(values, count, q):
 def solve(constants, T, values):
     """Write the solutions of a pose (4, 4) to the rows of `values` (32, 6); returns how many, whether certainly all."""
     G, pose, J, q = np.empty((3, 4)), np.empty((3, 4)), np.empty((JOINTS, JOINTS + 1)), np.empty(JOINTS)
-    right, P, product, null = np.empty((15, 23)), np.empty((6, 14)), np.empty((10, 15)), np.empty((15, 20))
+    right, P, product, null = np.empty((15, 23)), np.empty((6, 14)), np.empty((10, 15)), np.empty((13, 20))
+    motion = np.empty((15, 15))
     combined, rows, nine, B = np.empty((10, 6)), np.empty((10, 27)), np.empty((16, 126)), np.empty((12, 32))
     A, real, imaginary = np.empty((21, 21)), np.empty(20), np.empty(20)
     scaled(constants, T, G)
     found = 0
     for n in range(int(constants[0])):
         part = constants[OPENINGS + n * PER_OPENING : OPENINGS + (n + 1) * PER_OPENING]
-        half, apart = write_equations(part, G, right, P, product, null, combined, rows, nine)
+        half, apart = write_equations(part, G, right, P, product, motion, null, combined, rows, nine)
         angle, size, largest = write_best_companion(rows, half, nine, B, A)
         if not (apart > _APART and largest < _USELESS and eigenvalues_of(A, size, real, imaginary)):
             continue
