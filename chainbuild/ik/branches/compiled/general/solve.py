@@ -19,7 +19,7 @@ from chainbuild.ik.branches.compiled.general.constants import (
     PER_OPENING,
     SCALE,
 )
-from chainbuild.ik.branches.compiled.general.eigen import eigenvalues_of
+from chainbuild.ik.branches.compiled.general.eigen import eigenvalues_of, gauss
 from chainbuild.ik.branches.compiled.general.equations import write_best_companion, write_equations, write_kernel
 from chainbuild.ik.branches.compiled.general.solutions import polish, write_values
 from chainbuild.ik.search.compiled.kernels import jit
@@ -28,6 +28,7 @@ _USELESS: Final = 1e7  # entries of the matrix above which its eigenvalues have 
 _APART: Final = 1e-9  # share below which the eliminated joints are not told apart
 _NOISE: Final = 1e-13  # times the square of the largest entry: 10 to 100 times what rounding was seen to make of 0
 _MET: Final = 1e-10  # residual of a solution [arm lengths, rad]
+_REGULAR: Final = 1e-4  # pivot of the Jacobian [arm lengths, rad]: below, branches meet, or solutions are a curve
 _SAME: Final = 1e-4  # rad: solutions nearer than this are one
 
 
@@ -97,10 +98,13 @@ def solve(constants, T, values):
             half_angle = 0.5 * angle + math.atan(real[k])
             write_kernel(rows, half, math.cos(half_angle), math.sin(half_angle), nine, B)
             write_values(constants, part, G, right, B, half_angle, nine, q, pose, J)
-            if polish(constants, G, q, pose, J) < _MET and is_new(values, found, q) and found < len(values):
-                for i in range(JOINTS):
-                    values[found, i] = q[i]
-                found += 1
+            if not (polish(constants, G, q, pose, J) < _MET and is_new(values, found, q) and found < len(values)):
+                continue
+            for i in range(JOINTS):
+                values[found, i] = q[i]
+            found += 1
+            if gauss(J, len(q), len(q)) < _REGULAR:
+                return found, False
         if 0 < perhaps <= found:
             return found, perhaps == found
     return found, False
