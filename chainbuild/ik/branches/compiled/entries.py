@@ -17,6 +17,9 @@ from chainbuild.ik.branches.compiled import direct, finish, small, spherical
 from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED
 from chainbuild.ik.branches.compiled.direct import direct_branches
 from chainbuild.ik.branches.compiled.finish import axes_of, finished, room_of
+from chainbuild.ik.branches.compiled.general import constants as general_constants
+from chainbuild.ik.branches.compiled.general import eigen, equations, solutions, solve
+from chainbuild.ik.branches.compiled.general.solve import general_branches
 from chainbuild.ik.branches.compiled.spherical import spherical_branches
 from chainbuild.ik.branches.core import branches, subproblems
 from chainbuild.ik.search.compiled import kernels as compiled_kernels
@@ -88,6 +91,19 @@ def _direct(fingerprint: int) -> Any:
     return direct_poses
 
 
+def _general(fingerprint: int) -> Any:
+    @kept_jit(nogil=True, **FAST)
+    def general_poses(constants, targets, rigid, values, counts):
+        """Write the joint values of poses; see `spherical_poses`."""
+        for i in range(len(targets)):
+            counts[i] = REFUSED + 0 * fingerprint
+            if is_rigid(targets[i], rigid):
+                count, sure = general_branches(constants, targets[i], values[i])
+                counts[i] = count if sure else DOUBTFUL
+
+    return general_poses
+
+
 def _fingerprint(*modules: Any) -> int:
     return crc32(b"".join(Path(str(module.__file__)).read_bytes() for module in modules))
 
@@ -98,4 +114,5 @@ finish_poses: Final = _finish(_fingerprint(finish, form_constants, branches, com
 FORMS: Final = {
     "spherical": _spherical(_SMALL ^ _fingerprint(spherical)),
     "direct": _direct(_SMALL ^ _fingerprint(spherical, direct)),
+    "general": _general(_SMALL ^ _fingerprint(general_constants, eigen, equations, solutions, solve)),
 }
