@@ -13,7 +13,7 @@ from zlib import crc32
 
 from chainbuild import tolerances
 from chainbuild.ik.branches.compiled import constants as form_constants
-from chainbuild.ik.branches.compiled import direct, finish, small, spherical
+from chainbuild.ik.branches.compiled import direct, finish, quartic, small, spherical
 from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED
 from chainbuild.ik.branches.compiled.direct import direct_branches
 from chainbuild.ik.branches.compiled.finish import axes_of, finished, room_of
@@ -112,7 +112,7 @@ _SMALL: Final = _fingerprint(small, subproblems, form_constants, compiled_kernel
 finish_poses: Final = _finish(_fingerprint(finish, form_constants, branches, compiled_kernels, tolerances))
 # Form → its entry point.
 FORMS: Final = {
-    "spherical": _spherical(_SMALL ^ _fingerprint(spherical)),
-    "direct": _direct(_SMALL ^ _fingerprint(spherical, direct)),
+    "spherical": _spherical(_SMALL ^ _fingerprint(spherical, quartic)),
+    "direct": _direct(_SMALL ^ _fingerprint(spherical, quartic, direct)),
     "general": _general(_SMALL ^ _fingerprint(general_constants, eigen, equations, solutions, solve)),
 }
