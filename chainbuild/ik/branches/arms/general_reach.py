@@ -108,7 +108,7 @@ def slide_turn_slide(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[
     linear = float(inner @ inner_slope) - float(outer @ outer_slope)
     constant = float(inner @ inner) - float(outer @ outer)
     size = max(float(inner @ inner), float(outer @ outer))
-    lengths = _quadratic(square, linear, constant)
+    lengths = _quadratic(square, linear, constant, size)
     if max(abs(square) * size, abs(linear) * math.sqrt(size), abs(constant)) <= _NO_TERM * size:
         # Slides that the turn brings onto one line move against one another: what is kept tells how far.
         kept = lift_c * (share * lift_a - keep[0]) + lift_a * (keep[2] - share * lift_c)
@@ -160,15 +160,22 @@ def _last_joint(
 
 def _to_distance(u: Vector, direction: Vector, square: float) -> list[float]:
     """Return the lengths x with |u + x·direction|² = square."""
-    return _quadratic(1.0, float(u @ direction), float(u @ u) - square)
+    return _quadratic(1.0, float(u @ direction), float(u @ u) - square, max(float(u @ u), square))
 
 
-def _quadratic(a: float, b: float, c: float) -> list[float]:
-    """Return the real roots of a·x² + 2·b·x + c; slightly complex ones count as touching."""
+def _quadratic(a: float, b: float, c: float, size: float) -> list[float]:
+    """Return the real roots of a·x² + 2·b·x + c; slightly complex ones count as touching.
+
+    Args:
+        a: Coefficient.
+        b: Coefficient.
+        c: Coefficient.
+        size: Of what c is the difference of: c itself may be nothing but its rounding.
+    """
     if abs(a) <= 1e-12 * max(abs(b), abs(c)):
         return [-c / (2.0 * b)] if b else []
     inside = b * b - a * c
-    if inside < -1e-9 * max(b * b, abs(a * c)):
+    if inside < -1e-9 * max(b * b, abs(a) * size):
         return []
     root = math.sqrt(max(inside, 0.0))
     larger = -(b + math.copysign(root, b))

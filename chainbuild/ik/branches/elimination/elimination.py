@@ -12,8 +12,8 @@ References: Raghavan and Roth 1990, "Kinematic analysis of the 6R manipulator of
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from chainbuild.ik.branches.elimination.loop import OpenedLoop, closed, eliminan
 if TYPE_CHECKING:
     from chainbuild.ik.branches.core.serial import ArmSolver, Solution
 
+_Values = TypeVar("_Values", tuple[float, float, float], Vector)
 Opening = tuple[int, int]  # the joint before which the loop is opened, and which of the inner joints is solved for
 
 JOINTS: Final = 6  # of the loop: what a pose determines
@@ -44,6 +45,7 @@ _PERTURBATIONS: Final = (1e-3, 1e-2, 1e-4)
 _BESIDE: Final = 1.0
 _FAR: Final = 1.0  # the same where no solution is known: a start for Newton's steps
 _DIRECTIONS: Final = 12  # of poses around a singular one: one in three has led to solutions
+_FEW_DIGITS: Final = 3  # decimals [rad, arm lengths] by which starts of Newton's steps are told apart
 _LOST: Final = 1e-5  # singular values below this share of the largest are those of a solution that is not isolated
 _BESIDE_CURVE: Final = 1e-2  # step along a curve [arm lengths, rad]: where there is none, the residual is its square
 _ON_CURVE: Final = 1e-10  # residual that Newton's steps leave on a curve
@@ -118,7 +120,7 @@ class Elimination:
         reached = [values for values in known if self._miss(G, values) < _REACHED]
         for n, distance in enumerate(_PERTURBATIONS):
             beside, _ = self._solved(_perturbed(G, distance), _BESIDE * math.sqrt(distance))
-            refined = [self._refined(G, values) for values in beside]
+            refined = [self._refined(G, values) for values in _distinct(beside)]
             before = len(reached)
             for values in refined:
                 if self._miss(G, values) < _REACHED and not any(self._same(values, one) for one in reached):
@@ -136,7 +138,7 @@ class Elimination:
         """
         for n in range(_DIRECTIONS):
             beside, _ = self._solved(_perturbed(G, _PERTURBATIONS[1], n + 1), _FAR)
-            refined = [self._refined(G, values) for values in beside]
+            refined = [self._refined(G, values) for values in _distinct(beside)]
             found = [values for values in refined if self._miss(G, values) < _REACHED]
             if found:
                 return found
@@ -167,6 +169,8 @@ class Elimination:
             if problem.condition > SINGULAR:
                 continue
             inner, settled = problem.solutions(near)
+            if off:
+                inner = _distinct(inner)
             found += _values(loop, inner, (first, hidden), G, off)
             if settled and problem.condition < _GOOD:
                 return found, True
@@ -268,6 +272,11 @@ def elimination(serial: Serial) -> Elimination | None:
         return None
     solver = Elimination(serial)
     return solver if solver.openings else None
+
+
+def _distinct(found: Iterable[_Values]) -> list[_Values]:
+    """Return sets of values without those that are others but for few digits, which Newton's steps bring back."""
+    return list({tuple(np.round(values, _FEW_DIGITS)): values for values in found}.values())
 
 
 def _cut(serial: Serial) -> ArmSolver | None:
