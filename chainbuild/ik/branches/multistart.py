@@ -64,9 +64,8 @@ def _largest_difference(a: Vector, b: Vector, query: BranchQuery) -> float:
 def _is_isolated(query: BranchQuery, x: Vector) -> bool:
     """Return whether the Jacobian tells that there are no solutions beside one."""
     _, J = query.mechanism.kinematics.residual(query.target, query.mechanism.task)(x)
-    J = J[:, query.structure.free]
-    sizes = np.linalg.svd(J, compute_uv=False)
-    return J.shape[1] <= J.shape[0] and bool(sizes[-1] > _SINGULAR * sizes[0])
+    sizes = np.linalg.svd(J[:, query.structure.free], compute_uv=False)
+    return len(query.structure.free) <= len(J) and bool((sizes > _SINGULAR * sizes.max(initial=0.0)).all())
 
 
 def _descend(query: BranchQuery, start: Vector) -> Vector | None:

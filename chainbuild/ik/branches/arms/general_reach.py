@@ -109,7 +109,9 @@ def slide_turn_slide(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[
     constant = float(inner @ inner) - float(outer @ outer)
     size = max(float(inner @ inner), float(outer @ outer))
     lengths = _quadratic(square, linear, constant, size)
-    if max(abs(square) * size, abs(linear) * math.sqrt(size), abs(constant)) <= _NO_TERM * size:
+    slope = max(float(inner_slope @ inner_slope), float(outer_slope @ outer_slope))
+    terms = np.abs([square, linear, constant])
+    if (terms <= _NO_TERM * np.array([slope, math.sqrt(size * slope), size])).all():
         # Slides that the turn brings onto one line move against one another: what is kept tells how far.
         kept = lift_c * (share * lift_a - keep[0]) + lift_a * (keep[2] - share * lift_c)
         lengths = [kept / (lift_a * lift_a + lift_c * lift_c)]

@@ -29,6 +29,7 @@ _DRAWN: Final = 30  # the same for more ranks, drawn at random
 _ALIKE: Final = 0.98  # cosine of directions that are one: twelve of a surface are all apart
 _FIRST_STEP: Final = 0.05  # rad or m along a curve
 _SHORTEST: Final = 1e-4  # a curve that needs shorter steps is left
+_BENT: Final = 0.25  # rad that a curve turns in one step: where it turns more, another one may come close
 _LARGEST: Final = 0.4  # rad: of a circle it leaves the twelfth part
 _FARTHEST: Final = 20.0  # m: of a straight line of slides alone
 _MOST: Final = 300  # steps along a curve: twice as many as a turn of all axes takes
@@ -76,8 +77,8 @@ class Beside:
         Args:
             x: (n_axes,) a settled solution.
         """
-        null, rank, rows = self._null(x, _LOST)
-        if len(null) and rank < rows:
+        null, sizes = self._null(x)
+        if len(null) and len(sizes) > len(self.free) - len(null):
             null = self._continued(x, null)
         found = np.zeros((len(null), len(x)))
         found[:, self.free] = null
@@ -127,12 +128,11 @@ class Beside:
                     gaps[m], nearest[m] = gap, others[n]
         return found
 
-    def _null(self, x: Vector, share: float) -> tuple[Matrix, int, int]:
-        """Return directions (k, n_free) that do not move the tool, the rank of the Jacobian and its rows."""
+    def _null(self, x: Vector) -> tuple[Matrix, Vector]:
+        """Return directions (k, n_free) that do not move the tool, and the singular values of the Jacobian."""
         _, J = self._residual(x)
         _, sizes, rows = np.linalg.svd(J[:, self.free])
-        rank = int((sizes > share * sizes[0]).sum())
-        return rows[rank:], rank, len(J)
+        return rows[int((sizes > _LOST * sizes[0]).sum()) :], sizes
 
     def _corrected(self, x: Vector, steps: int, met: float) -> tuple[Vector, float]:
         """Return x after Newton steps and how far the pose is off there."""
@@ -179,7 +179,7 @@ class Beside:
             way = self.way(x, other)
             if float(np.abs(way).max()) < _THERE:
                 return True
-            null, _, _ = self._null(x, _LOST)
+            null, _ = self._null(x)
             step = way[self.free] @ null.T @ null
             if float(np.linalg.norm(step)) < 0.02 * float(np.linalg.norm(way)):
                 return False
@@ -190,11 +190,15 @@ class Beside:
 
     def _follow(self, x: Vector, direction: Vector, others: Sequence[Vector], found: set[int]) -> None:
         """Follow a curve of solutions from x, and add which of the others it passes."""
-        at, tangent, length, passed = x, direction[self.free], _FIRST_STEP, 0.0
+        at, tangent, length, passed, apart = x, direction[self.free], _FIRST_STEP, 0.0, math.inf
         for _ in range(_MOST):
             ahead, off = self._moved(at, length * tangent)
             step = (ahead - at)[self.free]
-            if off >= _MET or float(np.linalg.norm(step - length * tangent)) > 0.3 * length:
+            null, sizes = self._null(ahead)
+            turned = step @ null.T @ null
+            turned /= float(np.linalg.norm(turned)) or 1.0
+            bend = float(np.linalg.norm(turned - tangent))
+            if off >= _MET or bend > _BENT or float(np.linalg.norm(step - length * tangent)) > _BENT * length:
                 length /= 2.0
                 if length < _SHORTEST:
                     return
@@ -204,14 +208,11 @@ class Beside:
             closed = passed > 3.0 * length and self._near(at, ahead, [x]) and self._passes(at, ahead, x)
             if len(found) == len(others) or closed or self._is_beyond(ahead):
                 return
-            null, _, _ = self._null(ahead, _LOST)
-            turned = step @ null.T @ null
-            if not float(np.linalg.norm(turned)) > 0.5 * length:
-                return
-            turned /= float(np.linalg.norm(turned))
-            bend = float(np.linalg.norm(turned - tangent))
+            # Towards a crossing of curves the next singular value vanishes: another curve may pass close by instead.
+            last, apart = apart, float(sizes[len(self.free) - len(null) - 1])
+            crossing = 0.5 * length * apart / (last - apart) if apart < last < math.inf else math.inf
             most = _LARGEST if self._turns_any(turned) else _FARTHEST
-            length = min(length * (1.6 if bend < 0.1 else 1.0 if bend < 0.3 else 0.6), most)
+            length = max(min(length * (2.0 if bend < 0.3 * _BENT else 1.0), most, crossing), _SHORTEST)
             at, tangent = ahead, turned
 
     def _turns_any(self, direction: Vector) -> bool:
@@ -237,7 +238,7 @@ class Beside:
             left = self.way(at, other)
             if float(np.abs(left).max()) < _THERE:
                 return True
-            null, _, _ = self._null(at, _LOST)
+            null, _ = self._null(at)
             at, _ = self._moved(at, left[self.free] @ null.T @ null)
         return False
 
