@@ -24,13 +24,13 @@ from chainbuild.units import AxisLabels
 Candidate = tuple[Vector, tuple[str, ...]]  # SI axis values, and the names of axes that are free there
 
 # Errors above this are polished by Newton steps: closed forms lose digits near singular points.
-_POLISH_FROM: Final = 1e-11
+POLISH_FROM: Final = 1e-11
 # Errors above this mean another position, not lost digits.
-_POLISH_TO: Final = 1e-3
-_POLISH_STEPS: Final = 3  # from a thousandth, Newton needs two
+POLISH_TO: Final = 1e-3
+POLISH_STEPS: Final = 3  # from a thousandth, Newton needs two
 _POLISH: Final = shrinking(0.0, 1e-14)
 _SHARE: Final = 1e-6  # an axis with a smaller share of a direction stands still
-_SAME: Final = 1e-5  # branches closer than this in every axis [m, rad] are one
+SAME_BRANCH: Final = 1e-5  # branches closer than this in every axis [m, rad] are one
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -108,7 +108,7 @@ class Branches(AxisValues, Sequence[Branch]):
         return Branch(
             True, self.axes[n], "ok", *left, int(self.iterations[n]), 0, self.task, self.labels,
             free_axes=self.free_axes[n], status_bits=_at(self.status_bits, n), turn_bits=_at(self.turn_bits, n),
-            method=self.method, free_directions=self.free_directions[n] if self.free_directions else _isolated(self.labels),
+            method=self.method, free_directions=self.free_directions[n] if self.free_directions else isolated(self.labels),
         )  # fmt: skip
 
     def __iter__(self) -> Iterator[Branch]:
@@ -147,7 +147,8 @@ def directions_shown(labels: AxisLabels, directions: Matrix) -> list[str]:
     return rows
 
 
-def _isolated(labels: AxisLabels) -> Matrix:
+def isolated(labels: AxisLabels) -> Matrix:
+    """Return the free directions (0, n_axes) of a branch that has none."""
     return np.empty((0, len(labels.names)))
 
 
@@ -194,12 +195,12 @@ def verified(query: BranchQuery, x: Vector) -> VerifiedRow | None:
     kinematics, task = query.mechanism.kinematics, query.mechanism.task
     distance, angle, J = kinematics.errors_and_jacobian(x, query.target, task)
     largest = distance if task == "position" else max(distance, angle)
-    if not largest <= _POLISH_TO:  # not a number among them
+    if not largest <= POLISH_TO:  # not a number among them
         return None
     steps = 0
-    if largest >= _POLISH_FROM:
+    if largest >= POLISH_FROM:
         residual = kinematics.residual(query.target, task)
-        ended = newton(residual, x, query.structure.free, below(_POLISH_FROM**2), _POLISH, _POLISH_STEPS)
+        ended = newton(residual, x, query.structure.free, below(POLISH_FROM**2), _POLISH, POLISH_STEPS)
         x, steps = ended.x, ended.steps
         distance, angle, J = kinematics.errors_and_jacobian(x, query.target, task)
     if not (math.isfinite(distance + angle) and is_met(task, distance, angle)):
@@ -219,7 +220,7 @@ def collect(query: BranchQuery, candidates: Iterable[Candidate]) -> Solutions:
         if row is None or not (query.keeps is None or query.keeps(row.axes)):
             continue
         reached = row.axes * factors
-        if len(known) and (np.abs(known - reached).max(axis=1) < _SAME).any():
+        if len(known) and (np.abs(known - reached).max(axis=1) < SAME_BRANCH).any():
             continue
         row = row._replace(free_axes=free_axes)
         out = mechanism.limits.violated(row.axes)
@@ -245,7 +246,7 @@ def _as_arrays(rows: Sequence[VerifiedRow], mechanism: Mechanism) -> Branches:
     left = np.array([(row.distance, row.angle) for row in rows]).reshape(-1, 2)
     steps = np.array([row.steps for row in rows], dtype=np.int64)
     free_axes = tuple(row.free_axes for row in rows)
-    directions = (_isolated(mechanism.labels),) * len(rows)
+    directions = (isolated(mechanism.labels),) * len(rows)
     left_over = left[:, 0], left[:, 1]
     return Branches(
         axes, *left_over, steps, free_axes, mechanism.task, mechanism.labels, free_directions=directions

@@ -59,13 +59,13 @@ def _nearly_singular(J: NDArray[np.float64]) -> NDArray[np.bool_]:
         return np.zeros(count, dtype=bool)
     if columns > rows:
         return np.isfinite(J).all(axis=(1, 2))
-    if rows == columns:
-        try:  # the inverse is quicker than singular values, and bounds the smallest one
-            largest = np.linalg.norm(J, axis=(1, 2))
-            if (largest * np.linalg.norm(np.linalg.inv(J), axis=(1, 2)) < 1.0 / _NEARLY).all():
-                return np.zeros(count, dtype=bool)
-        except np.linalg.LinAlgError:
-            pass
+    H = np.swapaxes(J, 1, 2) @ J
+    try:  # quicker than singular values: the traces bound the largest one, and the smallest one by the inverse
+        inverse = np.linalg.inv(H)
+        if (np.einsum("kii->k", H) * np.einsum("kii->k", inverse) < _NEARLY**-2).all() and (inverse > 0.0).any():
+            return np.zeros(count, dtype=bool)
+    except np.linalg.LinAlgError:
+        pass
     finite = np.isfinite(J).all(axis=(1, 2))
     sizes = np.linalg.svd(np.where(finite[:, None, None], J, 0.0), compute_uv=False)
     return np.asarray(finite & (sizes[:, -1] < _NEARLY * sizes[:, 0]))
