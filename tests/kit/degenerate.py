@@ -43,7 +43,7 @@ def degenerate_case(seed: int) -> Case:
         kind = "linear" if slide else "rotary"
         axes.append(Axis(name, kind, "mm" if slide else "deg", -_WIDE, _WIDE, False))
         told.append(f"{name} {np.round(direction, 3).tolist()}")
-    # An axis through the TCP, or a tool with an offset.
+    # The last axis through the TCP, or a tool with an offset.
     tip = [shift()] if rng.random() < 0.4 else [_shift(rng)]
     workpiece = [element for move in moves[:carried] for element in move]
     tool = [element for move in moves[carried:] for element in move] + tip

@@ -21,7 +21,7 @@ from chainbuild.ik.branches.core.branches import Branches, isolated, named
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.direct import query_is_direct
 from chainbuild.ik.branches.status_turn import has_status, status_turn_rows
-from chainbuild.ik.plan import plan_for
+from chainbuild.ik.plan import TASK_ROWS, plan_for
 from chainbuild.ik.request import Held, IkRequest, start_point
 from chainbuild.ik.search.compiled import packing
 from chainbuild.ik.search.solver import refusal
@@ -110,6 +110,8 @@ def _quick_form(mechanism: Mechanism, start: Vector | None, held: Held | None) -
     if not packing.available() or product is None or chain.loops or limits.together or limits.curved or limits.sums:
         return None
     query = BranchQuery.of(IkRequest(mechanism, np.eye(4), start, held))
+    if len(query.structure.free) > TASK_ROWS[mechanism.task]:
+        return None  # every branch is on a curve, whose direction the plain path tells
     method, form, constants = _chosen(query)
     packed = None if constants is None else _packed(query, form)
     if constants is None or packed is None:

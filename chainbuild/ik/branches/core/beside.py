@@ -17,16 +17,17 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik.branches.core.query import BranchQuery
 
 _EXACT: Final = 1e-15  # m and rad: a solution that is settled; where branches meet this leaves 3e-8 of the axes
-_SETTLING: Final = 40  # corrections, each of which halves what is left where branches meet
+_SETTLING: Final = 60  # corrections, each of which leaves three fifths of what is left where branches meet
 _MET: Final = 1e-11  # m and rad: a place that is corrected so far is a solution
-_CORRECTIONS: Final = 14  # on a curve three are enough; elsewhere they bring a step back to a ten-thousandth of it
+_CORRECTIONS: Final = 24  # on a curve three are enough; elsewhere they bring a step back to a ten-thousandth of it
 _LONGEST: Final = 0.3  # rad or m of one correction: a longer one leads to another solution
-_NOTHING: Final = 1e-9  # share of the largest singular value below which one is rounding
-_LOST: Final = 1e-6  # the same for a settled solution, whose axes are off by 3e-8 where branches meet
+_NOTHING: Final = 1e-9  # share of a direction below which an axis stands still
+_LOST: Final = 1e-6  # share of the largest singular value: the axes of a settled solution are off by 3e-8 where branches meet
 _TRIED: Final = 1e-2  # rad or m: a step for which the residual of an isolated solution, its square, is far above rounding
 _FAN: Final = 12  # directions tried where the Jacobian loses two ranks, fifteen degrees apart
 _DRAWN: Final = 30  # the same for more ranks, drawn at random
 _ALIKE: Final = 0.98  # cosine of directions that are one: twelve of a surface are all apart
+_MOST_MOVED: Final = 0.999  # share of the largest motion that is as large but for rounding
 _FIRST_STEP: Final = 0.05  # rad or m along a curve
 _SHORTEST: Final = 1e-4  # a curve that needs shorter steps is left
 _BENT: Final = 0.25  # rad that a curve turns in one step: where it turns more, another one may come close
@@ -82,8 +83,8 @@ class Beside:
             null = self._continued(x, null)
         found = np.zeros((len(null), len(x)))
         found[:, self.free] = null
-        for row in found:
-            row *= np.sign(row[int(np.argmax(np.abs(row)))])
+        for row in found:  # the first of the axes that move most goes forward
+            row *= np.sign(row[int(np.argmax(np.abs(row) > _MOST_MOVED * np.abs(row).max()))])
         return found + 0.0
 
     def reached(self, x: Vector, directions: Matrix, others: Sequence[Vector]) -> set[int]:
@@ -135,14 +136,20 @@ class Beside:
         return rows[int((sizes > _LOST * sizes[0]).sum()) :], sizes
 
     def _corrected(self, x: Vector, steps: int, met: float) -> tuple[Vector, float]:
-        """Return x after Newton steps and how far the pose is off there."""
+        """Return x after damped Newton steps and how far the pose is off there.
+
+        Damped by the error they lead to the solutions nearby, and leave alone what moves along these.
+        """
         off = math.inf
         for _ in range(steps):
             error, J = self._residual(x)
             off = float(np.abs(error).max())
             if not off >= met:
                 break
-            step = np.linalg.lstsq(J[:, self.free], error, rcond=_NOTHING)[0]
+            J = J[:, self.free]
+            H = J.T @ J
+            H.flat[:: len(H) + 1] += float(np.linalg.norm(error))
+            step = np.linalg.solve(H, J.T @ error)
             x = x.copy()
             x[self.free] += step / max(1.0, float(np.abs(step).max()) / _LONGEST)
         else:

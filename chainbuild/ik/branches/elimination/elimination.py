@@ -19,6 +19,7 @@ import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.frames import inverse, transform
+from chainbuild.ik.branches.arms.virtual_joints import NO_JOINT
 from chainbuild.ik.branches.core.roots import NEARLY_REAL
 from chainbuild.ik.branches.core.serial import Screw, Serial, transformed_point
 from chainbuild.ik.branches.core.subproblems import cross, rotation
@@ -77,6 +78,8 @@ class Elimination:
 
     def solve(self, target: Matrix, keep: Sequence[float]) -> list[Solution]:
         """Return the joint values of a pose (4, 4); some may be inexact or duplicates."""
+        if self._is_beyond(target):
+            return []
         G = self._scaled(target @ self.back)
         found, settled = self._found(G)
         if settled:
@@ -86,6 +89,15 @@ class Elimination:
             return self._unscaled(found)
         cut = on_curves(self.serial, target, keep, _cut)
         return cut + self._unscaled(found if cut or reached else self._around(G))
+
+    def _is_beyond(self, target: Matrix) -> bool:
+        """Return whether rotary joints are certainly too short for a pose: their axes' points keep their distances."""
+        real = [screw for screw in self.serial.screws if screw.joint != NO_JOINT]
+        if any(screw.kind == "prismatic" for screw in real):
+            return False
+        points = np.array([*(screw.point for screw in real), self.serial.M[:3, 3]])
+        reach = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+        return float(np.linalg.norm(target[:3, 3] - points[0])) > reach + _REACHED * self.size
 
     def isolated(self, target: Matrix, _keep: Sequence[float]) -> list[Solution]:
         """Return the joint values of a pose (4, 4) without looking for curves."""
