@@ -220,7 +220,7 @@ def collect(query: BranchQuery, candidates: Iterable[Candidate]) -> Solutions:
         if row is None or not (query.keeps is None or query.keeps(row.axes)):
             continue
         reached = row.axes * factors
-        if len(known) and (np.abs(known - reached).max(axis=1) < SAME_BRANCH).any():
+        if len(known) and _is_known(query, known - reached):
             continue
         row = row._replace(free_axes=free_axes)
         out = mechanism.limits.violated(row.axes)
@@ -239,6 +239,16 @@ def collect(query: BranchQuery, candidates: Iterable[Candidate]) -> Solutions:
     first = None if nearest is None else nearest[1].branch(mechanism.task, mechanism.labels)
     jacobians = [row.jacobian for _, row in inside]
     return Solutions(branches, first, outside, np.array(jacobians) if inside else np.empty((0, 0, len(factors))))
+
+
+def _is_known(query: BranchQuery, motions: Matrix) -> bool:
+    """Return whether one of the motions to known branches (k, n_axes) is none, or whole turns if these do not count.
+
+    Half a turn from the start both ways are as near, and rounding decides: two solutions may have gone both.
+    """
+    if not query.windings:
+        motions = np.where(query.periodic, np.remainder(motions + math.pi, math.tau) - math.pi, motions)
+    return bool((np.abs(motions).max(axis=1) < SAME_BRANCH).any())
 
 
 def _as_arrays(rows: Sequence[VerifiedRow], mechanism: Mechanism) -> Branches:
