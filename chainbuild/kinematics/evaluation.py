@@ -184,7 +184,7 @@ class Kinematics:
         """Return `errors`, and the rows of the Jacobian (k, n_axes) that the task determines, as `residual` does."""
         T, J = self.pose_and_jacobian(x)
         if task != "pose":
-            J = J[:3] if task == "position" else np.delete(J, 3 + self.tool_axis, axis=0)
+            J = J[:3] if task == "position" else J[[n for n in range(6) if n != 3 + self.tool_axis]]
         return *self._missed(T, target, task), J
 
     def _missed(self, T: pin.SE3, target: pin.SE3, task: Task) -> tuple[float, float]:

@@ -13,7 +13,14 @@ from chainbuild.robot import Robot
 from tests.kit.chains import chain_from
 
 KINDS: Final = ("right angles", "random", "zero")  # of the axis values that make a pose
-_RIGHT: Final = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0))
+_RIGHT: Final = (
+    (1.0, 0.0, 0.0),
+    (0.0, 1.0, 0.0),
+    (0.0, 0.0, 1.0),
+    (-1.0, 0.0, 0.0),
+    (0.0, -1.0, 0.0),
+    (0.0, 0.0, -1.0),
+)
 _ASKEW: Final = (45.0, 60.0)  # degrees from a right one
 _LENGTHS: Final = (0.0, 0.0, 0.0, 0.0, 100.0, 100.0, 200.0)  # mm: equal ones and none are frequent
 _WIDE: Final = 1e5  # mm and degrees: no limit is in the way

@@ -68,7 +68,7 @@ def shuffled(robot: Robot, rng: np.random.Generator) -> Shuffled:
 
 
 def _placed(rng: np.random.Generator, task: Task, column: int) -> np.ndarray:
-    """Return a random place (4, 4) that a task tells from no other: along and about the tool vector, or at one point."""
+    """Return a random place (4, 4) that changes no solution: along and about the tool vector, or at one point."""
     T, along = np.eye(4), np.eye(3)[column]
     about = Rotation.from_rotvec(rng.uniform(-3.0, 3.0) * along)
     T[:3, :3] = (about if task == "direction" else Rotation.random(random_state=rng)).as_matrix()

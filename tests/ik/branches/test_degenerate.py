@@ -52,7 +52,9 @@ def check(seed: int) -> Branches | None:
     assert len(found), case.text
     for branch in found:
         assert np.abs(residual(robot, case)(branch.to("si").axes)[0]).max() < 1e-6, case.text
-        sides = [[solutions_at(robot, case, branch, row, way) for way in (0.02, -0.02)] for row in branch.free_directions]
+        sides = [
+            [solutions_at(robot, case, branch, row, way) for way in (0.02, -0.02)] for row in branch.free_directions
+        ]
         assert all(min(misses) < 1e-9 for misses in sides), case.text
         np.testing.assert_allclose(np.linalg.norm(branch.free_directions, axis=1), 1.0)
     sizes = np.linalg.svd(residual(robot, case)(axes * robot.kinematics.si_factors)[1], compute_uv=False)

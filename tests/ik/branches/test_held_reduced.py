@@ -1,4 +1,4 @@
-"""Branches with axes held are those of the chain without them, built by hand: the joint is a constant transform there."""
+"""Branches with axes held are those of the chain built without them: the joint is a constant transform there."""
 
 from __future__ import annotations
 
@@ -21,7 +21,12 @@ SCARA: list[Element] = [
     rotary("A1", "z"), shift(x=300.0), rotary("A2", "z"), shift(x=250.0), linear("Z3", "-z"), rotary("A4", "-z"),
     mark("flange"), shift(x=40.0, z=-60.0),
 ]  # fmt: skip
-TABLE: list[Element] = [shift(900.0, 100.0, 300.0), rotary("D1", "y", offset_deg=15.0), shift(z=80.0), rotary("D2", "z")]
+TABLE: list[Element] = [
+    shift(900.0, 100.0, 300.0),
+    rotary("D1", "y", offset_deg=15.0),
+    shift(z=80.0),
+    rotary("D2", "z"),
+]
 # Elements to the tool and to the workpiece, and the axes that are held.
 MACHINES: dict[str, tuple[list[Element], list[Element], tuple[str, ...]]] = {
     "linear unit": ([linear("X1", "y", sign=-1.0, offset_mm=50.0), *ARM], [], ("X1",)),

@@ -168,9 +168,7 @@ class _SingleWrist:
             R = _apply(self.serial.screws[:3], arm)[:3, :3].T @ motion[:3, :3]
             if norm(R @ last.direction - last.direction) > _TILTED:
                 loose = loose_turns(self.serial.screws[:3], arm, self.point)
-                found += with_loose_turns(
-                    self.serial.screws[:3], arm, loose, [last.direction], motion[:3, :3], keep
-                )
+                found += with_loose_turns(self.serial.screws[:3], arm, loose, [last.direction], motion[:3, :3], keep)
                 continue
             turn = subproblem_1(last.direction, aside, R @ aside, keep[3])
             found.append((np.array((*arm, turn.angle)), (False,) * 4))

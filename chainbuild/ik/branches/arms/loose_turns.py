@@ -38,7 +38,11 @@ def loose_turns(arm: Sequence[Screw], values: Sequence[float], point: Vector) ->
 
 
 def with_loose_turns(
-    arm: Sequence[Screw], values: Sequence[float], loose: Sequence[int], wrist: Sequence[Vector], R: Matrix,
+    arm: Sequence[Screw],
+    values: Sequence[float],
+    loose: Sequence[int],
+    wrist: Sequence[Vector],
+    R: Matrix,
     keep: Sequence[float],
 ) -> list[Solution]:
     """Return the solutions of arm and wrist whose loose turns give the orientation together with the wrist.
@@ -68,7 +72,7 @@ def with_loose_turns(
 def _behind(
     arm: Sequence[Screw], values: Sequence[float], turning: Sequence[int], wrist: Sequence[Vector]
 ) -> tuple[list[Vector], Matrix]:
-    """Return turning axes and wrist axes (3,) as the joints that stand still turn them, and the turn (3, 3) of these."""
+    """Return turning axes and wrist axes (3,), turned by the joints that stand still, and the turn (3, 3) of these."""
     axes, still = [], np.eye(3)
     for n, (screw, value) in enumerate(zip(arm, values, strict=True)):
         if n in turning:
@@ -81,7 +85,7 @@ def _behind(
 def _bounded(
     arm: Sequence[Screw], values: Sequence[float], n: int, wrist: Sequence[Vector], R: Matrix, keep: Sequence[float]
 ) -> list[Solution]:
-    """Return the solutions at which a loose turn has just brought the orientation into the reach of three wrist axes."""
+    """Return the solutions at which a loose turn has just brought the orientation into the reach of a wrist."""
     (axis, first, second, third), still = _behind(arm, values, [n], wrist)
     bend, twist = (np.arccos(np.clip(float(a @ b), -1.0, 1.0)) for a, b in ((first, second), (second, third)))
     image = R @ still.T @ third

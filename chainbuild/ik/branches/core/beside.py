@@ -22,8 +22,12 @@ _MET: Final = 1e-11  # m and rad: a place that is corrected so far is a solution
 _CORRECTIONS: Final = 24  # on a curve three are enough; elsewhere they bring a step back to a ten-thousandth of it
 _LONGEST: Final = 0.3  # rad or m of one correction: a longer one leads to another solution
 _NOTHING: Final = 1e-9  # share of a direction below which an axis stands still
-_LOST: Final = 1e-6  # share of the largest singular value: the axes of a settled solution are off by 3e-8 where branches meet
-_TRIED: Final = 1e-2  # rad or m: a step for which the residual of an isolated solution, its square, is far above rounding
+_LOST: Final = (
+    1e-6  # share of the largest singular value: the axes of a settled solution are off by 3e-8 where branches meet
+)
+_TRIED: Final = (
+    1e-2  # rad or m: a step for which the residual of an isolated solution, its square, is far above rounding
+)
 _FAN: Final = 12  # directions tried where the Jacobian loses two ranks, fifteen degrees apart
 _DRAWN: Final = 30  # the same for more ranks, drawn at random
 _ALIKE: Final = 0.98  # cosine of directions that are one: twelve of a surface are all apart
@@ -83,8 +87,10 @@ class Beside:
             null = self._continued(x, null)
         found = np.zeros((len(null), len(x)))
         found[:, self.free] = null
-        for row in found:  # the first of the axes that move most goes forward
-            row *= np.sign(row[int(np.argmax(np.abs(row) > _MOST_MOVED * np.abs(row).max()))])
+        if len(found):  # the first of the axes that move most goes forward
+            sizes = np.abs(found)
+            first = np.argmax(sizes > _MOST_MOVED * sizes.max(axis=1, keepdims=True), axis=1)
+            found *= np.sign(found[np.arange(len(found)), first])[:, None]
         return found + 0.0
 
     def reached(self, x: Vector, directions: Matrix, others: Sequence[Vector]) -> set[int]:

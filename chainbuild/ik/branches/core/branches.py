@@ -110,7 +110,7 @@ class Branches(AxisValues, Sequence[Branch]):
         return Branch(
             True, self.axes[n], "ok", *left, int(self.iterations[n]), 0, self.task, self.labels,
             free_axes=self.free_axes[n], status_bits=_at(self.status_bits, n), turn_bits=_at(self.turn_bits, n),
-            method=self.method, free_directions=self.free_directions[n] if self.free_directions else isolated(self.labels),
+            method=self.method, free_directions=(self.free_directions or (isolated(self.labels),) * len(self))[n],
         )  # fmt: skip
 
     def __iter__(self) -> Iterator[Branch]:
@@ -143,9 +143,13 @@ def directions_shown(labels: AxisLabels, directions: Matrix) -> list[str]:
     """Return directions (m, n_axes) in words: the shares of the axes, where these are not rounding."""
     rows = []
     for direction in directions:
-        parts = [(share, name) for share, name in zip(direction.tolist(), labels.names, strict=True) if abs(share) > _SHARE]
+        parts = [
+            (share, name) for share, name in zip(direction.tolist(), labels.names, strict=True) if abs(share) > _SHARE
+        ]
         words = " ".join(f"{'-' if share < 0.0 else '+'} {abs(share):.3g} {name}" for share, name in parts)
-        rows.append(words.removeprefix("+ ").replace("- ", "-", 1) if words.startswith("-") else words.removeprefix("+ "))
+        rows.append(
+            words.removeprefix("+ ").replace("- ", "-", 1) if words.startswith("-") else words.removeprefix("+ ")
+        )
     return rows
 
 
@@ -248,9 +252,10 @@ def _is_known(query: BranchQuery, motions: Matrix) -> bool:
 
     Half a turn from the start both ways are as near, and rounding decides: two solutions may have gone both.
     """
-    if not query.windings:
-        motions = np.where(query.periodic, np.remainder(motions + math.pi, math.tau) - math.pi, motions)
-    return bool((np.abs(motions).max(axis=1) < SAME_BRANCH).any())
+    sizes = np.abs(motions)
+    if not query.windings and float(sizes.max()) > math.pi:
+        sizes = np.where(query.periodic, np.abs(np.remainder(motions + math.pi, math.tau) - math.pi), sizes)
+    return bool((sizes.max(axis=1) < SAME_BRANCH).any())
 
 
 def _as_arrays(rows: Sequence[VerifiedRow], mechanism: Mechanism) -> Branches:
@@ -260,9 +265,7 @@ def _as_arrays(rows: Sequence[VerifiedRow], mechanism: Mechanism) -> Branches:
     free_axes = tuple(row.free_axes for row in rows)
     directions = (isolated(mechanism.labels),) * len(rows)
     left_over = left[:, 0], left[:, 1]
-    return Branches(
-        axes, *left_over, steps, free_axes, mechanism.task, mechanism.labels, free_directions=directions
-    )
+    return Branches(axes, *left_over, steps, free_axes, mechanism.task, mechanism.labels, free_directions=directions)
 
 
 def named(branches: Branches, method: str, bits: Integers | None) -> Branches:

@@ -55,18 +55,18 @@ def _nearly_singular(J: NDArray[np.float64]) -> NDArray[np.bool_]:
     count, rows, columns = J.shape
     if not count or not columns:
         return np.zeros(count, dtype=bool)
+    finite: NDArray[np.bool_] = np.asarray(np.isfinite(J).reshape(count, -1).all(axis=1))
     if columns > rows:
-        return np.isfinite(J).all(axis=(1, 2))
+        return finite
     H = np.swapaxes(J, 1, 2) @ J
     try:  # quicker than singular values: the traces bound the largest one, and the smallest one by the inverse
-        inverse = np.linalg.inv(H)
-        if (np.einsum("kii->k", H) * np.einsum("kii->k", inverse) < _NEARLY**-2).all() and (inverse > 0.0).any():
+        squared = np.einsum("kii->k", H) * np.einsum("kii->k", np.linalg.inv(H))
+        if ((squared > 0.0) & (squared < _NEARLY**-2)).all():
             return np.zeros(count, dtype=bool)
     except np.linalg.LinAlgError:
         pass
-    finite = np.isfinite(J).all(axis=(1, 2))
-    sizes = np.linalg.svd(np.where(finite[:, None, None], J, 0.0), compute_uv=False)
-    return np.asarray(finite & (sizes[:, -1] < _NEARLY * sizes[:, 0]))
+    sizes = np.linalg.svd(np.where(finite[:, None, None], J, 0.0).astype(float), compute_uv=False)
+    return np.asarray(finite & (sizes[:, -1] < _NEARLY * sizes[:, 0]), dtype=bool)
 
 
 def _reduce(

@@ -49,4 +49,3 @@ def _held(
     for values, free in solve(target, [*keep[:n], *keep[n + 1 :], 0.0]):
         if abs(math.remainder(float(values[-1]), math.tau)) < _STANDS:
             yield np.insert(values[: count - 1], n, value), (*free[:n], False, *free[n : count - 1])
-

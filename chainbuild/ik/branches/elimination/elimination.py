@@ -298,7 +298,7 @@ def _cut(serial: Serial) -> ArmSolver | None:
 
 
 def _perturbed(G: Matrix, distance: float, number: int = 0) -> Matrix:
-    """Return a pose next to another, displaced in a generic direction, which each distance and number has for itself."""
+    """Return a pose next to another, displaced in a generic direction, of each distance and number its own."""
     rng = np.random.default_rng([20240229, round(1.0 / distance), number])
     axis = rng.normal(size=3)
     R = rotation(axis / float(np.linalg.norm(axis)), distance)
