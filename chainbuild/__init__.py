@@ -127,7 +127,7 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.formats.urdf.robot import from_urdf as from_urdf
     from chainbuild.ik.branches.core.branches import Branch as Branch
     from chainbuild.ik.branches.core.branches import Branches as Branches
-    from chainbuild.ik.branches.opw.batch import ik_all_batch as ik_all_batch
+    from chainbuild.ik.branches.many import ik_all_batch as ik_all_batch
     from chainbuild.ik.branches.status_turn import status_turn as status_turn
     from chainbuild.ik.branches.status_turn import status_turn_rows as status_turn_rows
     from chainbuild.ik.plan import SolverPlan as SolverPlan
@@ -222,7 +222,7 @@ _HOMES = {
     "chainbuild.formats.twincat.universal.as_universal": "as_universal",
     "chainbuild.formats.urdf.robot": "from_urdf",
     "chainbuild.ik.branches.core.branches": "Branch Branches",
-    "chainbuild.ik.branches.opw.batch": "ik_all_batch",
+    "chainbuild.ik.branches.many": "ik_all_batch",
     "chainbuild.ik.request": "IkOptions",
     "chainbuild.ik.branches.status_turn": "status_turn status_turn_rows",
     "chainbuild.ik.plan": "SolverPlan",

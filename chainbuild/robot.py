@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Self
 
-from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.ik.showing import DisplayedMechanism
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from chainbuild.units import Units
 
 
-class Robot(Mechanism):
+class Robot(DisplayedMechanism):
     """Forward and inverse kinematics of a chain, in the controller's axis values.
 
     >>> robot = Robot.load("kr6r900")
@@ -195,6 +195,8 @@ class Robot(Mechanism):
         windings: bool = False,
         status: int | None = None,
         turn: int | None = None,
+        redundant: str | Sequence[str] | None = None,
+        samples: int = 12,
         units: Units = "controller",
     ) -> Branches:
         """Find every branch of a pose inside the limits, nearest to the start first, verified by forward kinematics.
@@ -208,17 +210,24 @@ class Robot(Mechanism):
             windings: True: every whole turn within the limits is a branch of its own, not only the nearest.
             status: Only branches of this status and this turn, as for `ik`; None: all.
             turn: See status.
+            redundant: Name of an axis too many, or names of several: the branches at values of it spread over its
+                limits, and at that of the start.
+            samples: Number of these values.
             units: As for `ik`.
 
         Raises:
             AxisValueError: start or held of wrong count, unknown name or not finite.
             ChainbuildError: T is no rigid transform, more axes are free than the pose determines, or there are no such
-                units, status or turn.
+                units, status, turn or redundant axis.
         """
         from chainbuild.ik.branches.every import ik_all
 
-        start, held = self._in_controller_units(start, held, units)
-        return ik_all(self, T, start, held, windings=windings, status=status, turn=turn).to(units)
+        if units != "controller":
+            start, held = self._in_controller_units(start, held, units)
+        found = ik_all(
+            self, T, start, held, windings=windings, status=status, turn=turn, redundant=redundant, samples=samples
+        )
+        return found if units == "controller" else found.to(units)
 
     def ik_all_batch(
         self,
@@ -226,76 +235,35 @@ class Robot(Mechanism):
         *,
         limits: bool = True,
         compiled: bool = True,
+        held: Mapping[str, float] | Sequence[float] | None = None,
+        redundant: str | Sequence[str] | None = None,
+        samples: int = 12,
         units: Units = "controller",
+        progress: Progress = False,
     ) -> NDArray[np.float64]:
-        """Return all branches (N, 8, 6) of many poses; see `chainbuild.ik_all_batch`.
+        """Return all branches (N, K, n_axes) of many poses; see `chainbuild.ik_all_batch`.
 
         Args:
             poses: (N, 4, 4) poses or a sequence of `pin.SE3`, tool in the workpiece frame [m].
             limits: False: every branch, whatever the limits.
-            compiled: False: NumPy, even where numba is installed.
-            units: Those of the result, as for `ik`.
+            compiled: False: plain Python and NumPy, even where numba is installed.
+            held: As for `ik`.
+            redundant: Name of an axis too many, or names of several: its values are spread over its limits.
+            samples: Number of these values.
+            units: Those of held and of the result, as for `ik`.
+            progress: True: show a progress bar on stderr.
 
         Raises:
-            ChainbuildError: the robot is no ortho-parallel arm with a spherical wrist, a pose is no rigid transform, or
-                there are no such units.
+            AxisValueError: held of wrong count, unknown name or not finite.
+            ChainbuildError: the plan does not find every branch, a pose is no rigid transform, or there are no such
+                units or redundant axis.
         """
-        from chainbuild.ik.branches.opw.batch import ik_all_batch
+        from chainbuild.ik.branches.many import ik_all_batch
 
-        return ik_all_batch(self, poses, limits=limits, compiled=compiled, units=units)
-
-    def display(self, axes: ArrayLike, *, near: Mapping[str, float] | None = None) -> dict[str, float]:
-        """Return what the controller displays at axis values (n_axes,): column name → value, mm and degrees.
-
-        The columns are those of pose tables: x_mm, y_mm, z_mm, the rotary axes (RTCP) or pose angles, input axes.
-
-        Args:
-            axes: Axis values.
-            near: What was displayed before: of two answers for a tool vector the nearer one is taken.
-
-        Raises:
-            AxisValueError: wrong count or not finite.
-            ChainbuildError: the kinematic has no pose there, or `near` lacks an angle that is needed.
-        """
-        from chainbuild.kinematics.displayed import displayed
-
-        return displayed(self, axes, near)
-
-    def from_display(
-        self, shown: Mapping[str, float], start: ArrayLike | None = None, held: Held | None = None
-    ) -> IkResult:
-        """Find axis values for what the controller displays, as `display` returns it.
-
-        On RTCP kinematics the rotary axes are given and the linear ones alone are solved for, exactly.
-
-        Args:
-            shown: Values of the columns that `display` returns, or a full orientation in the columns of pose tables.
-            start: As for `ik`; where the control keeps a side (a hand, the sign of X), it is that of the start.
-            held: As for `ik`; input axes in `shown` win, rotary axes cannot be held at other values than those shown.
-
-        Raises:
-            ChainbuildError: a column is missing or unknown, or a value is not finite.
-        """
-        from chainbuild.ik.displayed import from_display
-
-        return from_display(self, shown, start, held)
-
-    def from_display_batch(
-        self, shown: Mapping[str, ArrayLike], start: ArrayLike | None = None, *, compiled: bool = True
-    ) -> IkTable:
-        """Find axis values for many displayed poses; see `from_display`.
-
-        Args:
-            shown: Column → (N,) values, or one value for all.
-            start: Axis values (n_axes,) for all poses.
-            compiled: False: NumPy, even where numba is installed.
-
-        Raises:
-            ChainbuildError: a column is missing or unknown, of another length, or a value is not finite.
-        """
-        from chainbuild.ik.displayed import from_display_batch
-
-        return from_display_batch(self, shown, start, compiled=compiled)
+        return ik_all_batch(
+            self, poses, limits=limits, compiled=compiled, held=held, redundant=redundant, samples=samples,
+            units=units, progress=progress,
+        )  # fmt: skip
 
     def _in_controller_units(
         self, start: ArrayLike | None, held: Held | None, units: Units

@@ -11,7 +11,7 @@ import numpy as np
 
 from chainbuild.errors import ChainbuildError
 from chainbuild.formats.load import load
-from chainbuild.ik.branches.opw.batch import ik_all_batch
+from chainbuild.ik.branches.many import ik_all_batch
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.rtcp import linear_axes_batch
 from chainbuild.ik.search.batch import solve_batch

@@ -17,7 +17,7 @@ from chainbuild.comparison.eaik_model import eaik_robot
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import Serial
 from chainbuild.ik.branches.every import ik_all
-from chainbuild.ik.branches.opw.batch import ik_all_batch
+from chainbuild.ik.branches.many import ik_all_batch
 from chainbuild.ik.branches.opw.parameters import OpwArm, opw_arm
 from chainbuild.ik.plan import plan_of
 from chainbuild.ik.request import IkRequest

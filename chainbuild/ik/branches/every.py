@@ -8,11 +8,13 @@ from numpy.typing import ArrayLike
 
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.closed import find_closed, opened_request, unreached_words, usual_branch
+from chainbuild.ik.branches.compiled.quick import quick_branches
 from chainbuild.ik.branches.core.branches import Branches, Solutions, collect, named
 from chainbuild.ik.branches.core.free_axis import solutions_of, with_free_axes_inside
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.direct import find_direct
 from chainbuild.ik.branches.multistart import multistart_branches
+from chainbuild.ik.branches.redundant import REDUNDANT_SAMPLES, Redundant, held_samples, joined_branches
 from chainbuild.ik.branches.status_filter import StatusFilter
 from chainbuild.ik.branches.status_turn import has_status, status_turn_rows
 from chainbuild.ik.plan import TASK_ROWS, plan_for
@@ -31,9 +33,20 @@ def ik_all(
     windings: bool = False,
     status: int | None = None,
     turn: int | None = None,
+    redundant: Redundant | None = None,
+    samples: int = REDUNDANT_SAMPLES,
 ) -> Branches:
     """Return every branch of a pose inside all limits, nearest to the start first; see `Robot.ik_all`."""
-    query = BranchQuery.of(IkRequest.of(mechanism, T, start, held), windings)
+    request = IkRequest.of(mechanism, T, start, held)
+    if redundant is not None:
+        choices = held_samples(mechanism, redundant, samples, held, request.start)
+        parts = [ik_all(mechanism, T, start, one, windings=windings, status=status, turn=turn) for one in choices]
+        return joined_branches(parts, request.start_point()[0])
+    if status is None and turn is None and not windings:
+        found = quick_branches(mechanism, request.target, request.start, held)
+        if found is not None:
+            return found
+    query = BranchQuery.of(request, windings)
     if status is not None or turn is not None:
         query = StatusFilter.of(mechanism, status, turn).applied(query)
     return every_branch(query).branches
@@ -61,6 +74,9 @@ def every_branch(query: BranchQuery) -> Solutions:
 
 def nearest_branch(request: IkRequest) -> IkResult | None:
     """Return the branch nearest to the start, or a failure; None if the plan only searches."""
+    quick = quick_branches(request.mechanism, request.target, request.start, request.held)
+    if quick is not None and len(quick):
+        return quick[0]
     query = BranchQuery.of(request)
     if not plan_for(query).complete:
         return None

@@ -12,10 +12,10 @@ import pytest
 from scipy.spatial.transform import RigidTransform
 
 import chainbuild
-from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.query import BranchQuery
+from chainbuild.ik.branches.many import ik_all_batch
 from chainbuild.ik.branches.opw import (
     batch,
 )
@@ -28,7 +28,6 @@ from chainbuild.ik.branches.opw import (
 from chainbuild.ik.branches.opw import (
     formulas as opw_branches,
 )
-from chainbuild.ik.branches.opw.batch import ik_all_batch
 from chainbuild.ik.branches.opw.formulas import CONSTANTS
 from chainbuild.ik.branches.opw.parameters import opw_arm
 from chainbuild.ik.request import IkRequest
@@ -264,17 +263,15 @@ def test_poses_that_are_not_rigid_are_refused_by_number(spoil, message: str, com
     assert caught.value.message == f"pose 66: {single.value.message}"
 
 
-def test_other_kinematics_are_refused() -> None:
-    with pytest.raises(ChainbuildError, match="ik_all_batch does not support this kinematic"):
-        ik_all_batch(table_machine(), np.eye(4)[None])
-    geared = arm().chain
-    A = geared.axis_map.dq_daxes(np.zeros(6)).copy()
-    A[5, 4] = 0.01
-    axis_map = AffineMap.of(A, np.zeros(6), ["rotary"] * 6)
-    with pytest.raises(ChainbuildError, match="ik_all_batch does not support this kinematic"):
-        ik_all_batch(Robot(replace(geared, axis_map=axis_map)), np.eye(4)[None])
+def test_what_is_refused() -> None:
+    robot = Robot.load("gantry_robot_kin210")
+    with pytest.raises(ChainbuildError, match=r"needs a plan that finds every branch: .* axes are free") as caught:
+        ik_all_batch(robot, np.eye(4)[None])
+    assert caught.value.parameter == "held"
     with pytest.raises(ChainbuildError, match="pose"):
         ik_all_batch(arm(), np.eye(4))
+    with pytest.raises(ChainbuildError, match="pose 1: "):
+        ik_all_batch(table_machine(), [np.eye(4), 2.0 * np.eye(4)])
 
 
 def test_compiled_angles_are_those_of_the_library() -> None:

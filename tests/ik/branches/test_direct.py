@@ -143,7 +143,7 @@ def test_whole_turns_within_the_limits() -> None:
     every = robot.ik_all(robot.fk(axes), start=axes, windings=True)
     assert len(near) == 2
     assert len(every) == 8
-    assert [b.axes.tolist() for b in every[:1]] == [b.axes.tolist() for b in near[:1]]
+    np.testing.assert_allclose(every[0].axes, near[0].axes, atol=1e-9)  # compiled and plain code round differently
     distances = [np.linalg.norm((b.axes - axes) * robot.kinematics.si_factors) for b in every]
     assert distances == sorted(distances)
 

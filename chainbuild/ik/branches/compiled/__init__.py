@@ -1,4 +1,5 @@
-"""Closed forms of one pose as compiled code.
+"""Closed forms as compiled code (extra `fast`): regular poses in microseconds, the others are left to the plain path.
 
-In reading order: `angle_pairs`, `three_parallel`.
+In reading order: `constants`, `small`, `quartic`, `spherical`, `direct`, `angle_pairs`, `three_parallel`, `finish`,
+`entries`, `quick`.
 """

@@ -42,7 +42,7 @@ def axes_for(query: BranchQuery, joints: Indices, values: Vector, columns: Indic
     if not isinstance(axis_map, AffineMap):
         x = _through_nonlinear_map(query, joints, values, columns)
         return [] if x is None else list(turned_axes(query, x, columns))
-    block = _block_of(query.mechanism, axis_map, joints, columns)
+    block = block_of(query.mechanism, axis_map, joints, columns)
     if block is None:
         return []
     x = query.x0.copy()
@@ -53,7 +53,7 @@ def axes_for(query: BranchQuery, joints: Indices, values: Vector, columns: Indic
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Block:
+class AxisBlock:
     """The inverse of the part of an affine map from some axes to some joints.
 
     Attributes:
@@ -73,7 +73,7 @@ class _Block:
     turns_per_axis: bool
 
 
-def _block_of(mechanism: Mechanism, axis_map: AffineMap, joints: Indices, columns: Indices) -> _Block | None:
+def block_of(mechanism: Mechanism, axis_map: AffineMap, joints: Indices, columns: Indices) -> AxisBlock | None:
     """Return the block of some joints and axes, prepared at first use; None if they do not determine the axes."""
     return mechanism.prepared(
         "block of an axis map",
@@ -82,7 +82,7 @@ def _block_of(mechanism: Mechanism, axis_map: AffineMap, joints: Indices, column
     )
 
 
-def _prepare_block(mechanism: Mechanism, axis_map: AffineMap, joints: Indices, columns: Indices) -> _Block | None:
+def _prepare_block(mechanism: Mechanism, axis_map: AffineMap, joints: Indices, columns: Indices) -> AxisBlock | None:
     rows = np.array(_independent_rows(axis_map.A[np.ix_(joints, columns)]), dtype=np.intp)
     if len(rows) < len(columns):
         return None
@@ -91,7 +91,7 @@ def _prepare_block(mechanism: Mechanism, axis_map: AffineMap, joints: Indices, c
     rotary = [n for n in columns if mechanism.axes[n].kind == "rotary"]
     per_axis = bool(periodic_axes(mechanism.chain)[rotary].all()) and abs(abs(np.linalg.det(block)) - 1.0) < 1e-9
     from_others = axis_map.A[np.ix_(joints[rows], others)]
-    return _Block(
+    return AxisBlock(
         rows, np.asarray(np.linalg.inv(block), dtype=float), others, from_others, axis_map.b[joints[rows]], per_axis
     )
 
@@ -176,7 +176,7 @@ def _whole_turns(query: BranchQuery, value: float, n: int) -> list[float]:
     return [place for place in places if (place < _ZERO) is below] or [outside]
 
 
-def _turned_joints(query: BranchQuery, x: Vector, block: _Block, joints: Indices, columns: Indices) -> list[Vector]:
+def _turned_joints(query: BranchQuery, x: Vector, block: AxisBlock, joints: Indices, columns: Indices) -> list[Vector]:
     """Return the axis values of joint values moved by whole turns: where a gear makes a turn of no axis whole."""
     chain = query.mechanism.chain
     low = np.where(np.isfinite(query.lower), query.lower, query.x0 - math.tau)

@@ -23,12 +23,12 @@ from chainbuild.units import AxisLabels
 Candidate = tuple[Vector, tuple[str, ...]]  # SI axis values, and the names of axes that are free there
 
 # Errors above this are polished by Newton steps: closed forms lose digits near singular points.
-_POLISH_FROM: Final = 1e-11
+POLISH_FROM: Final = 1e-11
 # Errors above this mean another position, not lost digits.
-_POLISH_TO: Final = 1e-3
-_POLISH_STEPS: Final = 3  # from a thousandth, Newton needs two
+POLISH_TO: Final = 1e-3
+POLISH_STEPS: Final = 3  # from a thousandth, Newton needs two
 _POLISH: Final = shrinking(0.0, 1e-14)
-_SAME: Final = 1e-5  # branches closer than this in every axis [m, rad] are one
+SAME_BRANCH: Final = 1e-5  # branches closer than this in every axis [m, rad] are one
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -159,12 +159,12 @@ def verified(query: BranchQuery, x: Vector) -> VerifiedRow | None:
     kinematics, task = query.mechanism.kinematics, query.mechanism.task
     distance, angle = kinematics.errors(x, query.target, task)
     largest = distance if task == "position" else max(distance, angle)
-    if not largest <= _POLISH_TO:  # not a number among them
+    if not largest <= POLISH_TO:  # not a number among them
         return None
     steps = 0
-    if largest >= _POLISH_FROM:
+    if largest >= POLISH_FROM:
         residual = kinematics.residual(query.target, task)
-        ended = newton(residual, x, query.structure.free, below(_POLISH_FROM**2), _POLISH, _POLISH_STEPS)
+        ended = newton(residual, x, query.structure.free, below(POLISH_FROM**2), _POLISH, POLISH_STEPS)
         x, steps = ended.x, ended.steps
         distance, angle = kinematics.errors(x, query.target, task)
     if not (math.isfinite(distance + angle) and is_met(task, distance, angle)):
@@ -184,7 +184,7 @@ def collect(query: BranchQuery, candidates: Iterable[Candidate]) -> Solutions:
         if row is None or not (query.keeps is None or query.keeps(row.axes)):
             continue
         reached = row.axes * factors
-        if len(known) and (np.abs(known - reached).max(axis=1) < _SAME).any():
+        if len(known) and (np.abs(known - reached).max(axis=1) < SAME_BRANCH).any():
             continue
         row = row._replace(free_axes=free_axes)
         out = mechanism.limits.violated(row.axes)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Final
+from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import rigid_rows
@@ -24,15 +24,11 @@ from chainbuild.ik.branches.opw.formulas import (
     upper_branches,
 )
 from chainbuild.ik.request import IkRequest
-from chainbuild.ik.search.batch import at_row, pose_array
+from chainbuild.ik.search.batch import at_row
 from chainbuild.ik.search.compiled import packing
 from chainbuild.ik.search.solver import refusal
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.tolerances import LIMIT_SLACK
-from chainbuild.units import Units
-
-if TYPE_CHECKING:
-    from chainbuild.kinematics.inputs import Pose
 
 Array = NDArray[np.float64]
 
@@ -42,35 +38,26 @@ _CHUNK: Final = 2048  # poses at a time: their data stay in the processor's cach
 _LAST_ROW: Final = (0.0, 0.0, 0.0, 1.0)  # of a rigid transform
 
 
-def ik_all_batch(
-    robot: Mechanism,
-    poses: Sequence[Pose] | ArrayLike,
-    *,
-    limits: bool = True,
-    compiled: bool = True,
-    units: Units = "controller",
-) -> Array:
-    """Return all branches (n, 8, 6) of poses, mm and degrees; NaN where a branch does not exist.
+def has_ortho_parallel_batch(mechanism: Mechanism, *, limits: bool) -> bool:
+    """Tell whether a mechanism is a six-axis arm with axes at right angles or parallel and a spherical wrist."""
+    return _constants(mechanism, limits) is not None
 
-    They are the branches of `ik_all` without a start: whole turns end near the middle of the limits, and an axis that
-    does not affect a pose is placed where all limits hold, as near to there as possible. Every row of numbers was
-    confirmed by forward kinematics to 1e-6 m and 1e-6 rad. Slot 4·flip + 2·shoulder + elbow is the same branch in every
-    pose: flip 0 has θ5 ≥ 0 (the wrist turned from straight in the one sense), shoulder 0 the arm in front of axis 1,
-    elbow 0 and 1 its two bends. Branches that coincide fill the first of their slots.
+
+def ortho_parallel_batch(mechanism: Mechanism, targets: Array, *, limits: bool, compiled: bool) -> Array:
+    """Return all branches (n, 8, 6) of poses, mm and degrees; see `many.ik_all_batch`.
 
     Args:
-        robot: A six-axis arm whose axes stand at right angles or parallel, with a spherical wrist.
-        poses: (n, 4, 4) tool in the workpiece frame [m], or `pin.SE3`.
-        limits: True: axes are moved by whole turns into their limits, and branches outside them left out; False:
-            every branch, whatever the limits.
+        mechanism: One for which `has_ortho_parallel_batch` holds.
+        targets: (n, 4, 4) tool in the workpiece frame [m].
+        limits: Whether the limits count.
         compiled: False: NumPy, even where numba is installed.
-        units: Those of the result: "controller", mm and degrees, or "si", metres and radians.
 
     Raises:
-        ChainbuildError: the robot is no such arm, a pose is no rigid transform, or there are no such units.
+        ChainbuildError: the mechanism is no such arm, or a pose is no rigid transform.
     """
-    factors, targets = robot.labels.to(units).factors, pose_array(poses)
-    constants = _constants(robot, limits)
+    constants = _constants(mechanism, limits)
+    if constants is None:
+        raise ChainbuildError("no ortho-parallel arm with a spherical wrist")
     axes, doubtful = np.empty((len(targets), BRANCHES, 6)), np.empty(len(targets), dtype=bool)
     if compiled and packing.available():
         from chainbuild.ik.branches.opw.compiled import write_branches
@@ -79,22 +66,16 @@ def ik_all_batch(
     else:
         _write_branches(targets, constants, axes, doubtful)
     _refuse_what_is_not_rigid(targets, np.flatnonzero(doubtful))
-    if limits and robot.limits.sums:
+    if limits and mechanism.limits.sums:
         for chunk in _chunks(len(targets)):
-            _keep_sums(robot, constants, axes[chunk])
-    _place_straight_wrists(robot, targets, axes)
-    return axes if units == "controller" else axes * factors
+            _keep_sums(mechanism, constants, axes[chunk])
+    _place_straight_wrists(mechanism, targets, axes)
+    return axes
 
 
-def _constants(mechanism: Mechanism, limits: bool) -> Array:
-    """Return the constants of a robot, prepared at first use."""
-    constants = mechanism.prepared("OPW constants", lambda: opw_constants(mechanism, limits=limits), limits)
-    if constants is None:
-        raise ChainbuildError(
-            "ik_all_batch does not support this kinematic",
-            permitted="six-axis arms with axes at right angles or parallel and a spherical wrist",
-        )
-    return constants
+def _constants(mechanism: Mechanism, limits: bool) -> Array | None:
+    """Return the constants of a robot, prepared at first use, or None where the formulas do not apply."""
+    return mechanism.prepared("OPW constants", lambda: opw_constants(mechanism, limits=limits), limits)
 
 
 def _chunks(count: int) -> Iterator[slice]:
@@ -130,11 +111,11 @@ def _keep_sums(mechanism: Mechanism, constants: Array, axes: Array) -> None:
 
 def _place_straight_wrists(mechanism: Mechanism, targets: Array, axes: Array) -> None:
     """Place the free axis of infinite branches (n, 8, 6) where all limits hold, as `ik_all` does; else NaN."""
-    rows = np.flatnonzero(np.isinf(axes[:, :, 0]).any(axis=1))
-    if not len(rows):
+    rows, opened = np.flatnonzero(np.isinf(axes[:, :, 0]).any(axis=1)), _constants(mechanism, False)
+    if not len(rows) or opened is None:
         return
     loose, _ = np.empty((len(rows), BRANCHES, 6)), np.empty(len(rows), dtype=bool)
-    _write_branches(targets[rows], _constants(mechanism, False), loose, _)
+    _write_branches(targets[rows], opened, loose, _)
     for row, branches in zip(rows.tolist(), loose, strict=True):
         slots = np.flatnonzero(np.isinf(axes[row, :, 0]))
         axes[row, slots] = np.nan

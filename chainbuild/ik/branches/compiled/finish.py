@@ -1,0 +1,290 @@
+"""From joint values to branches, compiled: axis values, linear axes, proof by forward kinematics, whole turns, limits.
+
+The same steps as `core.axis_values` and `core.branches.collect`. What those treat case by case — an axis on its limit
+but for rounding, a solution that Newton steps do not confirm — ends here with the answer that the pose is doubtful.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from chainbuild.ik.branches.core.branches import POLISH_FROM, POLISH_STEPS, POLISH_TO, SAME_BRANCH
+from chainbuild.ik.search.compiled.kernels import damped_step, jit, pose_and_jacobian, tool_error
+from chainbuild.tolerances import IK_POSITION_M, IK_ROTATION_RAD, LIMIT_SLACK
+
+_FLOOR: Final = 1e-14  # damping that keeps the factorisation alive at singular points
+_LINEAR_STEPS: Final = 2  # the second one only corrects the last digits
+_DEPENDENT: Final = 1e-6  # share of their product: a determinant below it means slides turned into one plane
+_TURN: Final = 2.0 * math.pi  # a whole turn
+
+
+class Axes(NamedTuple):
+    """A machine's axes as arrays, see `pack.Packed`; flags are 0 or 1, columns and rows are indices."""
+
+    fixed: Any  # (k + 1, 3, 4)
+    prismatic: Any  # (k,)
+    A: Any  # (k, n)
+    b: Any  # (k,)
+    inverse: Any  # (c, c) from joint values to the axes in `columns`
+    others: Any  # (c, n) what the other axes take from these
+    offset: Any  # (c,) what the constants of the map take from them
+    lower: Any  # (n,)
+    upper: Any  # (n,)
+    slack: Any  # (n,)
+    periodic: Any  # (n,)
+    factors: Any  # (n,) mm and degrees to SI
+    sums: Any  # (s, n) limits on sums of axes, mm or degrees by SI
+    sum_lower: Any  # (s,)
+    sum_upper: Any  # (s,)
+    together: Any  # (n,) whether an axis takes part in any
+    rows: Any  # (c,) which of the joint values determine them
+    columns: Any  # (c,)
+    linear: Any  # (0 or 3,) axes that place the TCP after the others are known
+    free: Any  # (f,)
+    axis: Any  # tool axis whose direction is the task, or -1
+
+
+class Room(NamedTuple):
+    """Scratch of one pose."""
+
+    T: Any  # (3, 4)
+    J: Any  # (6, n)
+    error: Any  # (6,)
+    small: Any  # (9,)
+    Jf: Any  # (6, f) of the free axes, the rows of the task first
+    H: Any
+    g: Any
+    step: Any
+    x: Any  # (n,)
+
+
+@jit
+def axes_of(data, sizes):
+    """Return views of axes packed in two arrays; sizes: k, n, c, linear, f, axis, s, where parts end, then indices."""
+    k, n, c, count, f, sums, e = sizes[0], sizes[1], sizes[2], sizes[3], sizes[4], sizes[6], sizes[7:23]
+    index = sizes[23:]
+    return Axes(
+        data[: e[0]].reshape((k + 1, 3, 4)), data[e[0] : e[1]], data[e[1] : e[2]].reshape((k, n)), data[e[2] : e[3]],
+        data[e[3] : e[4]].reshape((c, c)), data[e[4] : e[5]].reshape((c, n)), data[e[5] : e[6]],
+        data[e[6] : e[7]], data[e[7] : e[8]], data[e[8] : e[9]], data[e[9] : e[10]], data[e[10] : e[11]],
+        data[e[11] : e[12]].reshape((sums, n)), data[e[12] : e[13]], data[e[13] : e[14]], data[e[14] : e[15]],
+        index[:c], index[c : 2 * c], index[2 * c : 2 * c + count], index[2 * c + count : 2 * c + count + f], sizes[5],
+    )  # fmt: skip
+
+
+@jit
+def room_of(axes):
+    """Return the scratch for some axes."""
+    n, f = len(axes.lower), len(axes.free)
+    size = max(f, 6)
+    return Room(
+        np.empty((3, 4)), np.empty((6, n)), np.empty(6), np.empty(9), np.empty((6, f)), np.empty((size, size)),
+        np.empty(size), np.empty(f), np.empty(n),
+    )  # fmt: skip
+
+
+@jit
+def _pose(axes, room):
+    """Write the pose at room.x; walks from the tool to the workpiece, as `pose_and_jacobian` does."""
+    T, fixed = room.T, axes.fixed
+    k, n = axes.A.shape
+    for r in range(3):
+        for c in range(4):
+            T[r, c] = fixed[k, r, c]
+    for i in range(k - 1, -1, -1):
+        u = axes.b[i]
+        for m in range(n):
+            u += axes.A[i, m] * room.x[m]
+        if axes.prismatic[i] != 0.0:
+            T[2, 3] += u
+        else:
+            cosine, sine = math.cos(u), math.sin(u)
+            for c in range(4):
+                T[0, c], T[1, c] = cosine * T[0, c] - sine * T[1, c], sine * T[0, c] + cosine * T[1, c]
+        for c in range(4):
+            x, y, z = T[0, c], T[1, c], T[2, c]
+            for r in range(3):
+                T[r, c] = fixed[i, r, 0] * x + fixed[i, r, 1] * y + fixed[i, r, 2] * z
+        for r in range(3):
+            T[r, 3] += fixed[i, r, 3]
+
+
+@jit
+def _missed(axes, room, target):
+    """Write the remaining motion from room.T to the target; return its distance and angle."""
+    tool_error(room.T, target, axes.axis, room.error, room.small)
+    e = room.error
+    return (
+        math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]),
+        math.sqrt(e[3] * e[3] + e[4] * e[4] + e[5] * e[5]),
+    )
+
+
+@jit
+def _look(axes, room, target):
+    """Write pose, Jacobian and remaining motion at room.x; return distance and angle."""
+    pose_and_jacobian(axes.fixed, axes.prismatic, axes.A, axes.b, room.x, room.T, room.J, room.error)
+    return _missed(axes, room, target)
+
+
+@jit
+def _place_linear(axes, room, target):
+    """Move the linear axes to bring the tip to the target's position; return False where they lie in one plane."""
+    for _ in range(_LINEAR_STEPS):
+        _look(axes, room, target)
+        J, e, (i, j, k) = room.J, room.error, (axes.linear[0], axes.linear[1], axes.linear[2])
+        a = J[0, i], J[1, i], J[2, i]
+        b = J[0, j], J[1, j], J[2, j]
+        c = J[0, k], J[1, k], J[2, k]
+        bc = b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]
+        det = a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2]
+        sizes = (
+            (a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+            * (b[0] * b[0] + b[1] * b[1] + b[2] * b[2])
+            * (c[0] * c[0] + c[1] * c[1] + c[2] * c[2])
+        )
+        if not det * det > _DEPENDENT * _DEPENDENT * sizes:
+            return False
+        ea = e[1] * c[2] - e[2] * c[1], e[2] * c[0] - e[0] * c[2], e[0] * c[1] - e[1] * c[0]
+        eb = b[1] * e[2] - b[2] * e[1], b[2] * e[0] - b[0] * e[2], b[0] * e[1] - b[1] * e[0]
+        room.x[i] += (e[0] * bc[0] + e[1] * bc[1] + e[2] * bc[2]) / det
+        room.x[j] += (a[0] * ea[0] + a[1] * ea[1] + a[2] * ea[2]) / det
+        room.x[k] += (a[0] * eb[0] + a[1] * eb[1] + a[2] * eb[2]) / det
+    return True
+
+
+@jit
+def _polished(axes, room, target):
+    """Improve room.x by Newton steps; return distance, angle and steps, or an infinite distance for no solution."""
+    _pose(axes, room)
+    distance, angle = _missed(axes, room, target)
+    steps = 0
+    if not max(distance, angle) <= POLISH_TO:  # not a number among them
+        return math.inf, angle, 0
+    if max(distance, angle) >= POLISH_FROM:
+        _look(axes, room, target)
+    while max(distance, angle) >= POLISH_FROM and steps < POLISH_STEPS:
+        rows = 0
+        for r in range(6):
+            if axes.axis < 0 or r != 3 + axes.axis:
+                room.error[rows] = room.error[r]
+                for m in range(len(axes.free)):
+                    room.Jf[rows, m] = room.J[r, axes.free[m]]
+                rows += 1
+        damped_step(rows, room.Jf, room.error, room.H, room.g, room.step, _FLOOR)
+        for m in range(len(axes.free)):
+            room.x[axes.free[m]] += room.step[m]
+        distance, angle = _look(axes, room, target)
+        steps += 1
+    return distance, angle, steps
+
+
+@jit
+def _turned_inside(axes, x, x0):
+    """Move periodic axes by whole turns into their limits, near to x0: 1 inside, 0 outside, -1 only just inside."""
+    inside = 1
+    for n in range(len(x)):
+        lower, upper, value = axes.lower[n], axes.upper[n], x[n]
+        if axes.periodic[n] != 0.0:
+            wanted = (x0[n] - value) / _TURN
+            low, high = (lower - axes.slack[n] - value) / _TURN, (upper + axes.slack[n] - value) / _TURN
+            turns = min(max(np.rint(wanted), np.ceil(low)), np.floor(high))
+            value += _TURN * turns
+            x[n] = value
+        if not lower - axes.slack[n] <= value <= upper + axes.slack[n]:
+            return 0
+        if not lower <= value <= upper:
+            inside = -1
+    return min(inside, _keeps_sums(axes, x))
+
+
+@jit
+def _keeps_sums(axes, x):
+    """Tell whether x keeps the limits on sums of axes: 1, 0, or -1 only just, or where another whole turn might."""
+    for i in range(len(axes.sum_lower)):
+        total = 0.0
+        for m in range(len(x)):
+            total += axes.sums[i, m] * x[m]
+        beyond = max(axes.sum_lower[i] - total, total - axes.sum_upper[i])
+        if 0.0 < beyond <= LIMIT_SLACK:
+            return -1
+        if not beyond <= 0.0:
+            for n in range(len(x)):
+                if axes.together[n] != 0.0 and axes.periodic[n] != 0.0:
+                    low, high = axes.lower[n] - axes.slack[n], axes.upper[n] + axes.slack[n]
+                    if low <= x[n] - _TURN or x[n] + _TURN <= high:
+                        return -1
+            return 0
+    return 1
+
+
+@jit
+def finished(axes, room, target, x0, values, count, found, left):
+    """Write the branches among joint values, nearest to x0 first.
+
+    Args:
+        axes: The machine's axes.
+        room: Scratch.
+        target: (4, 4) tool in the workpiece frame [m].
+        x0: (n,) start in SI; held axes have their values.
+        values: (·, 6) joint values in the order of the screws.
+        count: How many rows of them.
+        found: (·, n) out: axis values, mm and degrees.
+        left: (4, ·) out: distances, angles, steps, squared distances to x0.
+
+    Returns:
+        How many branches, and whether no row was left in doubt.
+    """
+    n, kept = len(x0), 0
+    for i in range(count):
+        x = room.x
+        for m in range(n):
+            x[m] = x0[m]
+        for r in range(len(axes.columns)):
+            value = -axes.offset[r]
+            for m in range(n):
+                value -= axes.others[r, m] * x0[m]
+            for m in range(len(axes.rows)):
+                value += axes.inverse[r, m] * values[i, axes.rows[m]]
+            x[axes.columns[r]] = value
+        if len(axes.linear) and not _place_linear(axes, room, target):
+            return 0, False
+        distance, angle, steps = _polished(axes, room, target)
+        if not math.isfinite(distance):
+            continue
+        if not (distance <= IK_POSITION_M and angle <= IK_ROTATION_RAD):
+            return 0, False
+        side = _turned_inside(axes, x, x0)
+        if side < 0:
+            return 0, False
+        if side == 0 or _known(axes, found, kept, x):
+            continue
+        far = 0.0
+        for m in range(n):
+            far += (x[m] - x0[m]) ** 2
+        at = kept
+        while at > 0 and left[3, at - 1] > far:
+            for m in range(n):
+                found[at, m] = found[at - 1, m]
+            for m in range(4):
+                left[m, at] = left[m, at - 1]
+            at -= 1
+        for m in range(n):
+            found[at, m] = x[m] / axes.factors[m]
+        left[0, at], left[1, at], left[2, at], left[3, at] = distance, angle, steps, far
+        kept += 1
+    return kept, True
+
+
+@jit
+def _known(axes, found, kept, x):
+    for i in range(kept):
+        same = True
+        for m in range(len(x)):
+            same &= abs(found[i, m] * axes.factors[m] - x[m]) < SAME_BRANCH
+        if same:
+            return True
+    return False
