@@ -12,8 +12,9 @@ from typing import Any, Final
 from zlib import crc32
 
 from chainbuild import tolerances
+from chainbuild.ik.branches.arms import parallel_axes
+from chainbuild.ik.branches.compiled import angle_pairs, direct, finish, quartic, small, spherical, three_parallel
 from chainbuild.ik.branches.compiled import constants as form_constants
-from chainbuild.ik.branches.compiled import direct, finish, quartic, small, spherical
 from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED
 from chainbuild.ik.branches.compiled.direct import direct_branches
 from chainbuild.ik.branches.compiled.finish import axes_of, finished, room_of
@@ -21,6 +22,7 @@ from chainbuild.ik.branches.compiled.general import constants as general_constan
 from chainbuild.ik.branches.compiled.general import eigen, equations, solutions, solve
 from chainbuild.ik.branches.compiled.general.solve import general_branches
 from chainbuild.ik.branches.compiled.spherical import spherical_branches
+from chainbuild.ik.branches.compiled.three_parallel import three_parallel_branches
 from chainbuild.ik.branches.core import branches, subproblems
 from chainbuild.ik.search.compiled import kernels as compiled_kernels
 from chainbuild.ik.search.compiled import search as compiled_search
@@ -106,6 +108,19 @@ def _general(fingerprint: int) -> Any:
     return general_poses
 
 
+def _three_parallel(fingerprint: int) -> Any:
+    @kept_jit(nogil=True, **FAST)
+    def three_parallel_poses(constants, targets, rigid, values, counts):
+        """Write the joint values of poses; see `spherical_poses`."""
+        for i in range(len(targets)):
+            counts[i] = REFUSED + 0 * fingerprint
+            if is_rigid(targets[i], rigid):
+                count, sure = three_parallel_branches(constants, targets[i], values[i])
+                counts[i] = count if sure else DOUBTFUL
+
+    return three_parallel_poses
+
+
 def _fingerprint(*modules: Any) -> int:
     return crc32(b"".join(Path(str(module.__file__)).read_bytes() for module in modules))
 
@@ -116,5 +131,6 @@ finish_poses: Final = _finish(_fingerprint(finish, form_constants, branches, com
 FORMS: Final = {
     "spherical": _spherical(_SMALL ^ _fingerprint(spherical, quartic)),
     "direct": _direct(_SMALL ^ _fingerprint(spherical, quartic, direct)),
+    "three parallel axes": _three_parallel(_SMALL ^ _fingerprint(parallel_axes, angle_pairs, three_parallel)),
     "general": _general(_SMALL ^ _fingerprint(general_constants, eigen, equations, solutions, solve)),
 }

@@ -17,6 +17,7 @@ import numpy as np
 from chainbuild import tolerances
 from chainbuild.arrays import Indices, Integers, Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.ik.branches.arms.parallel_axes import three_parallel_constants
 from chainbuild.ik.branches.arms.virtual_joints import common_rotary_axis, with_spin_joint
 from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED, ROWS, direct_constants, spherical_constants
 from chainbuild.ik.branches.compiled.general.constants import general_constants
@@ -185,6 +186,8 @@ def _chosen(query: BranchQuery) -> tuple[str, str, Vector | None]:
         constants = spherical_constants(serial)
         if constants is not None:
             return plan.name, "spherical", constants
+    if plan.name == "three parallel axes" and serial is not None:
+        return plan.name, "three parallel axes", three_parallel_constants(serial)
     if plan.name in {"spherical wrist", "elimination"} and serial is not None:
         return plan.name, "general", general_constants(serial)
     return plan.name, "", None
