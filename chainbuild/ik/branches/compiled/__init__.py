@@ -1,4 +1,6 @@
 """Closed forms as compiled code (extra `fast`): regular poses in microseconds, the others are left to the plain path.
 
 In reading order: `constants`, `small`, `spherical`, `direct`, `finish`, `entries`, `quick`.
+
+`general` solves six rotary joints in any arrangement.
 """
