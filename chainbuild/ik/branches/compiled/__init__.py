@@ -2,4 +2,6 @@
 
 In reading order: `constants`, `small`, `quartic`, `spherical`, `direct`, `angle_pairs`, `three_parallel`, `finish`,
 `entries`, `quick`.
+
+`general` solves six rotary joints in any arrangement.
 """

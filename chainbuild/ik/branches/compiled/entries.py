@@ -110,7 +110,7 @@ def _general(fingerprint: int) -> Any:
 
 def _three_parallel(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
-    def three_parallel_poses(constants, targets, rigid, values, counts):
+    def three_parallel_poses(constants, targets, rigid, keep, values, counts):
         """Write the joint values of poses; see `spherical_poses`."""
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint

@@ -17,12 +17,12 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 
-from chainbuild.arrays import Matrix, Vector
+from chainbuild.arrays import Matrices, Matrix, Vector
 from chainbuild.frames import inverse, transform
 from chainbuild.ik.branches.arms.virtual_joints import NO_JOINT
 from chainbuild.ik.branches.core.roots import NEARLY_REAL
-from chainbuild.ik.branches.core.serial import Screw, Serial, transformed_point
-from chainbuild.ik.branches.core.subproblems import cross, rotation
+from chainbuild.ik.branches.core.serial import Screw, Serial
+from chainbuild.ik.branches.core.subproblems import rotation
 from chainbuild.ik.branches.elimination.conformal import arrow, coefficients, motion
 from chainbuild.ik.branches.elimination.cuts import on_curves
 from chainbuild.ik.branches.elimination.eliminant import SINGULAR
@@ -84,7 +84,7 @@ class Elimination:
         found, settled = self._found(G)
         if settled:
             return self._unscaled(found)
-        reached = [values for values in found if self._miss(G, values) < _REACHED]
+        reached = self._reaching(G, found)
         if reached and not any(self._continues(G, values) for values in reached):
             return self._unscaled(found)
         cut = on_curves(self.serial, target, keep, _cut)
@@ -109,18 +109,16 @@ class Elimination:
         if not settled:
             found += self._beside(G, found)
         # The caller keeps the first of duplicates.
-        ranked = sorted(((self._miss(G, values), n) for n, values in enumerate(found)))
+        ranked = sorted((miss, n) for n, miss in enumerate(self._misses(G, found)))
         return [found[n] for miss, n in ranked if miss < _NO_SOLUTION], settled
 
     def _continues(self, G: Matrix, values: Vector) -> bool:
         """Return whether a solution is on a curve: beside it, where its joints move against one another, is another."""
-        _, sizes, rows = np.linalg.svd(self._pose_and_jacobian(values)[1])
-        for direction in rows[sizes < _LOST * sizes[0]]:
-            beside = self._refined(G, values + _BESIDE_CURVE * direction)
-            moved = float(np.abs(beside - values).max())
-            if moved > _BESIDE_CURVE / 4.0 and self._miss(G, beside) < _ON_CURVE:
-                return True
-        return False
+        _, (J,) = self._poses_and_screws([values])
+        _, sizes, rows = np.linalg.svd(J)
+        beside = self._refined(G, [values + _BESIDE_CURVE * direction for direction in rows[sizes < _LOST * sizes[0]]])
+        moved = [float(np.abs(one - values).max()) > _BESIDE_CURVE / 4.0 for one in beside]
+        return any(far and miss < _ON_CURVE for far, miss in zip(moved, self._misses(G, beside), strict=True))
 
     def _beside(self, G: Matrix, known: Sequence[Vector]) -> list[Vector]:
         """Return the values (6,) of poses next to a singular one, brought to it.
@@ -129,14 +127,12 @@ class Elimination:
         that have become a complex pair there count by their real parts.
         """
         found: list[Vector] = []
-        reached = [values for values in known if self._miss(G, values) < _REACHED]
+        reached = self._reaching(G, known)
         for n, distance in enumerate(_PERTURBATIONS):
             beside, _ = self._solved(_perturbed(G, distance), _BESIDE * math.sqrt(distance))
-            refined = [self._refined(G, values) for values in _distinct(beside)]
+            refined = self._refined(G, _distinct(beside))
             before = len(reached)
-            for values in refined:
-                if self._miss(G, values) < _REACHED and not any(self._same(values, one) for one in reached):
-                    reached.append(values)
+            reached += [one for one in self._reaching(G, refined) if not self._is_among(one, reached)]
             found += refined
             if n and len(reached) == before:
                 break
@@ -150,20 +146,26 @@ class Elimination:
         """
         for n in range(_DIRECTIONS):
             beside, _ = self._solved(_perturbed(G, _PERTURBATIONS[1], n + 1), _FAR)
-            refined = [self._refined(G, values) for values in _distinct(beside)]
-            found = [values for values in refined if self._miss(G, values) < _REACHED]
+            found = self._reaching(G, self._refined(G, _distinct(beside)))
             if found:
                 return found
         return []
 
-    def _same(self, values: Vector, others: Vector) -> bool:
-        """Return whether two sets of values are the same but for whole turns."""
+    def _is_among(self, values: Vector, others: Sequence[Vector]) -> bool:
+        """Return whether one of some sets of values is the same but for whole turns."""
         turns = [screw.kind == "revolute" for screw in self.screws]
-        return float(np.abs(np.where(turns, np.sin((values - others) / 2.0), values - others)).max()) < _APART
+        off = np.reshape(others, (-1, JOINTS)) - values
+        return bool((np.abs(np.where(turns, np.sin(off / 2.0), off)).max(axis=1) < _APART).any())
 
-    def _miss(self, G: Matrix, values: Vector) -> float:
-        """Return how far values miss a pose [arm lengths, rad]."""
-        return float(np.abs(self._pose_and_jacobian(values)[0] - G).max())
+    def _reaching(self, G: Matrix, rows: Sequence[Vector]) -> list[Vector]:
+        """Return the sets of values that meet a pose."""
+        return [values for values, miss in zip(rows, self._misses(G, rows), strict=True) if miss < _REACHED]
+
+    def _misses(self, G: Matrix, rows: Sequence[Vector]) -> list[float]:
+        """Return how far sets of values miss a pose [arm lengths, rad]."""
+        T, _ = self._poses_and_screws(rows)
+        misses: list[float] = np.abs(T - G).max(axis=(1, 2)).tolist()
+        return misses
 
     def _solved(self, G: Matrix, near: float = NEARLY_REAL) -> tuple[list[Vector], bool]:
         """Return the values (6,) of a loop, by one opening or several, and whether these are certainly all.
@@ -191,26 +193,38 @@ class Elimination:
                 break
         return found, False
 
-    def _refined(self, G: Matrix, values: Vector) -> Vector:
-        """Return values improved by Newton steps; axes that have no effect keep theirs."""
+    def _refined(self, G: Matrix, rows: Sequence[Vector]) -> list[Vector]:
+        """Return sets of values improved by Newton steps; axes that have no effect keep theirs."""
+        values = np.reshape(rows, (-1, JOINTS))
         for _ in range(_STEPS):
-            T, J = self._pose_and_jacobian(values)
-            rest = G @ inverse(T)
-            turn = np.array([rest[2, 1] - rest[1, 2], rest[0, 2] - rest[2, 0], rest[1, 0] - rest[0, 1]]) / 2.0
-            step = np.linalg.lstsq(J, np.concatenate([rest[:3, 3], turn]), rcond=_DEPENDENT)[0]
-            values = values + step / max(1.0, float(np.abs(step).max()) / _MAX_STEP)
-        return values
+            T, J = self._poses_and_screws(values)
+            R = G[:3, :3] @ T[:, :3, :3].transpose(0, 2, 1)
+            shift = G[:3, 3] - (R @ T[:, :3, 3:])[:, :, 0]
+            turn = np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1) / 2.0
+            u, sizes, vt = np.linalg.svd(J)
+            along = (np.concatenate([shift, turn], axis=1)[:, None] @ u)[:, 0]
+            kept = sizes > _DEPENDENT * sizes[:, :1]
+            steps = ((along * kept / np.where(kept, sizes, 1.0))[:, None] @ vt)[:, 0]
+            values = values + steps / np.maximum(1.0, np.abs(steps).max(axis=1, keepdims=True) / _MAX_STEP)
+        return list(values)
 
-    def _pose_and_jacobian(self, values: Vector) -> tuple[Matrix, Matrix]:
-        """Return the loop's motion (4, 4) and the screws (6, 6) of its joints there, one a column."""
-        T, columns = np.eye(4), []
-        for screw, value in zip(self.screws, values, strict=True):
-            k = T[:3, :3] @ screw.direction
-            point = transformed_point(T, screw.point)
-            turns = screw.kind == "revolute"
-            columns.append(np.concatenate([cross(point, k), k] if turns else [k, np.zeros(3)]))
-            T = T @ screw.T(float(value))
-        return T, np.column_stack(columns)
+    def _poses_and_screws(self, rows: Sequence[Vector] | Matrix) -> tuple[Matrices, Matrices]:
+        """Return the loop's motions (N, 4, 4) and the screws (N, 6, 6) of its joints there, one a column."""
+        values = np.reshape(rows, (-1, JOINTS))
+        T, J = np.tile(np.eye(4), (len(values), 1, 1)), np.zeros((len(values), 6, JOINTS))
+        for n, screw in enumerate(self.screws):
+            k = T[:, :3, :3] @ screw.direction
+            if screw.kind == "prismatic":
+                J[:, :3, n] = k
+                T[:, :3, 3] += values[:, n, None] * k
+                continue
+            point = T[:, :3, :3] @ screw.point + T[:, :3, 3]
+            J[:, :3, n], J[:, 3:, n] = np.cross(point, k), k
+            K = np.cross(screw.direction, np.eye(3)).T  # K·v is direction × v
+            turn = np.sin(values[:, n, None, None]) * K + (1.0 - np.cos(values[:, n, None, None])) * (K @ K)
+            T[:, :3, :3] += T[:, :3, :3] @ turn
+            T[:, :3, 3] = point - T[:, :3, :3] @ screw.point
+        return T, J
 
     def _scaled(self, T: Matrix) -> Matrix:
         """Return a motion as seen from the middle of the axes, in units of the arm."""
@@ -237,7 +251,7 @@ class Elimination:
         rng = np.random.default_rng(20240229)
         poses = []
         for _ in range(_TRIALS):
-            G, J = self._pose_and_jacobian(rng.uniform(-2.0, 2.0, JOINTS))
+            (G,), (J,) = self._poses_and_screws(rng.uniform(-2.0, 2.0, (1, JOINTS)))
             if np.linalg.cond(J) * _DEPENDENT > 1.0:
                 return []  # these joints do not move the tool in all six freedoms
             poses.append(G)
