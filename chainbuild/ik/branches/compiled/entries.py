@@ -33,7 +33,7 @@ from chainbuild.ik.search.compiled.search import is_rigid
 
 def _finish(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
-    def finish_poses(data, sizes, targets, x0, values, counts, found, left):
+    def finish_poses(data, sizes, targets, x0, values, counts, found, left, along):
         """Write the branches among joint values; return what was written last to counts.
 
         Args:
@@ -41,17 +41,18 @@ def _finish(fingerprint: int) -> Any:
             sizes: and their sizes, see `axes_of`.
             targets: (N, 4, 4) tool in the workpiece frame [m].
             x0: (n,) start in SI; held axes have their values.
-            values: (N, ROWS, 6) what a form wrote.
+            values: (N, ROWS, 7) what a form wrote.
             counts: (N,) what it wrote; out: how many branches there are, DOUBTFUL or REFUSED.
             found: (N, ROWS, n) out, see `finished`.
-            left: (N, 4, ROWS) out, likewise.
+            left: (N, ROWS, 5) out, likewise.
+            along: (N, ROWS, n) out, likewise.
         """
         axes, count = axes_of(data, sizes), 0 * fingerprint
         room = room_of(axes)
         for i in range(len(targets)):
             count = counts[i]
             if count > 0:
-                count, sure = finished(axes, room, targets[i], x0, values[i], count, found[i], left[i])
+                count, sure = finished(axes, room, targets[i], x0, values[i], count, found[i], left[i], along[i])
                 count = count if sure else DOUBTFUL
             counts[i] = count
         return count
@@ -61,20 +62,21 @@ def _finish(fingerprint: int) -> Any:
 
 def _spherical(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
-    def spherical_poses(constants, targets, rigid, values, counts):
+    def spherical_poses(constants, targets, rigid, keep, values, counts):
         """Write the joint values of poses.
 
         Args:
             constants: Those of the form.
             targets: (N, 4, 4) tool in the workpiece frame [m].
             rigid: Permitted deviation of a matrix from a rotation.
-            values: (N, ROWS, 6) out: joint values in the order of the screws.
+            keep: (6,) joint values of the start, for those that are free.
+            values: (N, ROWS, 7) out: joint values in the order of the screws, and which of them is free, -1: none.
             counts: (N,) out: how many rows, DOUBTFUL or REFUSED.
         """
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
             if is_rigid(targets[i], rigid):
-                count, sure = spherical_branches(constants, targets[i], values[i])
+                count, sure = spherical_branches(constants, targets[i], keep, values[i])
                 counts[i] = count if sure else DOUBTFUL
 
     return spherical_poses
@@ -82,12 +84,12 @@ def _spherical(fingerprint: int) -> Any:
 
 def _direct(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
-    def direct_poses(constants, targets, rigid, values, counts):
+    def direct_poses(constants, targets, rigid, keep, values, counts):
         """Write the values of rotary joints; see `spherical_poses`."""
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
             if is_rigid(targets[i], rigid):
-                count, sure = direct_branches(constants, targets[i], values[i])
+                count, sure = direct_branches(constants, targets[i], keep, values[i])
                 counts[i] = count if sure else DOUBTFUL
 
     return direct_poses
@@ -95,7 +97,7 @@ def _direct(fingerprint: int) -> Any:
 
 def _general(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
-    def general_poses(constants, targets, rigid, values, counts):
+    def general_poses(constants, targets, rigid, keep, values, counts):
         """Write the joint values of poses; see `spherical_poses`."""
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint

@@ -92,21 +92,28 @@ def inner_order(hidden: int) -> tuple[int, int, int]:
     return hidden, others[0], others[1]
 
 
-def closed(loop: OpenedLoop, inner: tuple[float, float, float], G: Matrix) -> list[list[float]]:
-    """Return all six values, given those of joints 3, 4, 5; several if several outer joints fit."""
+def closed(loop: OpenedLoop, inner: tuple[float, float, float], G: Matrix, off: float = 0.0) -> list[list[float]]:
+    """Return all six values, given those of joints 3, 4, 5; several if several outer joints fit.
+
+    Args:
+        loop: The opened loop.
+        inner: Values of joints 3, 4, 5.
+        G: (4, 4) what the loop closes to.
+        off: By how much these values may be off, so that the arrow misses its goal.
+    """
     middle = np.eye(4)
     for screw, value in zip(loop.row[2:5], inner, strict=True):
         middle = middle @ screw.T(value)
     last = loop.row[5]
     aside = perpendicular(last.direction)
     found = []
-    for first, second in _outer_pairs(loop, middle, G):
+    for first, second in _outer_pairs(loop, middle, G, off):
         R = (loop.row[0].T(first) @ loop.row[1].T(second) @ middle)[:3, :3].T @ G[:3, :3]
         found.append([first, second, *inner, subproblem_1(last.direction, aside, R @ aside).angle])
     return found
 
 
-def _outer_pairs(loop: OpenedLoop, middle: Matrix, G: Matrix) -> list[JointPair]:
+def _outer_pairs(loop: OpenedLoop, middle: Matrix, G: Matrix, off: float) -> list[JointPair]:
     """Return the values of joints 1 and 2 that bring the arrow behind them to its goal."""
     products, constant = _right_side(loop)
     reached = (motion(middle) @ loop.end)[_EQUATIONS]
@@ -114,11 +121,11 @@ def _outer_pairs(loop: OpenedLoop, middle: Matrix, G: Matrix) -> list[JointPair]
     table = np.insert(solved, _constant(loop.row[1]) * 3 + _constant(loop.row[0]), 1.0).reshape(3, 3)
     second = _value(loop.row[1], table[:2].ravel(), table[1:].ravel())
     first = _value(loop.row[0], table[:, :2].ravel(), table[:, 1:].ravel())
-    if sizes[-1] > _DEPENDENT * sizes[0] and _miss(loop, (first, second), middle, G) < _MET:
+    if sizes[-1] > _DEPENDENT * sizes[0] and _miss(loop, (first, second), middle, G) < max(_MET, off):
         return [(first, second)]
     # At this pose the products do not separate the two joints: solve by geometry.
     candidates = [(first, second), *_by_geometry(loop, middle, G)]
-    return [pair for pair in candidates if _miss(loop, pair, middle, G) < _NEAR]
+    return [pair for pair in candidates if _miss(loop, pair, middle, G) < max(_NEAR, off)]
 
 
 def _by_geometry(loop: OpenedLoop, middle: Matrix, G: Matrix) -> list[JointPair]:
