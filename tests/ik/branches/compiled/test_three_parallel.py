@@ -130,6 +130,18 @@ def test_singular_poses_are_left_to_the_plain_solver() -> None:
                 assert min(apart(row, q) for row in right_with(serial, q)) < 1e-4
 
 
+def test_where_axis_6_is_parallel_to_the_three_it_is_not_sure_whatever_the_wrist() -> None:
+    *rest, six = made_arm("UR5").screws
+    serial = Serial(
+        (*rest, replace(six, point=six.point + 0.05 * unit(np.cross(rest[4].direction, six.direction)))), np.eye(4)
+    )
+    rng = np.random.default_rng(28)
+    for value in (0.0, math.pi, 2e-5):
+        for q in rng.uniform(-3.0, 3.0, (5, 6)):
+            q[4] = value
+            assert compiled(serial, [pose_by_hand(serial, q)]) == [None]
+
+
 def test_what_is_out_of_reach_is_left_to_the_plain_solver() -> None:
     serial = made_arm("UR5")
     T = pose_by_hand(serial, np.ones(6))
