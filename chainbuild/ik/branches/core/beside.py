@@ -155,7 +155,10 @@ class Beside:
             J = J[:, self.free]
             H = J.T @ J
             H.flat[:: len(H) + 1] += float(np.linalg.norm(error))
-            step = np.linalg.solve(H, J.T @ error)
+            try:
+                step = np.linalg.solve(H, J.T @ error)
+            except np.linalg.LinAlgError:  # the error is below the rounding of H
+                step = np.linalg.lstsq(H, J.T @ error, rcond=None)[0]
             x = x.copy()
             x[self.free] += step / max(1.0, float(np.abs(step).max()) / _LONGEST)
         else:
