@@ -30,6 +30,8 @@ POLISH_TO: Final = 1e-3
 POLISH_STEPS: Final = 3  # from a thousandth, Newton needs two
 _POLISH: Final = shrinking(0.0, 1e-14)
 _SHARE: Final = 1e-6  # an axis with a smaller share of a direction stands still
+CLOSE_BRANCHES: Final = 1e-2  # m and rad: branches so close to each other may be one where digits are lost
+BETWEEN_BRANCHES: Final = 1e-9  # m and rad: the pose half-way between two is as good as theirs: they are one
 SAME_BRANCH: Final = 1e-5  # branches closer than this in every axis [m, rad] are one
 
 

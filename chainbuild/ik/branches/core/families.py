@@ -14,13 +14,11 @@ from numpy.typing import NDArray
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik.branches.core.beside import Beside
-from chainbuild.ik.branches.core.branches import Branches, Solutions
+from chainbuild.ik.branches.core.branches import BETWEEN_BRANCHES, CLOSE_BRANCHES, Branches, Solutions
 from chainbuild.ik.branches.core.query import BranchQuery
 
 # Singular values below this share of the largest: a solution that lost digits where branches meet has such.
 _NEARLY: Final = 1e-3
-_CLOSE: Final = 1e-2  # m and rad: branches so close to each other may be one where digits are lost
-_BETWEEN: Final = 1e-9  # m and rad: the pose half-way between two is as good as theirs: they are one
 _MOVED: Final = 1e-9  # m and rad: settling has changed less where nothing was lost
 
 
@@ -81,7 +79,7 @@ def _reduce(
         later = [m for m in looked_at[place + 1 :] if kept[m]]
         for m in later:
             way = beside.way(places[n], places[m])
-            if float(np.abs(way).max()) < _CLOSE and beside.off(places[n] + 0.5 * way) < _BETWEEN:
+            if float(np.abs(way).max()) < CLOSE_BRANCHES and beside.off(places[n] + 0.5 * way) < BETWEEN_BRANCHES:
                 kept[m] = False
         members = [m for m in later if kept[m] and len(directions[m])]
         if len(directions[n]) and members:
