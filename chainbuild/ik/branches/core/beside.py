@@ -155,7 +155,10 @@ class Beside:
             J = J[:, self.free]
             H = J.T @ J
             H.flat[:: len(H) + 1] += float(np.linalg.norm(error))
-            step = np.linalg.solve(H, J.T @ error)
+            try:
+                step = np.linalg.solve(H, J.T @ error)
+            except np.linalg.LinAlgError:  # the error is below the rounding of H
+                step = np.linalg.lstsq(H, J.T @ error, rcond=None)[0]
             x = x.copy()
             x[self.free] += step / max(1.0, float(np.abs(step).max()) / _LONGEST)
         else:
@@ -206,12 +209,13 @@ class Beside:
         at, tangent, length, passed, apart = x, direction[self.free], _FIRST_STEP, 0.0, math.inf
         for _ in range(_MOST):
             ahead, off = self._moved(at, length * tangent)
-            step = (ahead - at)[self.free]
-            null, sizes = self._null(ahead)
-            turned = step @ null.T @ null
-            turned /= float(np.linalg.norm(turned)) or 1.0
-            bend = float(np.linalg.norm(turned - tangent))
-            if off >= _MET or bend > _BENT or float(np.linalg.norm(step - length * tangent)) > _BENT * length:
+            step, bend = (ahead - at)[self.free], math.inf
+            if off < _MET:
+                null, sizes = self._null(ahead)
+                turned = step @ null.T @ null
+                turned /= float(np.linalg.norm(turned)) or 1.0
+                bend = float(np.linalg.norm(turned - tangent))
+            if bend > _BENT or float(np.linalg.norm(step - length * tangent)) > _BENT * length:
                 length /= 2.0
                 if length < _SHORTEST:
                     return
@@ -246,13 +250,15 @@ class Beside:
     def _passes(self, start: Vector, end: Vector, other: Vector) -> bool:
         """Return whether the piece of a curve between two of its places passes a solution that is near it."""
         whole, way = (end - start)[self.free], self.way(start, other)[self.free]
-        at, _ = self._moved(start, float(way @ whole) / float(whole @ whole) * whole)
-        for _ in range(4):
+        at, off = self._moved(start, float(way @ whole) / float(whole @ whole) * whole)
+        for _ in range(4 if off < _MET else 0):
             left = self.way(at, other)
             if float(np.abs(left).max()) < _THERE:
                 return True
             null, _ = self._null(at)
-            at, _ = self._moved(at, left[self.free] @ null.T @ null)
+            at, off = self._moved(at, left[self.free] @ null.T @ null)
+            if off >= _MET:
+                break
         return False
 
 
