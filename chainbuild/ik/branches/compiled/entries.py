@@ -34,7 +34,7 @@ from chainbuild.ik.search.compiled.search import is_rigid
 def _finish(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
     def finish_poses(data, sizes, targets, x0, values, counts, found, left, along):
-        """Write the branches among joint values; return what was written last to counts.
+        """Write the branches among joint values; return the last of counts, and whether a branch there has a free axis.
 
         Args:
             data: The axes in one array,
@@ -47,7 +47,7 @@ def _finish(fingerprint: int) -> Any:
             left: (N, ROWS, 5) out, likewise.
             along: (N, ROWS, n) out, likewise.
         """
-        axes, count = axes_of(data, sizes), 0 * fingerprint
+        axes, count, loose = axes_of(data, sizes), 0 * fingerprint, False
         room = room_of(axes)
         for i in range(len(targets)):
             count = counts[i]
@@ -55,7 +55,10 @@ def _finish(fingerprint: int) -> Any:
                 count, sure = finished(axes, room, targets[i], x0, values[i], count, found[i], left[i], along[i])
                 count = count if sure else DOUBTFUL
             counts[i] = count
-        return count
+            loose = False
+            for r in range(count):
+                loose |= left[i, r, 4] >= 0.0
+        return count, loose
 
     return finish_poses
 
@@ -75,6 +78,7 @@ def _spherical(fingerprint: int) -> Any:
         """
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
+            values[i, :, 6] = -1.0
             if is_rigid(targets[i], rigid):
                 count, sure = spherical_branches(constants, targets[i], keep, values[i])
                 counts[i] = count if sure else DOUBTFUL
@@ -88,6 +92,7 @@ def _direct(fingerprint: int) -> Any:
         """Write the values of rotary joints; see `spherical_poses`."""
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
+            values[i, :, 6] = -1.0
             if is_rigid(targets[i], rigid):
                 count, sure = direct_branches(constants, targets[i], keep, values[i])
                 counts[i] = count if sure else DOUBTFUL
@@ -101,6 +106,7 @@ def _general(fingerprint: int) -> Any:
         """Write the joint values of poses; see `spherical_poses`."""
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
+            values[i, :, 6] = -1.0
             if is_rigid(targets[i], rigid):
                 count, sure = general_branches(constants, targets[i], values[i])
                 counts[i] = count if sure else DOUBTFUL
@@ -114,6 +120,7 @@ def _three_parallel(fingerprint: int) -> Any:
         """Write the joint values of poses; see `spherical_poses`."""
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
+            values[i, :, 6] = -1.0
             if is_rigid(targets[i], rigid):
                 count, sure = three_parallel_branches(constants, targets[i], values[i])
                 counts[i] = count if sure else DOUBTFUL

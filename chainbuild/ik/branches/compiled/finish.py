@@ -375,6 +375,8 @@ def _known(axes, room, target, found, left, kept, axis):
         apart = 0.0
         for m in range(len(x)):
             apart = max(apart, abs(_way(axes, m, found[i, m] * axes.factors[m], x[m])))
+            if apart >= CLOSE_BRANCHES:
+                break
         if apart < SAME_BRANCH:
             return 1
         if apart < CLOSE_BRANCHES:

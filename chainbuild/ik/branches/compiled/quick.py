@@ -50,6 +50,7 @@ class QuickForm:
         has_status: Whether the controller numbers the branches (KIN_TYP 45).
         by_axes: (6, n_axes) joint values in the order of the screws by SI axis values,
         at_zero: (6,) and where these are 0.
+        keep: (6,) joint values of x0.
         isolated: Free directions of branches that have none.
     """
 
@@ -61,15 +62,18 @@ class QuickForm:
     has_status: bool
     by_axes: Matrix
     at_zero: Vector
+    keep: Vector
     isolated: tuple[Matrix, ...]
 
-    def write(self, targets: Matrix, x0: Vector, found: Matrix, left: Matrix, along: Matrix, counts: Integers) -> int:
-        """Write the branches of poses (N, 4, 4); return the last of counts. See `entries.finish_poses`."""
-        entries, values = _entries(), np.full((len(targets), ROWS, 7), -1.0)
-        keep = self.by_axes @ x0 + self.at_zero
+    def write(
+        self, targets: Matrix, x0: Vector, found: Matrix, left: Matrix, along: Matrix, counts: Integers
+    ) -> tuple[int, bool]:
+        """Write the branches of poses (N, 4, 4), as `entries.finish_poses` does; return what that returns."""
+        entries, values = _entries(), np.empty((len(targets), ROWS, 7))
+        keep = self.keep if x0 is self.x0 else self.by_axes @ x0 + self.at_zero
         entries.FORMS[self.form](self.constants, targets, tolerances.ROTATION_MATRIX, keep, values, counts)
-        count: int = entries.finish_poses(*self.axes, targets, x0, values, counts, found, left, along)
-        return count
+        last: tuple[int, bool] = entries.finish_poses(*self.axes, targets, x0, values, counts, found, left, along)
+        return last
 
 
 @cache
@@ -98,20 +102,19 @@ def quick_branches(mechanism: Mechanism, target: Matrix, start: Vector | None, h
         return None
     n = len(x0)
     rows, left, along = np.empty((1, ROWS, n)), np.empty((1, ROWS, 5)), np.empty((1, ROWS, n))
-    count = form.write(target[None], x0, rows, left, along, np.empty(1, np.int64))
+    count, loose = form.write(target[None], x0, rows, left, along, np.empty(1, np.int64))
     if count == REFUSED:
         raise refusal(target)
     if count == DOUBTFUL:
         return None
-    distance, angle, steps, _, loose = left[0, :count].T
     free: tuple[tuple[str, ...], ...] = _NONE_FREE[count]
-    directions = form.isolated[:count]
-    if count and loose.max() >= 0.0:
-        names = mechanism.labels.names
-        free = tuple((names[int(one)],) if one >= 0.0 else () for one in loose)
-        directions = tuple(along[0, k : k + 1] if loose[k] >= 0.0 else directions[k] for k in range(count))
+    directions, told = form.isolated[:count], left[0, :count]
+    if loose:
+        names, axes = mechanism.labels.names, told[:, 4].astype(int).tolist()
+        free = tuple((names[n],) if n >= 0 else () for n in axes)
+        directions = tuple(along[0, k : k + 1] if n >= 0 else directions[k] for k, n in enumerate(axes))
     found = Branches(
-        rows[0, :count], distance, angle, steps.astype(np.int64), free, mechanism.task, mechanism.labels,
+        rows[0, :count], told[:, 0], told[:, 1], told[:, 2].astype(np.int64), free, mechanism.task, mechanism.labels,
         method=form.method, free_directions=directions,
     )  # fmt: skip
     return named(found, form.method, status_turn_rows(mechanism, found.axes)) if form.has_status else found
@@ -173,8 +176,9 @@ def _quick_form(mechanism: Mechanism, start: Vector | None, held: Held | None) -
         return None
     by_axes, at_zero = np.zeros((6, len(query.x0))), np.zeros(6)
     by_axes[: len(joints)], at_zero[: len(joints)] = chain.axis_map.A[joints], chain.axis_map.b[joints]
+    keep = by_axes @ query.x0 + at_zero
     alone = (isolated(mechanism.labels),) * ROWS
-    return QuickForm(method, form, constants, packed, query.x0, has_status(mechanism), by_axes, at_zero, alone)
+    return QuickForm(method, form, constants, packed, query.x0, has_status(mechanism), by_axes, at_zero, keep, alone)
 
 
 def _chosen(query: BranchQuery) -> tuple[str, str, Vector | None]:
