@@ -14,12 +14,13 @@ import numpy as np
 from chainbuild.ik.branches.compiled.angle_pairs import paired_roots, sinusoid_roots
 from chainbuild.ik.search.compiled.kernels import jit
 
-# Where each part of `three_parallel_constants` begins.
+# Where the parts of `three_parallel_constants` begin: M⁻¹ seen from the frame of axis 2, directions of axes 1, 5 and 6,
+# points on them and on axis 4, lengths of the links, their angles, signs of axes 3 and 4, then single numbers.
 _AFTER: Final = 12
-_ONE: Final = 24  # directions of axes 1,
-_FIVE: Final = 27  # 5
-_SIX: Final = 30  # and 6
-_ON_ONE: Final = 33  # points on them
+_ONE: Final = 24
+_FIVE: Final = 27
+_SIX: Final = 30
+_ON_ONE: Final = 33
 _ON_FIVE: Final = 36
 _ON_SIX: Final = 39
 _TIP: Final = 42
