@@ -43,7 +43,7 @@ def three_parallel_branches(constants, T, values):
     Args:
         constants: Of `three_parallel_constants`.
         T: (4, 4) tool in the workpiece frame [m].
-        values: (8, 6) or longer, out: joint values in the order of the screws [rad], any whole turn.
+        values: (8, 6) or larger, out: joint values in the order of the screws [rad], any whole turn.
 
     Returns:
         How many branches were written, and whether these are certainly all.
@@ -177,7 +177,7 @@ def _complete(c, E, pair, values, row):
         sign = 1.0 - 2.0 * n
         second, third = middle - sign * ahead, sign * folded - c[_BEND]
         fourth = turn - second - third
-        place = values[row + n]
+        place = values[row + n, :6]
         if c[_BACKWARDS] != 0.0:
             place = place[::-1]
         place[0], place[1], place[2] = first, second, c[_SIGNS] * third
