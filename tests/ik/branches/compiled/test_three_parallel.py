@@ -133,7 +133,8 @@ def test_right_angles_and_what_is_beside_them() -> None:
 def test_a_robot_has_the_branches_of_the_plain_path(carries_workpiece: bool) -> None:
     arm = [
         shift(z=89.2), rotary("A1", "z"), rotary("A2", "y"), shift(y=-20.0, z=425.0), rotary("A3", "-y"),
-        shift(z=392.0), rotary("A4", "y"), shift(y=93.0), rotary("A5", "z"), shift(z=94.65), rotary("A6", "y"), shift(y=82.3),
+        shift(z=392.0), rotary("A4", "y"), shift(y=93.0), rotary("A5", "z"), shift(z=94.65), rotary("A6", "y"),
+        shift(y=82.3),
     ]  # fmt: skip
     robot = robot_from([shift(x=700.0), turn(rot_x(90.0))], arm) if carries_workpiece else robot_from(arm)
     assert robot.plan().name == "three parallel axes"
