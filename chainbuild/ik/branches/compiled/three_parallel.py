@@ -14,12 +14,13 @@ import numpy as np
 from chainbuild.ik.branches.compiled.angle_pairs import paired_roots, sinusoid_roots
 from chainbuild.ik.search.compiled.kernels import jit
 
-# Where each part of `three_parallel_constants` begins.
+# Where the parts of `three_parallel_constants` begin: M⁻¹ seen from the frame of axis 2, directions of axes 1, 5 and 6,
+# points on them and on axis 4, lengths of the links, their angles, signs of axes 3 and 4, then single numbers.
 _AFTER: Final = 12
-_ONE: Final = 24  # directions of axes 1,
-_FIVE: Final = 27  # 5
-_SIX: Final = 30  # and 6
-_ON_ONE: Final = 33  # points on them
+_ONE: Final = 24
+_FIVE: Final = 27
+_SIX: Final = 30
+_ON_ONE: Final = 33
 _ON_FIVE: Final = 36
 _ON_SIX: Final = 39
 _TIP: Final = 42
@@ -42,7 +43,7 @@ def three_parallel_branches(constants, T, values):
     Args:
         constants: Of `three_parallel_constants`.
         T: (4, 4) tool in the workpiece frame [m].
-        values: (8, 6) or longer, out: joint values in the order of the screws [rad], any whole turn.
+        values: (8, 6) or larger, out: joint values in the order of the screws [rad], any whole turn.
 
     Returns:
         How many branches were written, and whether these are certainly all.
@@ -176,7 +177,7 @@ def _complete(c, E, pair, values, row):
         sign = 1.0 - 2.0 * n
         second, third = middle - sign * ahead, sign * folded - c[_BEND]
         fourth = turn - second - third
-        place = values[row + n]
+        place = values[row + n, :6]
         if c[_BACKWARDS] != 0.0:
             place = place[::-1]
         place[0], place[1], place[2] = first, second, c[_SIGNS] * third

@@ -9,12 +9,20 @@ import numpy as np
 import pytest
 
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.assemble import rotary, shift, turn
+from chainbuild.frames import rot_x
 from chainbuild.ik.branches.arms.parallel_axes import parallel_arm, three_parallel_constants
 from chainbuild.ik.branches.arms.three_parallel import ThreeParallelAxes
 from chainbuild.ik.branches.compiled.constants import DOUBTFUL, ROWS
 from chainbuild.ik.branches.compiled.entries import FORMS
+from chainbuild.ik.branches.compiled.quick import quick_branches
+from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import Serial
+from chainbuild.ik.branches.every import every_branch
+from chainbuild.ik.request import IkRequest
 from chainbuild.tolerances import ROTATION_MATRIX
+from tests.kit.compare import same_turns
+from tests.kit.draws import random_axes
 from tests.kit.parallel_arms import (
     MADE,
     WRISTS,
@@ -28,6 +36,7 @@ from tests.kit.parallel_arms import (
     unit,
     with_signs,
 )
+from tests.kit.robots import robot_from
 
 NOTHING = (0.0,) * 6
 
@@ -36,9 +45,11 @@ def compiled(serial: Serial, targets: list[Matrix]) -> list[list[Vector] | None]
     """Return the joint values of poses, None where the compiled form is not sure."""
     constants = three_parallel_constants(serial)
     assert constants is not None
-    values, counts = np.full((len(targets), ROWS, 6), np.nan), np.empty(len(targets), np.int64)
+    values, counts = np.full((len(targets), ROWS, 7), -1.0), np.empty(len(targets), np.int64)
     FORMS["three parallel axes"](constants, np.array(targets), ROTATION_MATRIX, np.zeros(6), values, counts)
-    return [None if n == DOUBTFUL else list(rows[:n]) for rows, n in zip(values, counts.tolist(), strict=True)]
+    for rows, n in zip(values, counts.tolist(), strict=True):
+        assert n == DOUBTFUL or (rows[:n, 6] == -1.0).all()
+    return [None if n == DOUBTFUL else list(rows[:n, :6]) for rows, n in zip(values, counts.tolist(), strict=True)]
 
 
 def plain(serial: Serial, T: Matrix) -> list[Vector]:
@@ -116,6 +127,27 @@ def test_right_angles_and_what_is_beside_them() -> None:
         sure += compared(serial, values)
     assert sure > 0
     assert sure >= 0.9 * regular
+
+
+@pytest.mark.parametrize("carries_workpiece", [False, True])
+def test_a_robot_has_the_branches_of_the_plain_path(carries_workpiece: bool) -> None:
+    arm = [
+        shift(z=89.2), rotary("A1", "z"), rotary("A2", "y"), shift(y=-20.0, z=425.0), rotary("A3", "-y"),
+        shift(z=392.0), rotary("A4", "y"), shift(y=93.0), rotary("A5", "z"), shift(z=94.65), rotary("A6", "y"),
+        shift(y=82.3),
+    ]  # fmt: skip
+    robot = robot_from([shift(x=700.0), turn(rot_x(90.0))], arm) if carries_workpiece else robot_from(arm)
+    assert robot.plan().name == "three parallel axes"
+    rng = np.random.default_rng(29)
+    for _ in range(20):
+        axes = random_axes(robot, rng)
+        T = robot.fk(axes)
+        quick = quick_branches(robot, T.homogeneous, None, None)
+        assert quick is not None
+        assert any(same_turns(robot, branch.axes, axes) for branch in quick)
+        plain_ones = every_branch(BranchQuery.of(IkRequest.of(robot, T))).branches
+        for ours, theirs in zip(quick.axes, plain_ones.axes, strict=True):
+            assert same_turns(robot, ours, theirs)
 
 
 def test_singular_poses_are_left_to_the_plain_solver() -> None:
