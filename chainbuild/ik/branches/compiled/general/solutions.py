@@ -153,12 +153,15 @@ def write_values(constants, part, rows, half, right, hidden, nine, B, G, q, T, J
 
 
 @jit
-def is_complex_solution(constants, G, z, T, J, others, count):
-    """Tell whether Newton steps from complex values (6,) end at complex values.
+def is_complex_solution(constants, place, hidden, G, z, T, J, others, count):
+    """Tell whether Newton steps from complex values (6,) end at complex values with the eigenvalue that led there.
 
-    These must be regular and differ from the first rows of others; if so, they are written behind them.
+    The hidden joint, at a place among them, must come back to its angle, nearer than that is to real angles. The values
+    must be regular and differ from the first rows of others; if so, they are written behind them.
     """
     if not polish(constants, G, z, T, J) < MET:
+        return False
+    if not 4.0 * abs(np.sin(0.5 * (z[place] - hidden))) < abs(hidden.imag):
         return False
     aside = 0.0
     for n in range(len(z)):

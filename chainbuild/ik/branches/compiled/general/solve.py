@@ -17,6 +17,7 @@ from chainbuild.ik.branches.compiled.general.constants import (
     JOINTS,
     OPENINGS,
     PER_OPENING,
+    ROLES,
     SCALE,
 )
 from chainbuild.ik.branches.compiled.general.eigen import eigenvalues_of, gauss
@@ -148,7 +149,8 @@ def add_solutions(constants, part, room, half, angle, size, noise, values, found
                 constants, part, room.rows, half, room.right, complex_hidden, room.complex_nine,
                 room.complex_B, G, z, complex_T, complex_J,
             )  # fmt: skip
-            if is_complex_solution(constants, G, z, complex_T, complex_J, room.others, aside):
+            place = int(part[ROLES + 2])
+            if is_complex_solution(constants, place, complex_hidden, G, z, complex_T, complex_J, room.others, aside):
                 aside += 1
                 continue
             perhaps += 1
