@@ -151,6 +151,12 @@ def test_nothing_is_missing_at_right_angles(name: str) -> None:
     assert check(name, joint_values(30.0, 8, np.random.default_rng(4), beside=1e-3)) >= 4
 
 
+def test_two_branches_of_one_hidden_value() -> None:
+    # Two eigenvalues coincide here; Newton steps from a mixture of their branches end at branches of others.
+    q = np.radians([[0.0, 90.0, 270.0, 0.0, 270.0, 270.0]])
+    check("sixteen", q)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", list(arms()))
 def test_the_branches_of_plain_elimination_everywhere(name: str) -> None:

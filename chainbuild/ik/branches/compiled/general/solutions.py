@@ -1,9 +1,16 @@
-"""From an eigenvalue to the values of all six joints, brought to the pose by Newton steps: compiled code."""
+"""From an eigenvalue to the values of all six joints, brought to the pose by Newton steps: compiled code.
+
+Complex numbers are taken as well: so a complex eigenvalue is shown to be one, however near to the real ones it is.
+"""
 
 from __future__ import annotations
 
 import math
 from typing import Final
+
+import numpy as np
+from numba import types
+from numba.extending import overload
 
 from chainbuild.ik.branches.compiled.general.constants import (
     COMBINATIONS,
@@ -15,35 +22,38 @@ from chainbuild.ik.branches.compiled.general.constants import (
     SCREWS,
 )
 from chainbuild.ik.branches.compiled.general.eigen import gauss, substitute
-from chainbuild.ik.branches.compiled.general.equations import PRODUCTS, TERMS
+from chainbuild.ik.branches.compiled.general.equations import PRODUCTS, TERMS, write_kernel
 from chainbuild.ik.search.compiled.kernels import jit
 
 _STEPS: Final = 8  # Newton's: from a few digits, two are usual
 _MAX_STEP: Final = 0.3  # rad: a longer step is none towards the solution nearby
+MET: Final = 1e-10  # residual of a solution [arm lengths, rad]
+REGULAR: Final = 1e-4  # pivot of the Jacobian [arm lengths, rad]: below, branches meet, or solutions are a curve
+SAME: Final = 1e-4  # rad: solutions nearer than this are one
 _EXACT: Final = 1e-12  # residual [arm lengths, rad] at which no step improves anything
 
 
 @jit
 def write_screws(constants, q, T, J):
     """Write the loop's motion (3, 4) and the screws (6, 6) of its joints there: shift, then turn, one a column."""
-    for i in range(3):
-        for j in range(4):
+    rows, columns = T.shape
+    for i in range(rows):
+        for j in range(columns):
             T[i, j] = 1.0 if i == j else 0.0
-    for n in range(JOINTS):
+    for n in range(len(q)):
         at = SCREWS + n * PER_SCREW
-        for i in range(3):
-            turn, moment = 0.0, 0.0
-            for j in range(3):
-                turn += T[i, j] * constants[at + 24 + j]
-                moment += T[i, j] * constants[at + 27 + j]
-            J[3 + i, n], J[i, n] = turn, moment
-        for i in range(3):
+        for i in range(rows):
+            J[i, n] = J[3 + i, n] = 0.0
+            for j in range(rows):
+                J[3 + i, n] += T[i, j] * constants[at + 24 + j]
+                J[i, n] += T[i, j] * constants[at + 27 + j]
+        for i in range(rows):
             j, k = (i + 1) % 3, (i + 2) % 3
             J[i, n] += T[j, 3] * J[3 + k, n] - T[k, 3] * J[3 + j, n]
-        sine, versine = math.sin(q[n]), 1.0 - math.cos(q[n])
-        for i in range(3):
+        sine, versine = np.sin(q[n]), 1.0 - np.cos(q[n])
+        for i in range(rows):
             a, b, c = T[i, 0], T[i, 1], T[i, 2]
-            for j in range(4):
+            for j in range(columns):
                 first = sine * constants[at + j] + versine * constants[at + 12 + j]
                 second = sine * constants[at + 4 + j] + versine * constants[at + 16 + j]
                 third = sine * constants[at + 8 + j] + versine * constants[at + 20 + j]
@@ -89,44 +99,82 @@ def polish(constants, G, q, T, J):
     return miss
 
 
-@jit
-def write_values(constants, part, G, right, B, half_angle, sides, q, T, J):
-    """Write all six joint values (6,) that go with a kernel, see `write_kernel`, and half the hidden joint's angle."""
-    cosine, sine = 0.0, 0.0
-    for m in range(4):
-        cosine += B[3 * m, 12] * B[3 * m + 2, 12]
-        sine += B[3 * m + 1, 12] * B[3 * m + 2, 12]
-    x, y = 2.0 * math.atan2(B[11, 12], B[8, 12]), math.atan2(sine, cosine)
-    hidden = 2.0 * half_angle
-    write_eliminated(part, right, hidden, x, y, sides, q)
-    last = int(part[ROLES + 5])
-    q[int(part[ROLES + 2])], q[int(part[ROLES + 3])], q[int(part[ROLES + 4])] = hidden, x, y
-    q[last] = 0.0
-    write_screws(constants, q, T, J)
-    turned, _ = write_rest(G, T, J)
-    q[last] = math.atan2(J[3, last] * J[3, 6] + J[4, last] * J[4, 6] + J[5, last] * J[5, 6], turned)
+def angle_of(cosine, sine):
+    """Return the angle of a cosine and a sine, or of multiples of them."""
+    return math.atan2(sine, cosine)
+
+
+@overload(angle_of)
+def _angle_of(cosine, sine):
+    if isinstance(cosine, types.Complex):
+        # Of complex multiples: one of the two that differ by half a turn.
+        return lambda cosine, sine: -1.0j * np.log((cosine + 1.0j * sine) / np.sqrt(cosine * cosine + sine * sine))
+    return lambda cosine, sine: math.atan2(sine, cosine)
 
 
 @jit
-def write_eliminated(part, right, hidden, x, y, sides, q):
-    """Write the values of the two joints that were eliminated, from the products that the other joints leave them."""
+def write_values(constants, part, rows, half, right, hidden, nine, B, G, q, T, J):
+    """Write all six joint values (6,) that go with the hidden joint's angle, where the equations are nearly singular.
+
+    The angle and all arrays behind it, but G, are of real or of complex numbers.
+    """
+    write_kernel(rows, half, np.cos(0.5 * hidden), np.sin(0.5 * hidden), nine, B)
+    cosine, sine, one = 0.0 * hidden, 0.0 * hidden, 0.0 * hidden
+    for m in range(0, len(B), 3):
+        cosine += B[m, 12] * B[m + 2, 12]
+        sine += B[m + 1, 12] * B[m + 2, 12]
+        one += B[m + 2, 12] * B[m + 2, 12]
+    x, y = 2.0 * angle_of(B[8, 12], B[11, 12]), angle_of(cosine / one, sine / one)
+    products, reached, z = nine[0], nine[1], nine[2]
+    for n in range(len(T)):
+        by_y = np.cos(y) if n == 0 else (np.sin(y) if n == 1 else 1.0 + 0.0 * y)
+        products[n], products[3 + n], products[6 + n] = np.cos(x) * by_y, np.sin(x) * by_y, by_y
     left = part[LEFT : LEFT + ROWS * TERMS].reshape((ROWS, TERMS))
-    terms, reached, z = sides[0], sides[1], sides[2]
-    for c in range(TERMS):
-        a, b, e = c // COMBINATIONS, c // 3 % 3, c % 3
-        by_hidden = math.cos(hidden) if a == 0 else (math.sin(hidden) if a == 1 else 1.0)
-        by_x = math.cos(x) if b == 0 else (math.sin(x) if b == 1 else 1.0)
-        terms[c] = by_hidden * by_x * (math.cos(y) if e == 0 else (math.sin(y) if e == 1 else 1.0))
-    for k in range(ROWS):
+    a, b = np.cos(hidden), np.sin(hidden)
+    for k in range(len(left)):
         reached[k] = 0.0
-        for c in range(TERMS):
-            reached[k] += left[k, c] * terms[c]
+        for n in range(rows.shape[1] // 3):
+            reached[k] += (a * left[k, n] + b * left[k, 9 + n] + left[k, 18 + n]) * products[n]
     for k in range(PRODUCTS - 1, -1, -1):
-        total = -right[k, PRODUCTS]
-        for i in range(ROWS):
+        total = 0.0 * hidden - right[k, PRODUCTS]
+        for i in range(len(left)):
             total += right[k, COMBINATIONS + i] * reached[i]
         for j in range(k + 1, PRODUCTS):
             total -= right[k, j] * z[j]
         z[k] = total / right[k, k]
     # The products are in the order cosine, sine, 1 of the first joint, and in each the same of the second.
-    q[int(part[ROLES])], q[int(part[ROLES + 1])] = math.atan2(z[5], z[2]), math.atan2(z[7], z[6])
+    q[int(part[ROLES])], q[int(part[ROLES + 1])] = angle_of(z[2], z[5]), angle_of(z[6], z[7])
+    last = int(part[ROLES + 5])
+    q[int(part[ROLES + 2])], q[int(part[ROLES + 3])], q[int(part[ROLES + 4])] = hidden, x, y
+    q[last] = 0.0
+    write_screws(constants, q, T, J)
+    turned, _ = write_rest(G, T, J)
+    q[last] = angle_of(turned, J[3, last] * J[3, 6] + J[4, last] * J[4, 6] + J[5, last] * J[5, 6])
+
+
+@jit
+def is_complex_solution(constants, place, hidden, G, z, T, J, others, count):
+    """Tell whether Newton steps from complex values (6,) end at complex values with the eigenvalue that led there.
+
+    The hidden joint, at a place among them, must come back to its angle, nearer than that is to real angles. The values
+    must be regular and differ from the first rows of others; if so, they are written behind them.
+    """
+    if not polish(constants, G, z, T, J) < MET:
+        return False
+    if not 4.0 * abs(np.sin(0.5 * (z[place] - hidden))) < abs(hidden.imag):
+        return False
+    aside = 0.0
+    for n in range(len(z)):
+        aside = max(aside, abs(z[n].imag))
+    if not (aside > SAME and gauss(J, len(z), len(z)) > REGULAR and count < len(others)):
+        return False
+    for r in range(count):
+        one, other = 0.0, 0.0
+        for n in range(len(z)):
+            one = max(one, abs(np.sin(0.5 * (others[r, n] - z[n]))))
+            other = max(other, abs(np.sin(0.5 * (others[r, n].conjugate() - z[n]))))
+        if 2.0 * min(one, other) < SAME:
+            return False
+    for n in range(len(z)):
+        others[count, n] = z[n]
+    return True

@@ -1,13 +1,13 @@
 """All branches of one pose of six rotary joints in any arrangement: compiled code.
 
 Of the eigenvalues (see `equations`) each real one must lead to a solution of its own, and each other one must be
-complex beyond doubt: only then are the solutions certainly all.
+complex beyond doubt, or lead to a complex solution of its own: only then are the solutions certainly all.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -17,20 +17,58 @@ from chainbuild.ik.branches.compiled.general.constants import (
     JOINTS,
     OPENINGS,
     PER_OPENING,
+    ROLES,
     SCALE,
 )
 from chainbuild.ik.branches.compiled.general.eigen import eigenvalues_of, gauss
-from chainbuild.ik.branches.compiled.general.equations import write_best_companion, write_equations, write_kernel
-from chainbuild.ik.branches.compiled.general.solutions import polish, write_values
+from chainbuild.ik.branches.compiled.general.equations import write_best_companion, write_equations
+from chainbuild.ik.branches.compiled.general.solutions import (
+    MET,
+    REGULAR,
+    SAME,
+    is_complex_solution,
+    polish,
+    write_values,
+)
 from chainbuild.ik.search.compiled.kernels import jit
 
 _USELESS: Final = 1e7  # entries of the matrix above which its eigenvalues have no digits
 _APART: Final = 1e-9  # share below which the eliminated joints are not told apart
 _NOISE: Final = 1e-13  # times the square of the largest entry: 10 to 100 times what rounding was seen to make of 0
-_BESIDE: Final = 1e-2  # half the angle from the real ones: complex eigenvalues that are nearer are tried nevertheless
-_MET: Final = 1e-10  # residual of a solution [arm lengths, rad]
-_REGULAR: Final = 1e-4  # pivot of the Jacobian [arm lengths, rad]: below, branches meet, or solutions are a curve
-_SAME: Final = 1e-4  # rad: solutions nearer than this are one
+_BESIDE: Final = 1e-2  # of a sphere: complex eigenvalues so near to the real ones must lead to complex solutions
+
+
+class Room(NamedTuple):
+    """Scratch of one pose; the arrays bear the names they have in `equations` and `solutions`."""
+
+    G: Any  # (3, 4)
+    rows: Any  # (10, 27)
+    right: Any  # (15, 23)
+    nine: Any  # (16, 126)
+    B: Any  # (12, 32)
+    T: Any  # (3, 4)
+    J: Any  # (6, 7)
+    q: Any  # (6,)
+    complex_nine: Any  # (6, 14)
+    complex_B: Any  # (12, 13)
+    complex_T: Any  # (3, 4)
+    complex_J: Any  # (6, 7)
+    z: Any  # (6,)
+    others: Any  # (10, 6) complex solutions
+    real: Any  # (20,) eigenvalues
+    imaginary: Any  # (20,)
+
+
+@jit
+def room_of():
+    """Return the scratch."""
+    kind = np.complex128
+    return Room(
+        np.empty((3, 4)), np.empty((10, 27)), np.empty((15, 23)), np.empty((16, 126)), np.empty((12, 32)),
+        np.empty((3, 4)), np.empty((JOINTS, JOINTS + 1)), np.empty(JOINTS), np.empty((6, 14), kind),
+        np.empty((12, 13), kind), np.empty((3, 4), kind), np.empty((JOINTS, JOINTS + 1), kind), np.empty(JOINTS, kind),
+        np.empty((10, JOINTS), kind), np.empty(20), np.empty(20),
+    )  # fmt: skip
 
 
 @jit
@@ -86,47 +124,75 @@ def is_new(values, count, q):
         largest = 0.0
         for n in range(JOINTS):
             largest = max(largest, abs(math.sin(0.5 * (values[r, n] - q[n]))))
-        if 2.0 * largest < _SAME:
+        if 2.0 * largest < SAME:
             return False
     return True
 
 
 @jit
+def add_solutions(constants, part, room, half, angle, size, noise, values, found):
+    """Write the solutions of one opening behind those found before.
+
+    Returns how many there are then, and how many of the eigenvalues may be real: -1 if a solution is singular.
+    """
+    G, T, J, q = room.G, room.T, room.J, room.q
+    z, complex_T, complex_J = room.z, room.complex_T, room.complex_J
+    perhaps, aside = 0, 0
+    for k in range(size):
+        a, b = room.real[k], room.imaginary[k]
+        far = b > _BESIDE * (1.0 + a * a + b * b)
+        if b < 0.0 or (far and is_complex(room.real, room.imaginary, size, k, noise)):
+            continue
+        if b > 0.0:
+            complex_hidden = angle - 1.0j * np.log(complex(1.0 - b, a) / complex(1.0 + b, -a))
+            write_values(
+                constants, part, room.rows, half, room.right, complex_hidden, room.complex_nine,
+                room.complex_B, G, z, complex_T, complex_J,
+            )  # fmt: skip
+            place = int(part[ROLES + 2])
+            if is_complex_solution(constants, place, complex_hidden, G, z, complex_T, complex_J, room.others, aside):
+                aside += 1
+                continue
+            perhaps += 1
+        perhaps += 1
+        hidden = angle + 2.0 * math.atan(a)
+        write_values(constants, part, room.rows, half, room.right, hidden, room.nine, room.B, G, q, T, J)
+        if polish(constants, G, q, T, J) < MET and is_new(values, found, q) and found < len(values):
+            for n in range(JOINTS):
+                values[found, n] = q[n]
+            found += 1
+            if gauss(J, len(q), len(q)) < REGULAR:
+                return found, -1
+    return found, perhaps
+
+
+@jit
 def general_branches(constants, T, values):
-    """Write the solutions of a pose (4, 4) to the rows of `values` (32, 6); returns how many, whether certainly all."""
-    G, pose, J, q = np.empty((3, 4)), np.empty((3, 4)), np.empty((JOINTS, JOINTS + 1)), np.empty(JOINTS)
-    right, P, product, null = np.empty((15, 23)), np.empty((6, 14)), np.empty((10, 15)), np.empty((13, 20))
-    motion = np.empty((15, 15))
-    combined, rows, nine, B = np.empty((10, 6)), np.empty((10, 27)), np.empty((16, 126)), np.empty((12, 32))
-    A, real, imaginary = np.empty((21, 21)), np.empty(20), np.empty(20)
-    scaled(constants, T, G)
+    """Write the solutions of a pose.
+
+    Args:
+        constants: See `general_constants`.
+        T: (4, 4) tool in the workpiece frame [m].
+        values: (32, 6) out: joint values in the order of the screws.
+
+    Returns:
+        How many rows were written, and whether these are certainly all.
+    """
+    room = room_of()
+    P, product, motion, null = np.empty((6, 14)), np.empty((10, 15)), np.empty((15, 15)), np.empty((13, 20))
+    combined, A = np.empty((10, 6)), np.empty((21, 21))
+    scaled(constants, T, room.G)
     found = 0
     for n in range(int(constants[0])):
         part = constants[OPENINGS + n * PER_OPENING : OPENINGS + (n + 1) * PER_OPENING]
-        half, apart = write_equations(part, G, right, P, product, motion, null, combined, rows, nine)
-        angle, size, largest = write_best_companion(rows, half, nine, B, A)
-        if not (apart > _APART and largest < _USELESS and eigenvalues_of(A, size, real, imaginary)):
+        half, apart = write_equations(
+            part, room.G, room.right, P, product, motion, null, combined, room.rows, room.nine
+        )
+        angle, size, largest = write_best_companion(room.rows, half, room.nine, room.B, A)
+        if not (apart > _APART and largest < _USELESS and eigenvalues_of(A, size, room.real, room.imaginary)):
             continue
         noise = _NOISE * largest * largest
-        perhaps = 0
-        for k in range(size):
-            beside = abs(imaginary[k]) / (1.0 + real[k] * real[k] + imaginary[k] * imaginary[k])
-            certain = beside > 0.0 and is_complex(real, imaginary, size, k, noise)
-            if certain and (beside > _BESIDE or imaginary[k] < 0.0):
-                continue
-            if not certain:
-                perhaps += 1
-            half_angle = 0.5 * angle + math.atan(real[k])
-            write_kernel(rows, half, math.cos(half_angle), math.sin(half_angle), nine, B)
-            write_values(constants, part, G, right, B, half_angle, nine, q, pose, J)
-            if not (polish(constants, G, q, pose, J) < _MET and is_new(values, found, q) and found < len(values)):
-                continue
-            for i in range(JOINTS):
-                values[found, i] = q[i]
-            found += 1
-            # A complex eigenvalue leads to no new solution, unless rounding moved it farther than it is known to do.
-            if certain or gauss(J, len(q), len(q)) < _REGULAR:
-                return found, False
-        if 0 < perhaps <= found:
+        found, perhaps = add_solutions(constants, part, room, half, angle, size, noise, values, found)
+        if perhaps < 0 or 0 < perhaps <= found:
             return found, perhaps == found
     return found, False
