@@ -109,9 +109,9 @@ def test_slides_on_one_line_stay_where_they_are_kept() -> None:
     assert reach is not None
     point = np.array([0.2, 0.1, 0.4])
     for keep in ((0.3, 0.0, 0.1), (-0.2, 0.0, 0.5)):
-        kept = [values for values in reach(point, point, keep) if abs(values[1]) < 1e-9]
+        kept = [values for values in reach(point, point + 0.05 * X, keep) if abs(values[1]) < 1e-9]
         assert kept
-        assert kept[0][0] == pytest.approx(kept[0][2])
+        assert kept[0][0] == pytest.approx(kept[0][2] + 0.05)
         assert kept[0][0] + kept[0][2] == pytest.approx(keep[0] + keep[2])
 
 
