@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
@@ -11,7 +12,10 @@ import numpy as np
 
 from chainbuild.errors import ChainbuildError
 from chainbuild.formats.load import load
+from chainbuild.frames import transform
+from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.branches.many import ik_all_batch
+from chainbuild.ik.plan import plan_of
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.rtcp import linear_axes_batch
 from chainbuild.ik.search.batch import solve_batch
@@ -23,6 +27,10 @@ from chainbuild.progress import Progress, counting
 
 _ARM: Final = "kr6r900"
 _ARM_DEG: Final = (10.0, -80.0, 70.0, 20.0, 40.0, 30.0)  # inside its limits, far from singular
+_BENT_DEG: Final = 20.0  # of every axis: inside the limits of all, far from singular
+_X, _Y, _Z = np.eye(3).tolist()
+_THREE_PARALLEL: Final = (_Z, _Y, _Y, _Y, _Z, _Y)
+_ANYHOW: Final = (_Z, _Y, [0.6, 0.0, 0.8], _X, [0.0, 0.6, 0.8], _Y)
 _MANY: Final = 512  # repetitions: enough poses for the entry point of large batches
 _MACHINE: Final = "ac_table_kin58"  # of RTCP: its linear axes are solved alone
 
@@ -51,6 +59,8 @@ def warm_up(*, progress: Progress = False) -> Mapping[str, float]:
         "many poses": partial(solve_batch, arm, np.tile(poses, (_MANY, 1, 1)), start),
         "a path": partial(solve_path, arm, poses, start),
         "all branches of many poses": partial(ik_all_batch, arm, poses),
+        "all branches of a pose": partial(ik_all, arm, poses[0]),
+        **{f"all branches: {plan_of(one).name}": _branches_of(one) for one in (machine, *_other_arms(arm))},
         "linear axes of many positions": partial(linear_axes_batch, machine, np.zeros((1, 3)), zeros),
     }
     took: dict[str, float] = {}
@@ -61,3 +71,17 @@ def warm_up(*, progress: Progress = False) -> Mapping[str, float]:
             took[name] = time.perf_counter() - begin
             advance(1)
     return took
+
+
+def _branches_of(mechanism: Mechanism) -> Callable[[], object]:
+    return partial(ik_all, mechanism, mechanism.fk(np.full(len(mechanism.axes), _BENT_DEG)))
+
+
+def _other_arms(arm: Mechanism) -> Iterator[Mechanism]:
+    """Yield arms with other axes: three of them parallel, and none parallel to another or meeting it."""
+    for directions in (_THREE_PARALLEL, _ANYHOW):
+        joints = (
+            replace(joint, direction=np.array(direction), T_parent_joint=transform(None, [0.1, 0.2 * n, 0.3]))
+            for n, (joint, direction) in enumerate(zip(arm.chain.joints, directions, strict=True))
+        )
+        yield Mechanism(replace(arm.chain, joints=tuple(joints)))

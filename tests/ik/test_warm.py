@@ -35,7 +35,7 @@ def test_every_entry_point_is_called(run: Run, monkeypatch: pytest.MonkeyPatch) 
     assert outcome.code == 0
     assert set(called) == {"search_one", "search_many", "track_many", "write_branches", "write_linear_axes"}
     seconds = json.loads(outcome.out)["seconds"]
-    assert len(seconds) == 5
+    assert len(seconds) == 9
     assert all(value > 0.0 for value in seconds.values())
 
 

@@ -37,7 +37,7 @@ def compiled(serial: Serial, targets: list[Matrix]) -> list[list[Vector] | None]
     constants = three_parallel_constants(serial)
     assert constants is not None
     values, counts = np.full((len(targets), ROWS, 6), np.nan), np.empty(len(targets), np.int64)
-    FORMS["three parallel axes"](constants, np.array(targets), ROTATION_MATRIX, values, counts)
+    FORMS["three parallel axes"](constants, np.array(targets), ROTATION_MATRIX, np.zeros(6), values, counts)
     return [None if n == DOUBTFUL else list(rows[:n]) for rows, n in zip(values, counts.tolist(), strict=True)]
 
 
