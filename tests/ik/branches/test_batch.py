@@ -84,9 +84,10 @@ def test_the_same_where_the_wrist_is_straight(name: str, compiled: bool) -> None
 
 
 @both_paths
-def test_the_same_where_the_wrist_stands_on_the_first_axis(compiled: bool) -> None:
+@pytest.mark.parametrize("count", [80, pytest.param(400, marks=pytest.mark.slow)])
+def test_the_same_where_the_wrist_stands_on_the_first_axis(count: int, compiled: bool) -> None:
     robot = machine("kr6r900")
-    axes = np.array(poses(robot, 400))
+    axes = np.array(poses(robot, count))
     axes[:, 0] = np.linspace(-100.0, 100.0, len(axes))
     targets = robot.fk_batch(axes)
     # The wrist centre, 80 mm behind the flange, moved onto axis 1: as far from it as it was high.

@@ -63,7 +63,7 @@ def check(seed: int) -> Branches | None:
     return found
 
 
-@pytest.mark.parametrize("seed", [*range(16), *CAUSES])
+@pytest.mark.parametrize("seed", [*range(12), *CAUSES])
 def test_a_degenerate_chain_has_branches(seed: int) -> None:
     check(seed)
 
@@ -76,7 +76,7 @@ def test_every_degenerate_chain_has_branches(first: int) -> None:
 
 
 def test_the_chains_are_degenerate_in_all_ways() -> None:
-    cases = [degenerate_case(seed) for seed in range(120)]
+    cases = [degenerate_case(seed) for seed in range(60)]
     assert {len(case.axes) for case in cases} == {3, 4, 5, 6}
     assert {case.robot.task for case in cases} == {"pose", "direction", "position"}
     assert {"search", "direct", "position", "single wrist axis", "elimination"} <= {c.robot.plan().name for c in cases}
@@ -84,7 +84,7 @@ def test_the_chains_are_degenerate_in_all_ways() -> None:
     for case in cases:
         J = residual(case.robot, case)(case.axes * case.robot.kinematics.si_factors)[1]
         lost += bool(np.linalg.svd(J, compute_uv=False)[-1] < 1e-9)
-    assert lost > 40
+    assert lost > 20
 
 
 def test_narrow_limits_leave_what_is_inside() -> None:

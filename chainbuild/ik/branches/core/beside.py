@@ -34,8 +34,8 @@ _ALIKE: Final = 0.98  # cosine of directions that are one: twelve of a surface a
 _MOST_MOVED: Final = 0.999  # share of the largest motion that is as large but for rounding
 _FIRST_STEP: Final = 0.05  # rad or m along a curve
 _SHORTEST: Final = 1e-4  # a curve that needs shorter steps is left
-_BENT: Final = 0.25  # rad that a curve turns in one step: where it turns more, another one may come close
-_LARGEST: Final = 0.4  # rad: of a circle it leaves the twelfth part
+_BENT: Final = 0.35  # rad that a curve turns in one step: where it turns more, another one may come close
+_LARGEST: Final = 0.5  # rad: what lies between two places is seen from their chord
 _FARTHEST: Final = 20.0  # m: of a straight line of slides alone
 _MOST: Final = 300  # steps along a curve: twice as many as a turn of all axes takes
 _MOST_WALKED: Final = 60  # steps over a surface: half a turn of six axes is 7.7 rad
@@ -104,10 +104,9 @@ class Beside:
         if len(directions) > 1 and self._is_surface(x, directions):
             return self._walked(x, others)
         found: set[int] = set()
-        for direction in (*directions, *-directions):
-            if len(found) == len(others):
-                break
-            self._follow(x, direction, others, found)
+        for direction in directions:
+            if len(found) < len(others) and not self._follow(x, direction, others, found):
+                self._follow(x, -direction, others, found)
         return found
 
     def _is_surface(self, x: Vector, directions: Matrix) -> bool:
@@ -141,10 +140,11 @@ class Beside:
         _, sizes, rows = np.linalg.svd(J[:, self.free])
         return rows[int((sizes > _LOST * sizes[0]).sum()) :], sizes
 
-    def _corrected(self, x: Vector, steps: int, met: float) -> tuple[Vector, float]:
+    def _corrected(self, x: Vector, steps: int, met: float, *, on_curve: bool = False) -> tuple[Vector, float]:
         """Return x after damped Newton steps and how far the pose is off there.
 
-        Damped by the error they lead to the solutions nearby, and leave alone what moves along these.
+        Damped by the error they lead to the solutions nearby, and leave alone what moves along these. Where a curve is
+        certain, its square is enough, and quicker.
         """
         off = math.inf
         for _ in range(steps):
@@ -154,7 +154,8 @@ class Beside:
                 break
             J = J[:, self.free]
             H = J.T @ J
-            H.flat[:: len(H) + 1] += float(np.linalg.norm(error))
+            size = float(np.linalg.norm(error))
+            H.flat[:: len(H) + 1] += size * size if on_curve else size
             try:
                 step = np.linalg.solve(H, J.T @ error)
             except np.linalg.LinAlgError:  # the error is below the rounding of H
@@ -165,11 +166,11 @@ class Beside:
             off = self.off(x)
         return x, off if math.isfinite(off) else math.inf
 
-    def _moved(self, x: Vector, step: Vector) -> tuple[Vector, float]:
+    def _moved(self, x: Vector, step: Vector, *, on_curve: bool = False) -> tuple[Vector, float]:
         """Return the solution beside a step (n_free,) from x, and how far it is off."""
         y = x.copy()
         y[self.free] += step
-        return self._corrected(y, _CORRECTIONS, _MET)
+        return self._corrected(y, _CORRECTIONS, _MET, on_curve=on_curve)
 
     def _continued(self, x: Vector, null: Matrix) -> Matrix:
         """Return those directions (m, n_free) among singular ones in which there are more solutions."""
@@ -204,11 +205,11 @@ class Beside:
                 return False
         return False
 
-    def _follow(self, x: Vector, direction: Vector, others: Sequence[Vector], found: set[int]) -> None:
-        """Follow a curve of solutions from x, and add which of the others it passes."""
+    def _follow(self, x: Vector, direction: Vector, others: Sequence[Vector], found: set[int]) -> bool:
+        """Follow a curve of solutions from x, and add which of the others it passes; return whether nothing is left."""
         at, tangent, length, passed, apart = x, direction[self.free], _FIRST_STEP, 0.0, math.inf
         for _ in range(_MOST):
-            ahead, off = self._moved(at, length * tangent)
+            ahead, off = self._moved(at, length * tangent, on_curve=True)
             step, bend = (ahead - at)[self.free], math.inf
             if off < _MET:
                 null, sizes = self._null(ahead)
@@ -218,19 +219,22 @@ class Beside:
             if bend > _BENT or float(np.linalg.norm(step - length * tangent)) > _BENT * length:
                 length /= 2.0
                 if length < _SHORTEST:
-                    return
+                    return False
                 continue
             found |= {n for n in self._near(at, ahead, others) if n not in found and self._passes(at, ahead, others[n])}
             passed += length
             closed = passed > 3.0 * length and self._near(at, ahead, [x]) and self._passes(at, ahead, x)
-            if len(found) == len(others) or closed or self._is_beyond(ahead):
-                return
+            if len(found) == len(others) or closed:
+                return True
+            if self._is_beyond(ahead):
+                return False
             # Towards a crossing of curves the next singular value vanishes: another curve may pass close by instead.
             last, apart = apart, float(sizes[len(self.free) - len(null) - 1])
             crossing = 0.5 * length * apart / (last - apart) if apart < last < math.inf else math.inf
             most = _LARGEST if self._turns_any(turned) else _FARTHEST
             length = max(min(length * (2.0 if bend < 0.3 * _BENT else 1.0), most, crossing), _SHORTEST)
             at, tangent = ahead, turned
+        return False
 
     def _turns_any(self, direction: Vector) -> bool:
         return bool(np.abs(direction[self.rotary]).max(initial=0.0) > _NOTHING)
