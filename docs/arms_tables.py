@@ -82,9 +82,10 @@ def run() -> str:
     versions = ", ".join(f"{name} {number}" for name, number in found["versions"].items())
     poses = sum(row["poses"] for row in rows if row["solver"] == OURS)
     return (
-        f"{found['date']}, {found['computer']}, one core, {found['minutes']:g} minutes; {versions}. {found['arms']} arms,"
-        f" nominal and calibrated, {found['poses_each']} poses of each kind: {poses:,} poses, {isolated(rows):,} isolated"
-        f" branches. {found['touching']:,} poses have solutions beside these that are not isolated.\n\n{verdict()}\n"
+        f"{found['date']}, {found['computer']}, one core, {found['minutes']:g} minutes; {versions}. {found['arms']}"
+        f" arms, nominal and calibrated, {found['poses_each']} poses of each kind: {poses:,} poses,"
+        f" {isolated(rows):,} isolated branches. {found['touching']:,} poses have solutions beside these that are not"
+        f" isolated.\n\n{verdict()}\n"
     )
 
 
@@ -99,19 +100,17 @@ def verdict() -> str:
     mine = [row for row in rows if row["solver"] == OURS]
     theirs = [row for row in rows if row["solver"] == PEER]
     lacks, wrong = (sum(row[word] for row in mine) for word in ("missed", "wrong"))
-    median, tail = (
-        sum(row[f"ours_{word}"] < row[word] for row in theirs) for word in ("median", "p95")
-    )
+    median, tail = (sum(row[f"ours_{word}"] < row[word] for row in theirs) for word in ("median", "p95"))
     return (
-        f"chainbuild's `ik_all` misses {lacks:,} of {isolated(rows):,} isolated branches and returns {wrong:,} wrong ones;"
-        f" it is quicker than ssik in the median of {median} and in the 95 % of {tail} of {len(theirs)} classes of arms"
-        " and poses."
+        f"chainbuild's `ik_all` misses {lacks:,} of {isolated(rows):,} isolated branches and returns {wrong:,} wrong"
+        f" ones; it is quicker than ssik in the median of {median} and in the 95 % of {tail} of {len(theirs)} classes"
+        " of arms and poses."
     )
 
 
 def line() -> str:
     """Return the line of the README."""
     return (
-        f"All branches of the {report()['arms']} six-axis arms of ssik, nominal and calibrated, at random, right-angled and"
-        f" near-singular poses ([every class, every solver](docs/arms.md), `make bench-arms`): {verdict()}\n"
+        f"All branches of the {report()['arms']} six-axis arms of ssik, nominal and calibrated, at random, right-angled"
+        f" and near-singular poses ([every class, every solver](docs/arms.md), `make bench-arms`): {verdict()}\n"
     )

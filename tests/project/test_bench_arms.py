@@ -6,6 +6,7 @@ import json
 import runpy
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -145,14 +146,18 @@ def test_every_solver_is_counted_at_the_same_poses(monkeypatch: pytest.MonkeyPat
 def test_what_chainbuild_misses_can_be_looked_at() -> None:
     exact = ours(ARM, plain=True)
     findings = Findings()
-    measure(ARM, [Peer(OURS, exact.prepare, exact.solve, lambda found: exact.joints(found)[1:])], 1, findings, KINDS[:1])
+    measure(
+        ARM, [Peer(OURS, exact.prepare, exact.solve, lambda found: exact.joints(found)[1:])], 1, findings, KINDS[:1]
+    )
     (missed,) = findings.misses
     assert (missed["arm"], missed["kind"], missed["pose"], missed["wrong"]) == ("palletizer", KINDS[0], 0, 0)
     assert missed["q"] == joint_values(ARM, KINDS[0], 1)[0].tolist()
     assert len(missed["missed"]) == 1 and np.abs(ARM.pose(missed["missed"][0]) - ARM.pose(missed["q"])).max() < 1e-8
 
 
-def test_solvers_that_are_missing_are_named(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_solvers_that_are_missing_are_named(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     for name in ("eaik.IK_HP", "py_opw_kinematics"):
         monkeypatch.setitem(sys.modules, name, None)
     assert [peer.name for peer in peers(ARM, None)] == [OURS, PLAIN]
@@ -161,15 +166,15 @@ def test_solvers_that_are_missing_are_named(monkeypatch: pytest.MonkeyPatch, cap
 
 
 def test_an_arm_is_taken_from_the_matrices_of_a_module() -> None:
-    class Module:
-        _JOINT_AXES = ARM.axes
-        _JOINT_T_LEFTS = [shift(offset) for offset in ARM.offsets()[:6]]
-        _JOINT_T_RIGHTS = [np.eye(4)] * 5 + [shift(ARM.offsets()[6]) @ turned(ARM.M)]
-
-    arm = prebuilt_arm("palletizer_ik", "non-Pieper 6R", Module)
+    module = SimpleNamespace(
+        _JOINT_AXES=ARM.axes,
+        _JOINT_T_LEFTS=[shift(offset) for offset in ARM.offsets()[:6]],
+        _JOINT_T_RIGHTS=[np.eye(4)] * 5 + [shift(ARM.offsets()[6]) @ turned(ARM.M)],
+    )
+    arm = prebuilt_arm("palletizer_ik", "non-Pieper 6R", module)
     assert (arm.name, arm.family) == ("palletizer", OTHER)
     assert np.abs(arm.pose(Q) - T).max() < 1e-12
-    assert prebuilt_arm("a_ik", "Pieper 6R, spherical wrist", Module).family == SPHERICAL
+    assert prebuilt_arm("a_ik", "Pieper 6R, spherical wrist", module).family == SPHERICAL
 
 
 def shift(offset: np.ndarray) -> np.ndarray:
@@ -225,5 +230,3 @@ def test_the_pages_tell_what_the_run_has_found(tmp_path: Path, monkeypatch: pyte
     assert "in the median of 2 and in the 95 % of 1 of 2 classes" in said
     assert "2 arms, nominal and calibrated, 5 poses of each kind: 20 poses" in found["run"]()
     assert said in found["line"]()
-
-

@@ -19,9 +19,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from chainbuild.ik.search.compiled import packing
-from tests.bench.arms.geometry import Arm, calibrated, prebuilt_arm
-from tests.bench.arms.measure import Findings, measure
-from tests.bench.arms.peers import BUILT, build, built, peers
+from tests.bench.arms.geometry import CLASSES, Arm, calibrated, prebuilt_arm
+from tests.bench.arms.measure import KINDS, Findings, measure
+from tests.bench.arms.peers import BUILT, SOLVERS, build, built, peers
 from tests.kit.paths import ROOT
 
 OUTPUT: Final = ROOT / "tests/bench/arms.json"
@@ -100,7 +100,7 @@ def summary(findings: Findings, number: int, poses: int, with_ssik: list[str]) -
     """Return what is written: one row for each class and solver, and what chainbuild missed."""
     rows = [
         {"family": family, "calibrated": off, "kind": kind, "solver": solver} | tally.summary()
-        for (family, off, kind, solver), tally in sorted(findings.tallies.items(), key=lambda item: item[0][:3])
+        for (family, off, kind, solver), tally in sorted(findings.tallies.items(), key=lambda item: _order(*item[0]))
     ]
     return {
         "date": datetime.now(UTC).date().isoformat(),
@@ -113,6 +113,10 @@ def summary(findings: Findings, number: int, poses: int, with_ssik: list[str]) -
         "rows": rows,
         "misses": findings.misses,
     }
+
+
+def _order(family: str, off: bool, kind: str, solver: str) -> tuple[bool, int, int, int]:
+    return off, CLASSES.index(family), KINDS.index(kind), SOLVERS.index(solver)
 
 
 def versions() -> dict[str, str]:

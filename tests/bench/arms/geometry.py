@@ -141,9 +141,7 @@ def prebuilt_arm(name: str, kinematic_class: str, module: Any) -> Arm:
     """Return an arm of `ssik.prebuilt` from the matrices of its module: joint i is T_left · Rot(axis, q) · T_right."""
     T = np.eye(4)
     axes, points = [], []
-    for left, axis, right in zip(
-        module._JOINT_T_LEFTS, module._JOINT_AXES, module._JOINT_T_RIGHTS, strict=True
-    ):
+    for left, axis, right in zip(module._JOINT_T_LEFTS, module._JOINT_AXES, module._JOINT_T_RIGHTS, strict=True):
         T = T @ left
         axes.append(T[:3, :3] @ axis / np.linalg.norm(axis))
         points.append(T[:3, 3].copy())
