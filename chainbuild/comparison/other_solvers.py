@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.comparison.eaik_model import eaik_answers, eaik_robot
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.core.axis_values import axes_for
 from chainbuild.ik.branches.core.query import BranchQuery
-from chainbuild.ik.branches.elimination.eaik_arm import eaik_answers, eaik_robot
 from chainbuild.ik.branches.opw.parameters import opw_arm
 from chainbuild.ik.request import IkRequest
 from chainbuild.kinematics.closure import closing_axes

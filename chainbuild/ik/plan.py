@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Final, Literal
 
 import numpy as np
 
+from chainbuild.arrays import Matrix
 from chainbuild.chain.elements import Task
 from chainbuild.ik.branches.arms.arms import ARMS, ArmName, arm_solver
+from chainbuild.ik.branches.arms.parallel_axes import ParallelArm, parallel_arm
+from chainbuild.ik.branches.arms.three_parallel import ThreeParallelAxes
 from chainbuild.ik.branches.arms.virtual_joints import (
     common_rotary_axis,
     first_joints,
@@ -19,23 +23,22 @@ from chainbuild.ik.branches.arms.virtual_joints import (
 )
 from chainbuild.ik.branches.closed import is_posed, opened_query
 from chainbuild.ik.branches.core.query import BranchQuery
-from chainbuild.ik.branches.core.serial import ArmSolver, Serial
+from chainbuild.ik.branches.core.serial import ArmSolver, Serial, Solution
 from chainbuild.ik.branches.direct import query_is_direct
-from chainbuild.ik.branches.elimination.eaik_arm import eaik_solver
 from chainbuild.ik.branches.elimination.elimination import JOINTS, elimination
 from chainbuild.ik.request import IkRequest
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.shown import two_lines
 
-PlanName = ArmName | Literal["direct", "EAIK", "elimination", "struts", "search"]
+PlanName = ArmName | Literal["direct", "three parallel axes", "elimination", "struts", "search"]
 
 TASK_ROWS: Final[Mapping[Task, int]] = {"pose": 6, "direction": 5, "position": 3}  # freedoms that a task determines
-_MAX_VIRTUAL_JOINTS: Final = 2  # chains of fewer than four joints are left to EAIK or to the search
+_MAX_VIRTUAL_JOINTS: Final = 2  # chains of fewer than four joints are left to the search
 _MAX_PREPARED: Final = 64  # every value of a held axis makes another chain
 _REASONS: Final[Mapping[str, str]] = {
     **ARMS,
     "direct": "three independent linear axes: the rotary axes give the orientation, the linear ones the position",
-    "EAIK": "six joints whose wrist is not spherical, decomposed into subproblems by EAIK",
+    "three parallel axes": "the axes beside three parallel ones are found first, then a planar arm of two links",
     "elimination": "six joints without a special structure: all solutions as eigenvalues of one matrix",
 }
 
@@ -45,8 +48,8 @@ class SolverPlan:
     """The solver that finds every branch of a pose, chosen once for each set of held axes.
 
     Attributes:
-        name: "direct", "spherical wrist", "single wrist axis", "parallel arm", "position", "EAIK", "elimination",
-            "struts" (closed loops), or "search": damped descents from many starts.
+        name: "direct", "spherical wrist", "single wrist axis", "parallel arm", "position", "three parallel axes",
+            "elimination", "struts" (closed loops), or "search": damped descents from many starts.
         reason: Why, in words.
         complete: True if no branch can be missing; False if branches are only searched for.
     """
@@ -126,14 +129,28 @@ def _for_pose(serial: Serial) -> SolverPlan | None:
     known = arm_solver(serial, "pose")
     if known is not None:
         return _complete(*known)
-    count = len(serial.screws)
-    solver = (
-        elimination(with_virtual_joints(serial, JOINTS - count))
-        if JOINTS - _MAX_VIRTUAL_JOINTS <= count <= JOINTS
-        else None
-    )
-    eliminating = None if solver is None else first_joints(solver.solve, count, JOINTS)
-    through_eaik = eaik_solver(serial, eliminating)
-    if through_eaik is not None:
-        return _complete("EAIK", through_eaik)
+    parallels = parallel_arm(serial)
+    if parallels is not None:
+        return _complete("three parallel axes", _helped_out(parallels, serial))
+    eliminating = _eliminating(serial)
     return None if eliminating is None else _complete("elimination", eliminating)
+
+
+def _eliminating(serial: Serial) -> ArmSolver | None:
+    count = len(serial.screws)
+    if not JOINTS - _MAX_VIRTUAL_JOINTS <= count <= JOINTS:
+        return None
+    solver = elimination(with_virtual_joints(serial, JOINTS - count))
+    return None if solver is None else first_joints(solver.solve, count, JOINTS)
+
+
+def _helped_out(arm: ParallelArm, serial: Serial) -> ArmSolver:
+    """Return the solver of three parallel axes, helped out by elimination where solutions may be missing."""
+    closed_form, otherwise = ThreeParallelAxes(arm), cache(lambda: _eliminating(serial))
+
+    def solve(target: Matrix, keep: Sequence[float]) -> list[Solution]:
+        found, doubtful = closed_form.solve(target, keep)
+        helper = otherwise() if doubtful else None
+        return found if helper is None else found + helper(target, keep)
+
+    return solve

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from chainbuild.comparison.eaik_model import eaik_robot
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import Serial
-from chainbuild.ik.branches.elimination.eaik_arm import eaik_robot
 from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.branches.many import ik_all_batch
 from chainbuild.ik.branches.opw.parameters import OpwArm, opw_arm

@@ -131,7 +131,7 @@ def test_six_and_seven_axes_have_marks_of_their_own() -> None:
 
 def test_a_wrong_branch_misses_its_mark() -> None:
     found = results()
-    found.branches.append(BranchRow("seven", "chainbuild ik_all (EAIK)", 100.0, 5.0, 1.0, 2))
+    found.branches.append(BranchRow("seven", "chainbuild ik_all (three parallel axes)", 100.0, 5.0, 1.0, 2))
     assert by_name(found, "all branches: none wrong") == Mark("all branches: none wrong", "seven", "2", False)
     assert "5.00, 2 wrong" in page(found, 10, 1, 100)
 

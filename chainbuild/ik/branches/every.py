@@ -14,7 +14,7 @@ from chainbuild.ik.branches.core.free_axis import solutions_of, with_free_axes_i
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.direct import find_direct
 from chainbuild.ik.branches.multistart import multistart_branches
-from chainbuild.ik.branches.redundant import REDUNDANT_SAMPLES, Redundant, held_samples, joined
+from chainbuild.ik.branches.redundant import REDUNDANT_SAMPLES, Redundant, held_samples, joined_branches
 from chainbuild.ik.branches.status_filter import StatusFilter
 from chainbuild.ik.branches.status_turn import has_status, status_turn_rows
 from chainbuild.ik.plan import TASK_ROWS, plan_for
@@ -41,7 +41,7 @@ def ik_all(
     if redundant is not None:
         choices = held_samples(mechanism, redundant, samples, held, request.start)
         parts = [ik_all(mechanism, T, start, one, windings=windings, status=status, turn=turn) for one in choices]
-        return joined(parts, request.start_point()[0])
+        return joined_branches(parts, request.start_point()[0])
     if status is None and turn is None and not windings:
         found = quick_branches(mechanism, request.target, request.start, held)
         if found is not None:
@@ -74,6 +74,9 @@ def every_branch(query: BranchQuery) -> Solutions:
 
 def nearest_branch(request: IkRequest) -> IkResult | None:
     """Return the branch nearest to the start, or a failure; None if the plan only searches."""
+    quick = quick_branches(request.mechanism, request.target, request.start, request.held)
+    if quick is not None and len(quick):
+        return quick[0]
     query = BranchQuery.of(request)
     if not plan_for(query).complete:
         return None

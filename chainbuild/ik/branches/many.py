@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from chainbuild import tolerances
 from chainbuild.arrays import Matrix
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.branches.compiled.constants import DOUBTFUL
-from chainbuild.ik.branches.compiled.quick import quick_form
+from chainbuild.ik.branches.compiled.constants import DOUBTFUL, ROWS
+from chainbuild.ik.branches.compiled.quick import quick_form, write_branches_of
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.every import every_branch
 from chainbuild.ik.branches.opw.batch import has_ortho_parallel_batch, ortho_parallel_batch
@@ -28,7 +27,6 @@ from chainbuild.units import Units
 if TYPE_CHECKING:
     from chainbuild.kinematics.inputs import Pose
 
-_MOST: Final = 16  # branches of six joints; a pose that has more, by whole turns or free axes, is solved by itself
 _CHUNK: Final = 8192  # poses between updates of the progress bar and checks for interrupts
 _BAR: Final = "branches"  # what the progress bar is labelled with
 
@@ -108,28 +106,37 @@ def _batch(
             permitted="axes held or named as redundant until the pose determines the others",
         )
     form, x0 = quick_form(mechanism, start, held) if compiled else (None, start_point(mechanism, start, held)[0])
-    found = np.full((len(targets), _MOST, len(robot.axes)), np.nan)
-    counts = np.full(len(targets), DOUBTFUL, dtype=np.int64)
-    alone: dict[int, Matrix] = {}
+    parts = [np.full((0, 1, len(robot.axes)), np.nan)]
     with counting(len(targets), progress, _BAR) as advance:
         for first in range(0, len(targets), _CHUNK):
-            part = slice(first, min(first + _CHUNK, len(targets)))
+            part = targets[first : first + _CHUNK]
+            found = np.full((len(part), ROWS, len(robot.axes)), np.nan)
+            counts = np.full(len(part), DOUBTFUL, dtype=np.int64)
             if form is not None:
-                form.many(*form.arrays, targets[part], x0, tolerances.ROTATION_MATRIX, found[part], counts[part])
-            for row in (first + np.flatnonzero(counts[part] < 0)).tolist():
+                write_branches_of(form, part, x0, found, counts)
+            alone: dict[int, Matrix] = {}
+            for row in np.flatnonzero(counts < 0).tolist():
                 try:
-                    query = BranchQuery.of(IkRequest(mechanism, targets[row], start, held))
+                    query = BranchQuery.of(IkRequest(mechanism, part[row], start, held))
                 except ChainbuildError as error:
-                    raise at_row(error, row) from None
+                    raise at_row(error, first + row) from None
                 alone[row] = every_branch(query).branches.axes
-            advance(part.stop - part.start)
-    found /= robot.kinematics.si_factors
-    most = max([1, *counts.tolist(), *(len(axes) for axes in alone.values())])
-    if most > _MOST:
-        found = np.concatenate([found, np.full((len(found), most - _MOST, found.shape[2]), np.nan)], axis=1)
-    for row, axes in alone.items():
-        found[row, : len(axes)] = axes
-    return found[:, :most]
+            found = _wide(found, max([1, *counts.tolist(), *map(len, alone.values())]))
+            for row, axes in alone.items():
+                found[row] = np.nan
+                found[row, : len(axes)] = axes
+            parts.append(found)
+            advance(len(part))
+    most = max(part.shape[1] for part in parts)
+    return np.concatenate([_wide(part, most) for part in parts])
+
+
+def _wide(found: Matrix, width: int) -> Matrix:
+    """Return branches (N, K, n_axes) with K cut or filled up to a width."""
+    wide = np.full((len(found), width, found.shape[2]), np.nan)
+    kept = min(width, found.shape[1])
+    wide[:, :kept] = found[:, :kept]
+    return wide
 
 
 def _without_limits(mechanism: Mechanism) -> Mechanism:

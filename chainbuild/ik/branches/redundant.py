@@ -41,7 +41,9 @@ def held_samples(
         AxisValueError: held has a wrong number of values, an unknown name, or names an axis twice.
         ChainbuildError: an unknown axis, one that is held, or too many values.
     """
-    names = (redundant,) if isinstance(redundant, str) else tuple(redundant)
+    names = (redundant,) if isinstance(redundant, str) or not isinstance(redundant, Sequence) else tuple(redundant)
+    if not names:
+        raise ChainbuildError("no redundant axis is named", parameter="redundant", permitted="one or more")
     known = held_by_name(mechanism, held)
     if not isinstance(samples, int) or isinstance(samples, bool) or not 1 <= samples <= _MAX_COMBINATIONS:
         raise ChainbuildError(f"samples is {samples!r}", parameter="samples", permitted=f"1 … {_MAX_COMBINATIONS}")
@@ -57,9 +59,9 @@ def held_samples(
             raise ChainbuildError(text, parameter="redundant", permitted="one of them")
         columns[n] = _values(mechanism, n, samples, None if start is None else float(start[n]))
     count = int(np.prod([len(values) for values in columns.values()]))
-    if not 1 <= count <= _MAX_COMBINATIONS:
-        text = f"{count} combinations of values" if count else "no redundant axis"
-        raise ChainbuildError(text, parameter="redundant", permitted=f"1 … {_MAX_COMBINATIONS} combinations")
+    if count > _MAX_COMBINATIONS:
+        text = f"{count} combinations of values"
+        raise ChainbuildError(text, parameter="redundant", permitted=f"up to {_MAX_COMBINATIONS}")
     axes = [mechanism.labels.names[n] for n in columns]
     return [{**known, **dict(zip(axes, row, strict=True))} for row in itertools.product(*columns.values())]
 
@@ -76,7 +78,7 @@ def _values(mechanism: Mechanism, n: int, samples: int, own: float | None) -> li
     return row if own is None or own in row else [own, *row]
 
 
-def joined(parts: Sequence[Branches], x0: Vector) -> Branches:
+def joined_branches(parts: Sequence[Branches], x0: Vector) -> Branches:
     """Return the branches of several held values as one, nearest to a start first.
 
     Args:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -16,10 +15,11 @@ import chainbuild
 from chainbuild.chain.assemble import Element, linear, rotary, shift, turn
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.sums import AxisConstraint, AxisSum
+from chainbuild.comparison.eaik_model import eaik_answers, eaik_robot
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import rot_y
+from chainbuild.ik.branches.core.branches import collect
 from chainbuild.ik.branches.core.query import BranchQuery
-from chainbuild.ik.branches.elimination.eaik_arm import eaik_answers, eaik_robot
 from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.branches.multistart import multistart_branches
 from chainbuild.ik.request import IkRequest
@@ -32,7 +32,7 @@ from tests.kit.robots import arm, arm_elements, robot_from, table_machine, ur5
 METHODS = {
     13: "position", 14: "position", 36: "single wrist axis", 45: "spherical wrist", 85: "position",
     96: "parallel arm", 202: "single wrist axis", 203: "position", 205: "position", 206: "elimination",
-    208: "elimination", 213: "EAIK",
+    208: "elimination", 213: "three parallel axes",
 }  # fmt: skip
 
 
@@ -129,7 +129,7 @@ def test_arms_and_cylindrical_machines(kin: int) -> None:
 )
 def test_shipped_arms(name: str) -> None:
     robot = chainbuild.Robot.load(name)
-    assert robot.plan().name not in ("search", "EAIK")
+    assert robot.plan().name not in ("search", "elimination")
     check(robot, 60)
 
 
@@ -171,39 +171,31 @@ def test_the_wrist_singularity_keeps_a4() -> None:
     np.testing.assert_allclose(found[0].axes, [10.0, -80.0, 70.0, 5.0, 0.0, 45.0], atol=1e-8)
 
 
-def test_eaik_solves_what_has_an_offset_wrist() -> None:
+def test_three_parallel_axes_need_no_spherical_wrist() -> None:
     robot = ur5()
-    assert robot.plan().name == "EAIK"
+    assert robot.plan().name == "three parallel axes"
     check(robot, 60)
 
 
-def test_restarts_find_what_eaik_finds() -> None:
+def test_restarts_find_as_much_on_three_parallel_axes() -> None:
     robot = ur5()
     for axes in poses(robot, 4):
-        target = robot.fk(axes)
-        complete = ik_all(robot, target)
-        query = BranchQuery.of(IkRequest.of(robot, target))
-        factors = robot.kinematics.si_factors
-        gathered = [x / factors for x in multistart_branches(query)]
-        for branch in complete:
-            assert any(same_turns(robot, other, branch.axes) for other in gathered)
+        query = BranchQuery.of(IkRequest.of(robot, robot.fk(axes)))
+        complete = ik_all(robot, query.target)
+        gathered = collect(query, ((x, ()) for x in multistart_branches(query))).branches
+        for ours, theirs in ((complete, gathered), (gathered, complete)):
+            for branch in ours:
+                assert any(same_turns(robot, other.axes, branch.axes) for other in theirs)
 
 
-def test_without_eaik_the_elimination_answers(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "eaik.IK_HP", None)
-    robot = ur5()
-    assert robot.plan().name == "elimination"
-    check(robot, 20)
-
-
-def test_eaik_is_helped_out_where_it_finds_nothing() -> None:
+def test_right_angles_at_which_eaik_finds_nothing() -> None:
     elements: list[Element] = [
         rotary("A1", "z"), shift(x=200.0), rotary("A2", "y"), shift(x=500.0), rotary("A3", "y"), shift(x=400.0),
         rotary("A4", "y"), shift(30.0), rotary("A5", "-z"), shift(70.0), rotary("A6", "y"), shift(y=80.0),
     ]  # fmt: skip
     chain = robot_from(elements).chain
     robot = Robot(chain.with_axes(tuple(chainbuild.Axis.unlimited(a.name, a.kind) for a in chain.axes)))
-    assert robot.plan().name == "EAIK"
+    assert robot.plan().name == "three parallel axes"
     rng, missed = np.random.default_rng(1), 0
     known = BranchQuery.of(IkRequest.of(robot, robot.fk(np.zeros(6)))).serial()
     for _ in range(60):

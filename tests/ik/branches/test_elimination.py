@@ -11,10 +11,10 @@ from py_opw_kinematics import Robot as OpwRobot
 from scipy.spatial.transform import RigidTransform, Rotation
 
 import chainbuild
+from chainbuild.comparison.eaik_model import eaik_answers, eaik_robot
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import Screw, Serial
 from chainbuild.ik.branches.elimination.conformal import arrow, coefficients, motion
-from chainbuild.ik.branches.elimination.eaik_arm import eaik_answers, eaik_robot
 from chainbuild.ik.branches.elimination.elimination import elimination
 from chainbuild.ik.request import IkRequest
 from tests.kit.robots import ur5

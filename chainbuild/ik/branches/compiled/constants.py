@@ -21,6 +21,7 @@ from chainbuild.ik.branches.core.subproblems import cross, norm, perpendicular_p
 from chainbuild.tolerances import RANK
 
 REFUSED: Final = -2  # instead of a number of branches: the target is no rigid transform
+ROWS: Final = 32  # joint values that a form may write: twice as many as six joints have branches
 DOUBTFUL: Final = -1  # instead of a number of branches: the plain path has to look
 
 # Where the constants of an arm with a spherical wrist stand: kind of the first three axes, whether these are solved

@@ -1,6 +1,7 @@
-"""Entry points of compiled closed forms: one pose, and many on all cores.
+"""Entry points of compiled closed forms. They release the interpreter, so that threads share many poses.
 
-Each form has its own, so that nobody waits for the compilation of another. numba keeps the code of an entry point by
+Forms write joint values, one entry point for all of them makes branches of these: so nobody waits for the compilation
+of another form. numba keeps the code of an entry point by
 what it closes over; a form among that would never be found again: forms are globals, their files in the fingerprint.
 """
 
@@ -10,122 +11,91 @@ from pathlib import Path
 from typing import Any, Final
 from zlib import crc32
 
-import numba
-import numpy as np
-
 from chainbuild import tolerances
 from chainbuild.ik.branches.compiled import constants as form_constants
 from chainbuild.ik.branches.compiled import direct, finish, small, spherical
 from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED
+from chainbuild.ik.branches.compiled.direct import direct_branches
 from chainbuild.ik.branches.compiled.finish import axes_of, finished, room_of
-from chainbuild.ik.branches.core import branches
+from chainbuild.ik.branches.compiled.spherical import spherical_branches
+from chainbuild.ik.branches.core import branches, subproblems
 from chainbuild.ik.search.compiled import kernels as compiled_kernels
 from chainbuild.ik.search.compiled import search as compiled_search
 from chainbuild.ik.search.compiled.entries import kept_jit
-from chainbuild.ik.search.compiled.kernels import FAST, jit
+from chainbuild.ik.search.compiled.kernels import FAST
 from chainbuild.ik.search.compiled.search import is_rigid
 
-_ROWS: Final = 32  # joint values that a form may write: twice as many as six joints have branches
-_BLOCK: Final = 64  # poses that one core takes at a time
-_FILES: Final = (
-    small,
-    finish,
-    form_constants,
-    spherical,
-    direct,
-    branches,
-    compiled_kernels,
-    compiled_search,
-    tolerances,
-)
-_FINGERPRINT: Final = crc32(b"".join(Path(str(module.__file__)).read_bytes() for module in _FILES))
+
+def _finish(fingerprint: int) -> Any:
+    @kept_jit(nogil=True, **FAST)
+    def finish_poses(data, sizes, targets, x0, values, counts, found, left):
+        """Write the branches among joint values; return what was written last to counts.
+
+        Args:
+            data: The axes in one array,
+            sizes: and their sizes, see `axes_of`.
+            targets: (N, 4, 4) tool in the workpiece frame [m].
+            x0: (n,) start in SI; held axes have their values.
+            values: (N, ROWS, 6) what a form wrote.
+            counts: (N,) what it wrote; out: how many branches there are, DOUBTFUL or REFUSED.
+            found: (N, ROWS, n) out, see `finished`.
+            left: (N, 4, ROWS) out, likewise.
+        """
+        axes, count = axes_of(data, sizes), 0 * fingerprint
+        room = room_of(axes)
+        for i in range(len(targets)):
+            count = counts[i]
+            if count > 0:
+                count, sure = finished(axes, room, targets[i], x0, values[i], count, found[i], left[i])
+                count = count if sure else DOUBTFUL
+            counts[i] = count
+        return count
+
+    return finish_poses
 
 
-@jit
-def _one(solve, constants, data, sizes, target, x0, rigid, out):
-    """Write the branches of a pose; return how many there are, DOUBTFUL or REFUSED.
+def _spherical(fingerprint: int) -> Any:
+    @kept_jit(nogil=True, **FAST)
+    def spherical_poses(constants, targets, rigid, values, counts):
+        """Write the joint values of poses.
 
-    Args:
-        solve: The form.
-        constants: Its constants.
-        data: The axes in one array,
-        sizes: and their sizes, see `axes_of`.
-        target: (4, 4) tool in the workpiece frame [m].
-        x0: (n,) start in SI; held axes have their values.
-        rigid: Permitted deviation of a matrix from a rotation.
-        out: (·, n + 4) out, see `finished`.
-    """
-    if not is_rigid(target, rigid):
-        return REFUSED
-    axes, values = axes_of(data, sizes), np.empty((_ROWS, 6))
-    count, sure = solve(constants, target, values)
-    if not sure:
-        return DOUBTFUL
-    kept, sure = finished(axes, room_of(axes), target, x0, values, count, out)
-    return kept if sure else DOUBTFUL
+        Args:
+            constants: Those of the form.
+            targets: (N, 4, 4) tool in the workpiece frame [m].
+            rigid: Permitted deviation of a matrix from a rotation.
+            values: (N, ROWS, 6) out: joint values in the order of the screws.
+            counts: (N,) out: how many rows, DOUBTFUL or REFUSED.
+        """
+        for i in range(len(targets)):
+            counts[i] = REFUSED + 0 * fingerprint
+            if is_rigid(targets[i], rigid):
+                count, sure = spherical_branches(constants, targets[i], values[i])
+                counts[i] = count if sure else DOUBTFUL
+
+    return spherical_poses
 
 
-@jit
-def _some(solve, constants, data, sizes, targets, x0, rigid, found, counts):
-    """Write the branches of poses (N, 4, 4) to found (N, ·, n), SI, and what `_one` returns to counts (N,).
+def _direct(fingerprint: int) -> Any:
+    @kept_jit(nogil=True, **FAST)
+    def direct_poses(constants, targets, rigid, values, counts):
+        """Write the values of rotary joints; see `spherical_poses`."""
+        for i in range(len(targets)):
+            counts[i] = REFUSED + 0 * fingerprint
+            if is_rigid(targets[i], rigid):
+                count, sure = direct_branches(constants, targets[i], values[i])
+                counts[i] = count if sure else DOUBTFUL
 
-    Where there are more branches than room, counts says DOUBTFUL.
-    """
-    axes = axes_of(data, sizes)
-    room, values, out = room_of(axes), np.empty((_ROWS, 6)), np.empty((_ROWS, len(x0) + 4))
-    for i in range(len(targets)):
-        if not is_rigid(targets[i], rigid):
-            counts[i] = REFUSED
-            continue
-        counts[i] = DOUBTFUL
-        count, sure = solve(constants, targets[i], values)
-        if not sure:
-            continue
-        kept, sure = finished(axes, room, targets[i], x0, values, count, out)
-        if sure and kept <= found.shape[1]:
-            counts[i] = kept
-            for r in range(kept):
-                for m in range(len(x0)):
-                    found[i, r, m] = out[r, m]
+    return direct_poses
 
 
-def _spherical(fingerprint: int) -> tuple[Any, Any]:
-    @kept_jit(**FAST)
-    def spherical_one(constants, data, sizes, target, x0, rigid, out):
-        return _one(spherical.spherical_branches, constants, data, sizes, target, x0, rigid, out) + 0 * fingerprint
-
-    @kept_jit(parallel=True, **FAST)
-    def spherical_many(constants, data, sizes, targets, x0, rigid, found, counts):
-        for n in numba.prange((len(targets) + _BLOCK - 1) // _BLOCK + 0 * fingerprint):
-            part = slice(np.int64(n) * _BLOCK, min((np.int64(n) + 1) * _BLOCK, len(targets)))
-            _some(
-                spherical.spherical_branches,
-                constants,
-                data,
-                sizes,
-                targets[part],
-                x0,
-                rigid,
-                found[part],
-                counts[part],
-            )
-
-    return spherical_one, spherical_many
+def _fingerprint(*modules: Any) -> int:
+    return crc32(b"".join(Path(str(module.__file__)).read_bytes() for module in modules))
 
 
-def _direct(fingerprint: int) -> tuple[Any, Any]:
-    @kept_jit(**FAST)
-    def direct_one(constants, data, sizes, target, x0, rigid, out):
-        return _one(direct.direct_branches, constants, data, sizes, target, x0, rigid, out) + 0 * fingerprint
-
-    @kept_jit(parallel=True, **FAST)
-    def direct_many(constants, data, sizes, targets, x0, rigid, found, counts):
-        for n in numba.prange((len(targets) + _BLOCK - 1) // _BLOCK + 0 * fingerprint):
-            part = slice(np.int64(n) * _BLOCK, min((np.int64(n) + 1) * _BLOCK, len(targets)))
-            _some(direct.direct_branches, constants, data, sizes, targets[part], x0, rigid, found[part], counts[part])
-
-    return direct_one, direct_many
-
-
-# Form → its entry points for one pose and for many.
-ENTRIES: Final = {"spherical": _spherical(_FINGERPRINT), "direct": _direct(_FINGERPRINT)}
+_SMALL: Final = _fingerprint(small, subproblems, form_constants, compiled_kernels, compiled_search)
+finish_poses: Final = _finish(_fingerprint(finish, form_constants, branches, compiled_kernels, tolerances))
+# Form → its entry point.
+FORMS: Final = {
+    "spherical": _spherical(_SMALL ^ _fingerprint(spherical)),
+    "direct": _direct(_SMALL ^ _fingerprint(spherical, direct)),
+}

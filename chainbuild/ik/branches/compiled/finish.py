@@ -13,7 +13,7 @@ import numpy as np
 
 from chainbuild.ik.branches.core.branches import POLISH_FROM, POLISH_STEPS, POLISH_TO, SAME_BRANCH
 from chainbuild.ik.search.compiled.kernels import damped_step, jit, pose_and_jacobian, tool_error
-from chainbuild.tolerances import IK_POSITION_M, IK_ROTATION_RAD
+from chainbuild.tolerances import IK_POSITION_M, IK_ROTATION_RAD, LIMIT_SLACK
 
 _FLOOR: Final = 1e-14  # damping that keeps the factorisation alive at singular points
 _LINEAR_STEPS: Final = 2  # the second one only corrects the last digits
@@ -36,6 +36,10 @@ class Axes(NamedTuple):
     slack: Any  # (n,)
     periodic: Any  # (n,)
     factors: Any  # (n,) mm and degrees to SI
+    sums: Any  # (s, n) limits on sums of axes, mm or degrees by SI
+    sum_lower: Any  # (s,)
+    sum_upper: Any  # (s,)
+    together: Any  # (n,) whether an axis takes part in any
     rows: Any  # (c,) which of the joint values determine them
     columns: Any  # (c,)
     linear: Any  # (0 or 3,) axes that place the TCP after the others are known
@@ -59,13 +63,14 @@ class Room(NamedTuple):
 
 @jit
 def axes_of(data, sizes):
-    """Return views of axes packed in two arrays; sizes: k, n, c, linear, f, axis, where parts end, then indices."""
-    k, n, c, count, f, e = sizes[0], sizes[1], sizes[2], sizes[3], sizes[4], sizes[6:18]
-    index = sizes[18:]
+    """Return views of axes packed in two arrays; sizes: k, n, c, linear, f, axis, s, where parts end, then indices."""
+    k, n, c, count, f, sums, e = sizes[0], sizes[1], sizes[2], sizes[3], sizes[4], sizes[6], sizes[7:23]
+    index = sizes[23:]
     return Axes(
         data[: e[0]].reshape((k + 1, 3, 4)), data[e[0] : e[1]], data[e[1] : e[2]].reshape((k, n)), data[e[2] : e[3]],
         data[e[3] : e[4]].reshape((c, c)), data[e[4] : e[5]].reshape((c, n)), data[e[5] : e[6]],
         data[e[6] : e[7]], data[e[7] : e[8]], data[e[8] : e[9]], data[e[9] : e[10]], data[e[10] : e[11]],
+        data[e[11] : e[12]].reshape((sums, n)), data[e[12] : e[13]], data[e[13] : e[14]], data[e[14] : e[15]],
         index[:c], index[c : 2 * c], index[2 * c : 2 * c + count], index[2 * c + count : 2 * c + count + f], sizes[5],
     )  # fmt: skip
 
@@ -82,15 +87,47 @@ def room_of(axes):
 
 
 @jit
-def _look(axes, room, target):
-    """Write pose, Jacobian and remaining motion at room.x; return distance and angle."""
-    pose_and_jacobian(axes.fixed, axes.prismatic, axes.A, axes.b, room.x, room.T, room.J, room.error)
+def _pose(axes, room):
+    """Write the pose at room.x; walks from the tool to the workpiece, as `pose_and_jacobian` does."""
+    T, fixed = room.T, axes.fixed
+    k, n = axes.A.shape
+    for r in range(3):
+        for c in range(4):
+            T[r, c] = fixed[k, r, c]
+    for i in range(k - 1, -1, -1):
+        u = axes.b[i]
+        for m in range(n):
+            u += axes.A[i, m] * room.x[m]
+        if axes.prismatic[i] != 0.0:
+            T[2, 3] += u
+        else:
+            cosine, sine = math.cos(u), math.sin(u)
+            for c in range(4):
+                T[0, c], T[1, c] = cosine * T[0, c] - sine * T[1, c], sine * T[0, c] + cosine * T[1, c]
+        for c in range(4):
+            x, y, z = T[0, c], T[1, c], T[2, c]
+            for r in range(3):
+                T[r, c] = fixed[i, r, 0] * x + fixed[i, r, 1] * y + fixed[i, r, 2] * z
+        for r in range(3):
+            T[r, 3] += fixed[i, r, 3]
+
+
+@jit
+def _missed(axes, room, target):
+    """Write the remaining motion from room.T to the target; return its distance and angle."""
     tool_error(room.T, target, axes.axis, room.error, room.small)
     e = room.error
     return (
         math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]),
         math.sqrt(e[3] * e[3] + e[4] * e[4] + e[5] * e[5]),
     )
+
+
+@jit
+def _look(axes, room, target):
+    """Write pose, Jacobian and remaining motion at room.x; return distance and angle."""
+    pose_and_jacobian(axes.fixed, axes.prismatic, axes.A, axes.b, room.x, room.T, room.J, room.error)
+    return _missed(axes, room, target)
 
 
 @jit
@@ -122,10 +159,13 @@ def _place_linear(axes, room, target):
 @jit
 def _polished(axes, room, target):
     """Improve room.x by Newton steps; return distance, angle and steps, or an infinite distance for no solution."""
-    distance, angle = _look(axes, room, target)
+    _pose(axes, room)
+    distance, angle = _missed(axes, room, target)
     steps = 0
     if not max(distance, angle) <= POLISH_TO:  # not a number among them
         return math.inf, angle, 0
+    if max(distance, angle) >= POLISH_FROM:
+        _look(axes, room, target)
     while max(distance, angle) >= POLISH_FROM and steps < POLISH_STEPS:
         rows = 0
         for r in range(6):
@@ -158,11 +198,31 @@ def _turned_inside(axes, x, x0):
             return 0
         if not lower <= value <= upper:
             inside = -1
-    return inside
+    return min(inside, _keeps_sums(axes, x))
 
 
 @jit
-def finished(axes, room, target, x0, values, count, out):
+def _keeps_sums(axes, x):
+    """Tell whether x keeps the limits on sums of axes: 1, 0, or -1 only just, or where another whole turn might."""
+    for i in range(len(axes.sum_lower)):
+        total = 0.0
+        for m in range(len(x)):
+            total += axes.sums[i, m] * x[m]
+        beyond = max(axes.sum_lower[i] - total, total - axes.sum_upper[i])
+        if 0.0 < beyond <= LIMIT_SLACK:
+            return -1
+        if not beyond <= 0.0:
+            for n in range(len(x)):
+                if axes.together[n] != 0.0 and axes.periodic[n] != 0.0:
+                    low, high = axes.lower[n] - axes.slack[n], axes.upper[n] + axes.slack[n]
+                    if low <= x[n] - _TURN or x[n] + _TURN <= high:
+                        return -1
+            return 0
+    return 1
+
+
+@jit
+def finished(axes, room, target, x0, values, count, found, left):
     """Write the branches among joint values, nearest to x0 first.
 
     Args:
@@ -172,7 +232,8 @@ def finished(axes, room, target, x0, values, count, out):
         x0: (n,) start in SI; held axes have their values.
         values: (·, 6) joint values in the order of the screws.
         count: How many rows of them.
-        out: (·, n + 4) out: SI axis values, distance, angle, steps, squared distance to x0.
+        found: (·, n) out: axis values, mm and degrees.
+        left: (4, ·) out: distances, angles, steps, squared distances to x0.
 
     Returns:
         How many branches, and whether no row was left in doubt.
@@ -199,29 +260,31 @@ def finished(axes, room, target, x0, values, count, out):
         side = _turned_inside(axes, x, x0)
         if side < 0:
             return 0, False
-        if side == 0 or _known(out, kept, x):
+        if side == 0 or _known(axes, found, kept, x):
             continue
         far = 0.0
         for m in range(n):
             far += (x[m] - x0[m]) ** 2
         at = kept
-        while at > 0 and out[at - 1, n + 3] > far:
-            for m in range(n + 4):
-                out[at, m] = out[at - 1, m]
+        while at > 0 and left[3, at - 1] > far:
+            for m in range(n):
+                found[at, m] = found[at - 1, m]
+            for m in range(4):
+                left[m, at] = left[m, at - 1]
             at -= 1
         for m in range(n):
-            out[at, m] = x[m]
-        out[at, n], out[at, n + 1], out[at, n + 2], out[at, n + 3] = distance, angle, steps, far
+            found[at, m] = x[m] / axes.factors[m]
+        left[0, at], left[1, at], left[2, at], left[3, at] = distance, angle, steps, far
         kept += 1
     return kept, True
 
 
 @jit
-def _known(out, kept, x):
+def _known(axes, found, kept, x):
     for i in range(kept):
         same = True
         for m in range(len(x)):
-            same &= abs(out[i, m] - x[m]) < SAME_BRANCH
+            same &= abs(found[i, m] * axes.factors[m] - x[m]) < SAME_BRANCH
         if same:
             return True
     return False

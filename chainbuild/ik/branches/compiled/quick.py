@@ -6,19 +6,23 @@ decide about whole turns, and at every pose that a form calls doubtful.
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chainbuild import tolerances
-from chainbuild.arrays import Indices, Matrix, Vector
+from chainbuild.arrays import Indices, Integers, Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
-from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED, direct_constants, spherical_constants
+from chainbuild.ik.branches.arms.virtual_joints import common_rotary_axis, with_spin_joint
+from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED, ROWS, direct_constants, spherical_constants
 from chainbuild.ik.branches.core.axis_values import block_of
 from chainbuild.ik.branches.core.branches import Branches, named
 from chainbuild.ik.branches.core.query import BranchQuery
+from chainbuild.ik.branches.core.serial import Serial
 from chainbuild.ik.branches.direct import query_is_direct
 from chainbuild.ik.branches.status_turn import has_status, status_turn_rows
 from chainbuild.ik.plan import plan_for
@@ -29,7 +33,6 @@ from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.product import product_of
 
 _MAX_PREPARED: Final = 64  # every value of a held axis makes another chain
-_BRANCHES: Final = 32  # rows for the answer, as many as a form may write
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,20 +42,33 @@ class QuickForm:
     Attributes:
         method: Name of the `SolverPlan` that the form stands for.
         form: Name of the form, see `entries.ENTRIES`.
-        arrays: Constants of the form, then the axes in one array and their sizes; see `finish.axes_of`.
-        one: Entry point for one pose.
-        many: Entry point for many.
+        constants: Constants of the form.
+        axes: The axes in one array, and their sizes; see `finish.axes_of`.
         x0: (n_axes,) where branches are counted from without a start [SI].
         has_status: Whether the controller numbers the branches (KIN_TYP 45).
     """
 
     method: str
     form: str
-    arrays: tuple[Vector, Vector, NDArray[np.int64]]
-    one: Any
-    many: Any
+    constants: Vector
+    axes: tuple[Vector, Integers]
     x0: Vector
     has_status: bool
+
+    def write(self, targets: Matrix, x0: Vector, found: Matrix, left: Matrix, counts: Integers) -> int:
+        """Write the branches of poses (N, 4, 4); return the last of counts. See `entries.finish_poses`."""
+        entries, values = _entries(), np.empty((len(targets), ROWS, 6))
+        entries.FORMS[self.form](self.constants, targets, tolerances.ROTATION_MATRIX, values, counts)
+        count: int = entries.finish_poses(*self.axes, targets, x0, values, counts, found, left)
+        return count
+
+
+@cache
+def _entries() -> Any:
+    """Return the module of compiled entry points; numba is imported here, at first use."""
+    from chainbuild.ik.branches.compiled import entries as compiled_entries
+
+    return compiled_entries
 
 
 def quick_branches(mechanism: Mechanism, target: Matrix, start: Vector | None, held: Held | None) -> Branches | None:
@@ -71,18 +87,41 @@ def quick_branches(mechanism: Mechanism, target: Matrix, start: Vector | None, h
     form, x0 = quick_form(mechanism, start, held)
     if form is None:
         return None
-    n = len(x0)
-    out = np.empty((_BRANCHES, n + 4))
-    count: int = form.one(*form.arrays, target, x0, tolerances.ROTATION_MATRIX, out)
+    rows, left, counts = np.empty((1, ROWS, len(x0))), np.empty((1, 4, ROWS)), np.empty(1, np.int64)
+    count = form.write(target[None], x0, rows, left, counts)
     if count == REFUSED:
         raise refusal(target)
     if count == DOUBTFUL:
         return None
-    axes = out[:count, :n] / mechanism.kinematics.si_factors
-    left, free = out[:count, n:], ((),) * count
-    steps = left[:, 2].astype(np.int64)
-    found = Branches(axes, left[:, 0], left[:, 1], steps, free, mechanism.task, mechanism.labels, method=form.method)
-    return named(found, form.method, status_turn_rows(mechanism, axes)) if form.has_status else found
+    distance, angle, steps, _ = left[0, :, :count]
+    found = Branches(
+        rows[0, :count], distance, angle, steps.astype(np.int64), _NONE_FREE[count], mechanism.task, mechanism.labels,
+        method=form.method,
+    )  # fmt: skip
+    return named(found, form.method, status_turn_rows(mechanism, found.axes)) if form.has_status else found
+
+
+def write_branches_of(form: QuickForm, targets: Matrix, x0: Vector, found: Matrix, counts: Integers) -> None:
+    """Write the branches of many poses on all cores.
+
+    Args:
+        form: The form.
+        targets: (N, 4, 4) tool in the workpiece frame [m].
+        x0: (n_axes,) start in SI.
+        found: (N, ROWS, n_axes) out: axis values, mm and degrees, nearest to the start first.
+        counts: (N,) out: numbers of branches, DOUBTFUL or REFUSED.
+    """
+
+    def write(part: slice) -> None:
+        left = np.empty((part.stop - part.start, 4, ROWS))
+        form.write(targets[part], x0, found[part], left, counts[part])
+
+    parts = [slice(n, min(n + _PART, len(targets))) for n in range(0, len(targets), _PART)]
+    if len(parts) == 1:
+        write(parts[0])
+        return
+    with ThreadPoolExecutor(os.cpu_count()) as threads:
+        list(threads.map(write, parts))
 
 
 def quick_form(mechanism: Mechanism, start: Vector | None, held: Held | None) -> tuple[QuickForm | None, Vector]:
@@ -98,36 +137,45 @@ def quick_form(mechanism: Mechanism, start: Vector | None, held: Held | None) ->
     return form, x0
 
 
+_PART: Final = 1024  # poses that one core takes at a time
 _NOWHERE: Final = np.empty(0)
+_NONE_FREE: Final = tuple(((),) * count for count in range(ROWS + 1))
 
 
 def _quick_form(mechanism: Mechanism, start: Vector | None, held: Held | None) -> QuickForm | None:
     chain, limits = mechanism.chain, mechanism.limits
     product = product_of(chain)
-    if not packing.available() or product is None or chain.loops or limits.together or limits.curved or limits.sums:
+    if not packing.available() or product is None or chain.loops or limits.curved:
         return None
     query = BranchQuery.of(IkRequest(mechanism, np.eye(4), start, held))
     method, form, constants = _chosen(query)
     packed = None if constants is None else _packed(query, form)
     if constants is None or packed is None:
         return None
-    from chainbuild.ik.branches.compiled.entries import ENTRIES
-
-    one, many = ENTRIES[form]
-    return QuickForm(method, form, (constants, *packed), one, many, query.x0, has_status(mechanism))
+    return QuickForm(method, form, constants, packed, query.x0, has_status(mechanism))
 
 
 def _chosen(query: BranchQuery) -> tuple[str, str, Vector | None]:
     """Return the plan of a query, the compiled form that stands for it, and its constants."""
     if query_is_direct(query):
         return "direct", "direct", direct_constants(query)
-    plan = plan_for(query)
-    if plan.name == "spherical wrist" and query.mechanism.task == "pose":
-        return plan.name, "spherical", spherical_constants(query.serial())
+    plan, serial = plan_for(query), _six_joints(query)
+    if plan.name == "spherical wrist" and serial is not None:
+        return plan.name, "spherical", spherical_constants(serial)
     return plan.name, "", None
 
 
-def _packed(query: BranchQuery, form: str) -> tuple[Vector, NDArray[np.int64]] | None:
+def _six_joints(query: BranchQuery) -> Serial | None:
+    """Return the six joints that a form solves for, a turn about the tool vector among them, or None."""
+    serial, task = query.serial(), query.mechanism.task
+    if task == "pose":
+        return serial
+    if task != "direction" or len(serial.screws) != 5 or common_rotary_axis(serial) is not None:
+        return None
+    return with_spin_joint(serial, query.mechanism.chain.tool_column)
+
+
+def _packed(query: BranchQuery, form: str) -> tuple[Vector, Integers] | None:
     """Return the axes of a query in one array, and their sizes, or None where joint values do not give them alone."""
     mechanism, structure = query.mechanism, query.structure
     serial, product, axis_map = query.serial(), product_of(mechanism.chain), mechanism.chain.axis_map
@@ -142,13 +190,25 @@ def _packed(query: BranchQuery, form: str) -> tuple[Vector, NDArray[np.int64]] |
         return None
     others = np.zeros((len(columns), len(mechanism.axes)))
     others[:, block.others] = block.inverse @ block.from_others
+    factors = mechanism.kinematics.si_factors
     parts = (
         product.fixed[:, :3], product.prismatic, product.A, product.b, block.inverse, others, block.inverse @ block.b,
-        query.lower, query.upper, query.slack, query.periodic, mechanism.kinematics.si_factors,
+        query.lower, query.upper, query.slack, query.periodic, factors, *_sums(mechanism),
     )  # fmt: skip
     flat = [np.asarray(part, dtype=float).ravel() for part in parts]
     axis = mechanism.chain.tool_column if mechanism.task == "direction" else -1
     ends = np.cumsum([len(part) for part in flat])
     indices: tuple[Indices, ...] = (block.rows, columns, linear, structure.free)
-    sizes = (*product.A.shape, len(columns), len(linear), len(structure.free), axis, *ends)
+    sums = len(mechanism.limits.sums)
+    sizes = (*product.A.shape, len(columns), len(linear), len(structure.free), axis, sums, *ends)
     return np.concatenate(flat), np.concatenate([sizes, *indices]).astype(np.int64)
+
+
+def _sums(mechanism: Mechanism) -> tuple[Matrix, Vector, Vector, Vector]:
+    """Return the limits on sums of SI axis values: rows (s, n_axes), lower and upper, and which axes take part."""
+    limits, factors = mechanism.limits, mechanism.kinematics.si_factors
+    rows: Matrix = np.array([one.sum.coefficients for one in limits.sums]).reshape(-1, len(factors)) / factors
+    offset = np.array([one.sum.offset for one in limits.sums])
+    lower = np.array([one.lower for one in limits.sums]) - offset
+    upper = np.array([one.upper for one in limits.sums]) - offset
+    return rows, lower, upper, np.array([float(n in limits.together) for n in range(len(factors))])

@@ -1,7 +1,7 @@
 """Vectors of three numbers as tuples, and the subproblems of `core.subproblems` on them, compiled.
 
-Every subproblem says whether its answers are *sure*: where two of them nearly coincide, an angle nearly has no effect
-or a goal is only just out of range, the caller leaves the pose to the plain path, which looks at such cases.
+Every subproblem says whether its answers are *sure*: where an angle nearly has no effect the caller leaves the pose to
+the plain path, which looks at such cases. Answers that coincide are returned twice.
 """
 
 from __future__ import annotations
@@ -9,12 +9,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from chainbuild.ik.branches.core.subproblems import TOUCH
 from chainbuild.ik.search.compiled.kernels import jit
 
-# Squared sine of half the angle between a middle and its two answers: below it they are closer than 2e-5 rad, where
-# branches count as one; so far beyond its range a goal is certainly out of reach.
-CLOSE: Final = 1e-10
-BEYOND: Final = -1e-7
 # A vector whose part across an axis is below this share of its length: its turn keeps half the digits at most.
 BARELY: Final = 1e-7
 
@@ -84,11 +81,10 @@ def one_turn(k, p, q):
 
 @jit
 def either_side(middle, sine_squared, cosine_squared):
-    """Return how many angles middle ± spread there are, both, and whether that is sure."""
-    least = min(sine_squared, cosine_squared)
-    if not least >= CLOSE:
-        return 0, 0.0, 0.0, least < BEYOND
-    spread = 2.0 * math.atan2(math.sqrt(sine_squared), math.sqrt(cosine_squared))
+    """Return how many angles middle ± spread there are, both, and whether that is sure: two where they coincide."""
+    if not min(sine_squared, cosine_squared) >= -TOUCH:
+        return 0, 0.0, 0.0, math.isfinite(sine_squared)
+    spread = 2.0 * math.atan2(math.sqrt(max(sine_squared, 0.0)), math.sqrt(max(cosine_squared, 0.0)))
     return 2, middle + spread, middle - spread, True
 
 

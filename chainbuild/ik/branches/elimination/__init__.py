@@ -1,4 +1,4 @@
 """Six joints without a known structure.
 
-In reading order: `conformal`, `loop`, `eliminant`, `elimination`, `eaik_arm`.
+In reading order: `conformal`, `loop`, `eliminant`, `elimination`.
 """
