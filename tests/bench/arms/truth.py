@@ -72,7 +72,8 @@ def truths(
     for i, q in enumerate(known):
         rows = [found[i] for found in answers if found[i] is not None and len(found[i])]
         sure = np.vstack([q[None], *rows])
-        beside = np.vstack([sure + step * rng.choice([-1.0, 1.0], sure.shape) for step in BESIDE])
+        single = clusters(sure)
+        beside = np.vstack([single + step * rng.choice([-1.0, 1.0], single.shape) for step in BESIDE])
         begin.append(np.vstack([sure, beside, rng.uniform(-np.pi, np.pi, (starts, 6))]))
         pose += [i] * len(begin[-1])
     of = np.array(pose)
