@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from chainbuild.arrays import Vector
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik.branches.core.roots import real_angles, real_lengths
 from chainbuild.ik.branches.core.serial import Screw
 from chainbuild.ik.branches.core.subproblems import ON_AXIS, cross, norm, perpendicular_part, subproblem_1, subproblem_4
@@ -34,9 +34,7 @@ def skew_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]
     """
     a, b, c = row
     between, goal = b.point - a.point, d - a.point
-    k = b.direction
-    rows = np.array([perpendicular_part(k, a.direction), perpendicular_part(k, between), k])
-    inverse = np.linalg.inv(rows)
+    k, inverse = b.direction, skew_inverse(a, b)
     slope_a, slope_m = float(k @ a.direction), float(k @ between)
     height = float(a.direction @ (goal - between))
     square = (float(goal @ goal) - float(between @ between)) / 2.0
@@ -62,6 +60,14 @@ def skew_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]
         first = subproblem_1(a.direction, b.move(second, moved) - a.point, goal, keep[0]).angle
         found.append((first, second, last))
     return found
+
+
+def skew_inverse(a: Screw, b: Screw) -> Matrix:
+    """Return the matrix (3, 3) from height and distance to the part across axis b of where b takes a point."""
+    k, between = b.direction, b.point - a.point
+    rows = np.array([perpendicular_part(k, a.direction), perpendicular_part(k, between), k])
+    inverse: Matrix = np.linalg.inv(rows)
+    return inverse
 
 
 def turn_slide_turn(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[JointTriple]:

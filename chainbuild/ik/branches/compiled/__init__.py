@@ -1,4 +1,4 @@
 """Closed forms as compiled code (extra `fast`): regular poses in microseconds, the others are left to the plain path.
 
-In reading order: `constants`, `small`, `spherical`, `direct`, `finish`, `entries`, `quick`.
+In reading order: `constants`, `small`, `quartic`, `spherical`, `direct`, `finish`, `entries`, `quick`.
 """

@@ -6,6 +6,7 @@ Nothing here imports numba.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy as np
 from chainbuild.arrays import Vector
 from chainbuild.frames import inverse
 from chainbuild.ik.branches.arms.arms import wrist_centre
+from chainbuild.ik.branches.arms.general_reach import skew_inverse
 from chainbuild.ik.branches.arms.orientation import perpendicular
 from chainbuild.ik.branches.arms.positioner import MEETING, meeting_point, parallel
 from chainbuild.ik.branches.core.query import BranchQuery
@@ -26,11 +28,12 @@ DOUBTFUL: Final = -1  # instead of a number of branches: the plain path has to l
 
 # Where the constants of an arm with a spherical wrist stand: kind of the first three axes, whether these are solved
 # from their end, whether the whole arm is; their row as solved, direction and point each; their directions, those of
-# the wrist, the wrist centre, M⁻¹, a vector across the last axis, the point where two axes of the row meet.
+# the wrist, the wrist centre, M⁻¹, a vector across the last axis, then the point where two axes of the row meet, or for
+# skew axes a matrix (3, 3).
 SPHERICAL: Final = (0, 1, 2, 3, 21, 30, 39, 42, 54, 57)
-_SPHERICAL_SIZE: Final = 60
 PARALLEL_AXES: Final = 0.0  # kind of a row whose second and third axes are parallel
 MEETING_AXES: Final = 1.0  # kind of a row whose first and second axes meet
+SKEW_AXES: Final = 2.0  # kind of a row whose first and second axes neither meet nor are parallel
 
 # The same for three linear axes and up to three rotary ones: number of rotary ones, column of the tool vector (-1: the
 # whole rotation counts), their directions, M⁻¹, the tool vector, a vector across the last axis.
@@ -60,18 +63,24 @@ def spherical_constants(serial: Serial) -> Vector | None:
 
 
 def _row(screws: tuple[Screw, ...]) -> tuple[float, float, list[Screw], Vector] | None:
-    """Return the kind of three axes, whether they are solved from their end, their row, and where two of it meet."""
+    """Return the kind of three axes, whether they are solved from their end, their row, and what its kind needs."""
     back = [screw.reversed() for screw in reversed(screws)]
-    for row, backwards in ((list(screws), 0.0), (back, 1.0)):
+    rows = [(row, end) for row, end in ((list(screws), 0.0), (back, 1.0)) if not _parallel_first(row)]
+    for row, backwards in rows:
         a, b, c = row
-        if parallel(a.direction, b.direction):
-            continue
         if parallel(b.direction, c.direction):
             return PARALLEL_AXES, backwards, row, np.zeros(3)
         centre = meeting_point(a, b)
         if centre is not None and norm(perpendicular_part(c.direction, centre - c.point)) >= MEETING:
             return MEETING_AXES, backwards, row, centre
+    for row, backwards in rows:
+        if meeting_point(*row[:2]) is None:
+            return SKEW_AXES, backwards, row, skew_inverse(*row[:2]).ravel()
     return None
+
+
+def _parallel_first(row: Sequence[Screw]) -> bool:
+    return parallel(row[0].direction, row[1].direction)
 
 
 def direct_constants(query: BranchQuery) -> Vector | None:

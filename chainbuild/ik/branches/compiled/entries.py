@@ -13,10 +13,13 @@ from zlib import crc32
 
 from chainbuild import tolerances
 from chainbuild.ik.branches.compiled import constants as form_constants
-from chainbuild.ik.branches.compiled import direct, finish, small, spherical
+from chainbuild.ik.branches.compiled import direct, finish, quartic, small, spherical
 from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED
 from chainbuild.ik.branches.compiled.direct import direct_branches
 from chainbuild.ik.branches.compiled.finish import axes_of, finished, room_of
+from chainbuild.ik.branches.compiled.general import constants as general_constants
+from chainbuild.ik.branches.compiled.general import eigen, equations, solutions, solve
+from chainbuild.ik.branches.compiled.general.solve import general_branches
 from chainbuild.ik.branches.compiled.spherical import spherical_branches
 from chainbuild.ik.branches.core import branches, subproblems
 from chainbuild.ik.search.compiled import kernels as compiled_kernels
@@ -88,6 +91,19 @@ def _direct(fingerprint: int) -> Any:
     return direct_poses
 
 
+def _general(fingerprint: int) -> Any:
+    @kept_jit(nogil=True, **FAST)
+    def general_poses(constants, targets, rigid, values, counts):
+        """Write the joint values of poses; see `spherical_poses`."""
+        for i in range(len(targets)):
+            counts[i] = REFUSED + 0 * fingerprint
+            if is_rigid(targets[i], rigid):
+                count, sure = general_branches(constants, targets[i], values[i])
+                counts[i] = count if sure else DOUBTFUL
+
+    return general_poses
+
+
 def _fingerprint(*modules: Any) -> int:
     return crc32(b"".join(Path(str(module.__file__)).read_bytes() for module in modules))
 
@@ -96,6 +112,7 @@ _SMALL: Final = _fingerprint(small, subproblems, form_constants, compiled_kernel
 finish_poses: Final = _finish(_fingerprint(finish, form_constants, branches, compiled_kernels, tolerances))
 # Form → its entry point.
 FORMS: Final = {
-    "spherical": _spherical(_SMALL ^ _fingerprint(spherical)),
-    "direct": _direct(_SMALL ^ _fingerprint(spherical, direct)),
+    "spherical": _spherical(_SMALL ^ _fingerprint(spherical, quartic)),
+    "direct": _direct(_SMALL ^ _fingerprint(spherical, quartic, direct)),
+    "general": _general(_SMALL ^ _fingerprint(general_constants, eigen, equations, solutions, solve)),
 }

@@ -19,6 +19,7 @@ from chainbuild.arrays import Indices, Integers, Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.ik.branches.arms.virtual_joints import common_rotary_axis, with_spin_joint
 from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED, ROWS, direct_constants, spherical_constants
+from chainbuild.ik.branches.compiled.general.constants import general_constants
 from chainbuild.ik.branches.core.axis_values import block_of
 from chainbuild.ik.branches.core.branches import Branches, named
 from chainbuild.ik.branches.core.query import BranchQuery
@@ -161,7 +162,11 @@ def _chosen(query: BranchQuery) -> tuple[str, str, Vector | None]:
         return "direct", "direct", direct_constants(query)
     plan, serial = plan_for(query), _six_joints(query)
     if plan.name == "spherical wrist" and serial is not None:
-        return plan.name, "spherical", spherical_constants(serial)
+        constants = spherical_constants(serial)
+        if constants is not None:
+            return plan.name, "spherical", constants
+    if plan.name in {"spherical wrist", "elimination"} and serial is not None:
+        return plan.name, "general", general_constants(serial)
     return plan.name, "", None
 
 

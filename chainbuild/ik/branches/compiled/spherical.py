@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from typing import Final
+
 import numpy as np
 
-from chainbuild.ik.branches.compiled.constants import MEETING_AXES, SPHERICAL
+from chainbuild.ik.branches.compiled.constants import MEETING_AXES, SKEW_AXES, SPHERICAL
+from chainbuild.ik.branches.compiled.quartic import real_angles_of
 from chainbuild.ik.branches.compiled.small import (
+    BARELY,
     dot,
     length,
     minus,
@@ -19,6 +24,8 @@ from chainbuild.ik.branches.compiled.small import (
     vector,
 )
 from chainbuild.ik.search.compiled.kernels import jit
+
+_FIFTH: Final = 0.4 * math.pi  # of a turn
 
 _KIND, _BACKWARDS, _FROM_TOOL, _ROW, _ARM, _WRIST, _CENTRE, _BACK, _ASIDE, _MEETING = SPHERICAL
 
@@ -98,6 +105,47 @@ def _after_meeting(constants, p, d, arms):
 
 
 @jit
+def _missed_length(constants, goal, u):
+    """Return by how much what axis b turns would change its length, and where it takes u; see `skew_turns`."""
+    a, b = vector(constants, _ROW), vector(constants, _ROW + 6)
+    between = minus(vector(constants, _ROW + 9), vector(constants, _ROW + 3))
+    along = dot(u, b)
+    height = dot(a, minus(goal, between)) - along * dot(a, b)
+    square = 0.5 * (dot(goal, goal) - dot(between, between) - dot(u, u)) - along * dot(b, between)
+    v = (
+        constants[_MEETING] * height + constants[_MEETING + 1] * square,
+        constants[_MEETING + 3] * height + constants[_MEETING + 4] * square,
+        constants[_MEETING + 6] * height + constants[_MEETING + 7] * square,
+    )
+    return dot(v, v) - dot(u, u) + along * along, v
+
+
+@jit
+def _after_skew(constants, p, d, arms):
+    """Write the values of two turns about skew axes before a third that bring p to d: a quartic for the third."""
+    a, point_a = vector(constants, _ROW), vector(constants, _ROW + 3)
+    b, point_b = vector(constants, _ROW + 6), vector(constants, _ROW + 9)
+    c, point_c = vector(constants, _ROW + 12), vector(constants, _ROW + 15)
+    goal, arm = minus(d, point_a), minus(p, point_c)
+    if not dot(arm, arm) - dot(c, arm) ** 2 > BARELY * BARELY * dot(arm, arm):
+        return 0, False
+    samples, angles = np.empty(5), np.empty(4)
+    for n in range(5):
+        moved = plus(point_c, 1.0, turned(c, n * _FIFTH, arm))
+        samples[n], _ = _missed_length(constants, goal, minus(moved, point_b))
+    count, sure = real_angles_of(samples, angles)
+    for n in range(count):
+        moved = plus(point_c, 1.0, turned(c, angles[n], arm))
+        u = minus(moved, point_b)
+        _, place = _missed_length(constants, goal, u)
+        second, sure_second = one_turn(b, u, place)
+        first, sure_first = one_turn(a, minus(turned_about(b, point_b, second, moved), point_a), goal)
+        sure &= sure_first and sure_second
+        arms[n, 0], arms[n, 1], arms[n, 2] = first, second, angles[n]
+    return count, sure
+
+
+@jit
 def spherical_branches(constants, T, values):
     """Write the joint values of a pose; return how many rows, and whether none can be missing."""
     from_tool, backwards = constants[_FROM_TOOL] != 0.0, constants[_BACKWARDS] != 0.0
@@ -108,6 +156,8 @@ def spherical_branches(constants, T, values):
     p, d = (place, centre) if backwards else (centre, place)
     if constants[_KIND] == MEETING_AXES:
         count, sure = _after_meeting(constants, p, d, arms)
+    elif constants[_KIND] == SKEW_AXES:
+        count, sure = _after_skew(constants, p, d, arms)
     else:
         count, sure = _after_parallel(constants, p, d, arms)
     w1, w2, w3 = vector(constants, _WRIST), vector(constants, _WRIST + 3), vector(constants, _WRIST + 6)

@@ -42,12 +42,16 @@ ARMS: dict[str, list[Element]] = {
     "last two meet": [
         rotary("A1", "z"), shift(300.0, 20.0), rotary("A2", "y"), rotary("A3", "x"), shift(40.0, 250.0, 10.0),
     ],
+    "no two parallel, none meet": [
+        rotary("A1", "z"), shift(30.0, 20.0, 400.0), rotary("A2", (0.1, 0.9, 0.0)), shift(z=455.0),
+        rotary("A3", (0.0, -0.9, 0.2)), shift(420.0, 13.0, 35.0),
+    ],
 }  # fmt: skip
 
 
-# Plans that have no compiled form, and machines beside them: skew axes of the arm, nonlinear axis maps.
+# Plans that have no compiled form, and machines beside them: a slide in the arm, nonlinear axis maps.
 PLAIN_PLANS = {"single wrist axis", "position", "parallel arm", "struts", "search", "elimination"}
-PLAIN = {"arm_nn", "arm_rr", "cardan_head_kin59", "plasma_head_kin25", "rotated_head_kin70"}
+PLAIN = {"arm_rr", "cardan_head_kin59", "plasma_head_kin25", "rotated_head_kin70"}
 
 
 def plain(robot: Robot, T: object, start: object = None, held: object = None) -> np.ndarray:

@@ -16,7 +16,6 @@ from chainbuild.ik.branches.compiled.general.constants import (
     BEFORE,
     BEHIND,
     COMBINATIONS,
-    EQUATIONS,
     LEFT,
     PAIRS,
     RANGE,
@@ -53,7 +52,9 @@ def write_motion(G, backwards, motion):
     for i in range(10):
         for j in range(10):
             one, other, first, second = _FIRST[j], _SECOND[j], _FIRST[i], _SECOND[i]
-            motion[5 + i, 5 + j] = motion[first, one] * motion[second, other] - motion[second, one] * motion[first, other]
+            motion[5 + i, 5 + j] = (
+                motion[first, one] * motion[second, other] - motion[second, one] * motion[first, other]
+            )
 
 
 @jit
@@ -221,7 +222,7 @@ def write_best_companion(rows, half, nine, B, A):
     best, least, k = 0, math.inf, 0
     while True:
         size, largest = write_companion(rows, half, VIEWS[k], nine, B, A)
-        if largest < _GOOD or k == best and largest == least:
+        if largest < _GOOD or (k == best and largest == least):
             return VIEWS[k], size, largest
         if largest < least:
             best, least = k, largest

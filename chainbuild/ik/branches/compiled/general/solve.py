@@ -74,7 +74,7 @@ def is_new(values, count, q):
 
 
 @jit
-def solve(constants, T, values):
+def general_branches(constants, T, values):
     """Write the solutions of a pose (4, 4) to the rows of `values` (32, 6); returns how many, whether certainly all."""
     G, pose, J, q = np.empty((3, 4)), np.empty((3, 4)), np.empty((JOINTS, JOINTS + 1)), np.empty(JOINTS)
     right, P, product, null = np.empty((15, 23)), np.empty((6, 14)), np.empty((10, 15)), np.empty((13, 20))
