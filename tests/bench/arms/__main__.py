@@ -47,16 +47,16 @@ def main() -> int:
         found = [pair for pair in found if pair[0].name.split()[0] in QUICK]
     poses = options.poses or (5 if options.quick else POSES)
     findings, with_ssik, begin = Findings(), [], time.perf_counter()
-    for arm, module in found:
+    for number, (arm, module) in enumerate(found):
         solvers = list(peers(arm, module))
         measure(arm, solvers, poses, findings)
         if module is not None and arm.calibrated:
             with_ssik.append(arm.name)
-        names = ", ".join(peer.name for peer in solvers)
-        print(f"{time.perf_counter() - begin:5.0f} s  {arm.name}: {names}", file=sys.stderr)
-    report = summary(findings, len({arm.name.split()[0] for arm, _ in found}), poses, with_ssik)
-    report["minutes"] = round((time.perf_counter() - begin) / 60.0, 1)
-    options.output.write_text(json.dumps(report, indent=1) + "\n", "utf-8")
+        took = time.perf_counter() - begin
+        print(f"{took:5.0f} s  {arm.name}: {', '.join(peer.name for peer in solvers)}", file=sys.stderr)
+        report = summary(findings, len({one.name.split()[0] for one, _ in found[: number + 1]}), poses, with_ssik)
+        report["minutes"] = round(took / 60.0, 1)
+        options.output.write_text(json.dumps(report, indent=1) + "\n", "utf-8")  # what is known if the run is ended
     print(f"wrote {options.output}")
     if options.output == OUTPUT:
         write_pages()
