@@ -81,11 +81,12 @@ def run() -> str:
     rows = found["rows"]
     versions = ", ".join(f"{name} {number}" for name, number in found["versions"].items())
     poses = sum(row["poses"] for row in rows if row["solver"] == OURS)
+    alone = 100.0 * found["alone"] / isolated(rows)
     return (
         f"{found['date']}, {found['computer']}, one core, {found['minutes']:g} minutes; {versions}. {found['arms']}"
         f" arms, nominal and calibrated, {found['poses_each']} poses of each kind: {poses:,} poses,"
-        f" {isolated(rows):,} isolated branches. {found['touching']:,} poses have solutions beside these that are not"
-        f" isolated.\n\n{verdict()}\n"
+        f" {isolated(rows):,} isolated branches, of which random starts alone found {alone:.2f} %."
+        f" {found['touching']:,} poses have solutions beside these that are not isolated.\n\n{verdict()}\n"
     )
 
 

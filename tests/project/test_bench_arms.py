@@ -79,6 +79,8 @@ def test_a_calibrated_arm_is_near_its_own_and_always_the_same() -> None:
 
 def test_descents_alone_find_all_eight_branches() -> None:
     assert len(BRANCHES) == 8
+    (without,) = truths(ARM, T[None], Q[None], [[BRANCHES]], np.random.default_rng(0), 1)
+    assert len(without.branches) == 8 and without.alone <= 1
     assert all(np.abs(ARM.pose(q) - T).max() < 1e-11 for q in BRANCHES)
     assert all(len(all_of(ARM, q)) == 8 for q in BRANCHES[1:4])
     found = ours(ARM, plain=True)
@@ -93,6 +95,7 @@ def test_what_is_missed_and_what_is_wrong() -> None:
     answers = [[turned], [inaccurate], [lacking], [np.empty((0, 6))], [None]]
     (truth,) = truths(ARM, T[None], Q[None], answers, np.random.default_rng(1), 20)
     assert len(truth.branches) == 8 and not truth.touching
+    assert 4 <= truth.alone <= 8  # of 20 starts
     assert [len(missed) for missed in truth.missed] == [0, 0, 1, 8, 0]
     assert truth.wrong == [0, 0, 1, 0, 0]
     assert truth.right == [8, 8, 7, 0, 0]
@@ -194,7 +197,7 @@ def pages(folder: Path, monkeypatch: pytest.MonkeyPatch, rows: list[dict[str, An
     found = runpy.run_path(str(ROOT / "docs/arms_tables.py"))
     report = {
         "date": "2026-01-02", "computer": "a computer", "minutes": 3.5, "versions": {"ssik": "8.2.0"}, "arms": 2,
-        "poses_each": 5, "touching": 3, "rows": rows,
+        "poses_each": 5, "touching": 3, "alone": 152, "rows": rows,
     }  # fmt: skip
     file = folder / "arms.json"
     file.write_text(json.dumps(report), "utf-8")
@@ -229,4 +232,5 @@ def test_the_pages_tell_what_the_run_has_found(tmp_path: Path, monkeypatch: pyte
     assert "misses 1 of 160 isolated branches and returns 0 wrong ones" in said
     assert "in the median of 2 and in the 95 % of 1 of 2 classes" in said
     assert "2 arms, nominal and calibrated, 5 poses of each kind: 20 poses" in found["run"]()
+    assert "160 isolated branches, of which random starts alone found 95.00 %" in found["run"]()
     assert said in found["line"]()

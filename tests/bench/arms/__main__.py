@@ -110,6 +110,7 @@ def summary(findings: Findings, number: int, poses: int, with_ssik: list[str]) -
         "poses_each": poses,
         "calibrated_by_ssik": with_ssik,
         "touching": findings.touching,
+        "alone": findings.alone,
         "rows": rows,
         "misses": findings.misses,
     }

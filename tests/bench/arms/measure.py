@@ -71,11 +71,13 @@ class Findings:
         misses: Where chainbuild lacks branches, has wrong ones, or nothing: arm, kind, number and joint values of the
             pose, the branches.
         touching: Poses with solutions that are not isolated.
+        alone: Isolated branches that random starts found without any solver.
     """
 
     tallies: dict[tuple[str, bool, str, str], Tally] = field(default_factory=dict)
     misses: list[dict[str, Any]] = field(default_factory=list)
     touching: int = 0
+    alone: int = 0
 
 
 def joint_values(arm: Arm, kind: str, count: int, seed: int = 0) -> np.ndarray:
@@ -100,6 +102,7 @@ def measure(arm: Arm, solvers: Sequence[Peer], count: int, findings: Findings, k
             judged = truths(arm, T[part], q[part], [rows[part] for rows in answers], rng)
             for i, truth in enumerate(judged, start=at):
                 findings.touching += truth.touching
+                findings.alone += truth.alone
                 for s, peer in enumerate(solvers):
                     if answers[s][i] is None:
                         continue

@@ -7,7 +7,7 @@ kinematics of `geometry`. What solvers return is polished the same way, so that 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -37,6 +37,7 @@ class Truth:
 
     Attributes:
         branches: (b, 6) isolated branches [rad].
+        alone: How many of these the random starts found by themselves: what that says about others that nobody knows.
         touching: Whether there are solutions that are not isolated.
         missed: (solver, ) → indices of the branches that it lacks.
         wrong: (solver, ) → number of rows that miss the pose.
@@ -44,6 +45,7 @@ class Truth:
     """
 
     branches: np.ndarray
+    alone: int
     touching: bool
     missed: list[list[int]]
     wrong: list[int]
@@ -83,7 +85,10 @@ def truths(
     for i in range(len(known)):
         mine = of == i
         rows = [None if one[i] is None else one[i] for one in answers]
-        found.append(_judged(arm, T[i], first[mine], last[mine], left[mine], rows))
+        truth = _judged(arm, T[i], first[mine], last[mine], left[mine], rows)
+        there = last[mine][-starts:][left[mine][-starts:] < _EXACT]
+        alone = sum(len(there) > 0 and distance(there, branch).min() <= SAME for branch in truth.branches)
+        found.append(replace(truth, alone=alone))
     return found
 
 
@@ -112,7 +117,7 @@ def _judged(
         missed.append(lacks)
         wrong.append(int(np.count_nonzero(~good)))
         right.append(int(np.count_nonzero(good)))
-    return Truth(branches, bool((sigma <= ISOLATED).any()), missed, wrong, right)
+    return Truth(branches, 0, bool((sigma <= ISOLATED).any()), missed, wrong, right)
 
 
 def descend(arm: Arm, q: np.ndarray, T: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
