@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from tests.bench.arms import measure as measuring
-from tests.bench.arms.geometry import OTHER, SPHERICAL, Arm, calibrated, prebuilt_arm, rotation, turn_vectors
+from tests.bench.arms.geometry import OTHER, SPHERICAL, Arm, calibrated, errors, prebuilt_arm, rotation, turn_vectors
 from tests.bench.arms.measure import KINDS, RIGHT_ANGLES, Findings, joint_values, measure
 from tests.bench.arms.peers import OURS, PLAIN, Peer, eaik, opw, ours, peers, robot_of
-from tests.bench.arms.truth import SAME, clusters, distance, isolation, truths
+from tests.bench.arms.truth import SAME, clusters, distance, is_right, isolation, truths
 from tests.kit.paths import ROOT
 
 RNG = np.random.default_rng(5)
@@ -96,10 +96,36 @@ def test_what_is_missed_and_what_is_wrong() -> None:
     (truth,) = truths(ARM, T[None], Q[None], answers, np.random.default_rng(1), 20)
     assert len(truth.branches) == 8 and not truth.touching
     assert 4 <= truth.alone <= 8  # of 20 starts
+    assert type(truth.alone) is int  # as JSON takes it
     assert [len(missed) for missed in truth.missed] == [0, 0, 1, 8, 0]
     assert truth.wrong == [0, 0, 1, 0, 0]
     assert truth.right == [8, 8, 7, 0, 0]
     assert distance(truth.branches[truth.missed[2][0]], BRANCHES[2]) < 1e-9
+
+
+def test_position_and_turn_both_count() -> None:
+    e = np.eye(6)
+    shifted, rolled = 1e-5 * (e[1] - e[2]), 2e-6 * e[5]  # axes 2 and 3 are parallel; the tool stands on axis 6
+    place, turn, _ = errors(ARM, np.array([Q + 1e3 * shifted, Q + 1e3 * rolled]), np.array([T, T]))
+    assert np.linalg.norm(turn[0]) < 1e-12 > np.linalg.norm(place[1])
+    assert is_right(ARM, np.array([Q, Q + shifted, Q + rolled, Q + 0.4 * rolled]), T).tolist() == [
+        True,
+        False,
+        False,
+        True,
+    ]
+
+
+def test_the_twin_beside_a_stretched_arm_is_missed() -> None:
+    line = np.arctan2(0.05, 0.5) - 0.5 * np.pi  # of axis 3, with the wrist in line with the upper arm
+    q = np.array([0.3, 0.2, line + 0.004, 0.6, 0.8, -1.0])
+    twins = all_of(ARM, q)
+    near = np.sort(distance(twins, q))
+    assert near[0] < 1e-9 and 1e-3 < near[1] < 0.02
+    lacking = twins[distance(twins, q) != near[1]]
+    (truth,) = truths(ARM, ARM.pose(q)[None], q[None], [[twins], [lacking]], np.random.default_rng(1))
+    assert [len(missed) for missed in truth.missed] == [0, 1]
+    assert distance(truth.branches[truth.missed[1][0]], q) == pytest.approx(near[1], rel=1e-6)
 
 
 def test_branches_that_touch_are_not_counted_as_missed() -> None:

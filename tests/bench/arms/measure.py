@@ -19,7 +19,7 @@ from tests.bench.arms.truth import truths
 RANDOM, RIGHT_ANGLES, BESIDE_3, BESIDE_6 = "random", "right angles", "1e-3 rad beside", "1e-6 rad beside"
 KINDS: Final = (RANDOM, RIGHT_ANGLES, BESIDE_3, BESIDE_6)
 _OFF: Final = {RIGHT_ANGLES: 0.0, BESIDE_3: 1e-3, BESIDE_6: 1e-6}  # rad
-_WARM: Final = 3  # poses before the clock counts: prepares what is prepared at first use
+_WARM: Final = 1  # poses of a kind before the clock counts: prepares what is prepared at first use
 _AGAIN_NS: Final = 1_000_000  # a call that takes less is repeated
 _CALLS: Final = 3  # of which the quickest counts: the others met something else
 _ATTEMPTS: Final = 8  # calls at most, with those that were interrupted

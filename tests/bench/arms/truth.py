@@ -87,7 +87,7 @@ def truths(
         rows = [None if one[i] is None else one[i] for one in answers]
         truth = _judged(arm, T[i], first[mine], last[mine], left[mine], rows)
         there = last[mine][-starts:][left[mine][-starts:] < _EXACT]
-        alone = sum(len(there) > 0 and distance(there, branch).min() <= SAME for branch in truth.branches)
+        alone = sum(bool((distance(there, branch) <= SAME).any()) for branch in truth.branches)
         found.append(replace(truth, alone=alone))
     return found
 
