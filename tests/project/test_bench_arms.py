@@ -84,7 +84,7 @@ def test_descents_alone_find_all_eight_branches() -> None:
     assert all(np.abs(ARM.pose(q) - T).max() < 1e-11 for q in BRANCHES)
     assert all(len(all_of(ARM, q)) == 8 for q in BRANCHES[1:4])
     found = ours(ARM, plain=True)
-    rows = found.joints(found.solve(T))
+    rows = found.joints(found.solve(T), T)
     assert len(rows) == 8 and all(distance(rows, q).min() < 1e-7 for q in BRANCHES)
 
 
@@ -154,7 +154,7 @@ def test_poses_are_beside_right_angles_by_what_their_name_says() -> None:
 def test_every_solver_is_counted_at_the_same_poses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(measuring, "_PLAIN_EACH", 2)
     exact = ours(ARM, plain=True)
-    worse = Peer("worse", exact.prepare, exact.solve, lambda found: exact.joints(found)[1:] + 0.01)
+    worse = Peer("worse", exact.prepare, exact.solve, lambda found, T: exact.joints(found, T)[1:] + 0.01)
     first = Peer(OURS, exact.prepare, exact.solve, exact.joints)
     solvers = [first, exact, worse, *(peer for peer in (eaik(ARM), opw(ARM)) if peer is not None)]
     findings = Findings()
@@ -172,11 +172,22 @@ def test_every_solver_is_counted_at_the_same_poses(monkeypatch: pytest.MonkeyPat
     assert not findings.misses
 
 
+def test_approximations_of_eaik_count_where_they_are_right() -> None:
+    peer = eaik(ARM)
+    assert peer is not None
+    marked = SimpleNamespace(Q=np.array([Q, Q + 1e-3, Q + 1e-3]), is_LS=np.array([True, True, False]))
+    assert np.array_equal(peer.joints(marked, T), [Q + 1e-3, Q])
+
+
 def test_what_chainbuild_misses_can_be_looked_at() -> None:
     exact = ours(ARM, plain=True)
     findings = Findings()
     measure(
-        ARM, [Peer(OURS, exact.prepare, exact.solve, lambda found: exact.joints(found)[1:])], 1, findings, KINDS[:1]
+        ARM,
+        [Peer(OURS, exact.prepare, exact.solve, lambda found, T: exact.joints(found, T)[1:])],
+        1,
+        findings,
+        KINDS[:1],
     )
     (missed,) = findings.misses
     assert (missed["arm"], missed["kind"], missed["pose"], missed["wrong"]) == ("palletizer", KINDS[0], 0, 0)

@@ -152,7 +152,7 @@ def ask(solvers: Sequence[Peer], T: np.ndarray) -> tuple[list[list[float]], list
                 with peer.around():
                     took, answer = clocked(peer, peer.prepare(pose))
                 times[s].append(took)
-                answers[s].append(peer.joints(answer))
+                answers[s].append(peer.joints(answer, pose))
     finally:
         gc.enable()
     return times, answers

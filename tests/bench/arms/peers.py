@@ -26,6 +26,7 @@ from chainbuild.ik.request import IkRequest
 from chainbuild.ik.search.compiled import packing
 from chainbuild.robot import Robot
 from tests.bench.arms.geometry import Arm
+from tests.bench.arms.truth import is_right
 from tests.kit.chains import chain_from
 
 OURS, PLAIN, SSIK, EAIK, OPW = "chainbuild", "chainbuild, plain", "ssik", "EAIK", "py-opw-kinematics"
@@ -41,14 +42,14 @@ class Peer:
         name: Its name.
         prepare: Pose (4, 4) → what it wants to be handed.
         solve: → what it answers; this is timed.
-        joints: → joint values (k, 6) [rad].
+        joints: Its answer and the pose (4, 4) → joint values (k, 6) [rad].
         around: What holds while it solves.
     """
 
     name: str
     prepare: Callable[[np.ndarray], Any]
     solve: Callable[[Any], Any]
-    joints: Callable[[Any], np.ndarray]
+    joints: Callable[[Any, np.ndarray], np.ndarray]
     around: Callable[[], AbstractContextManager[Any]] = nullcontext
 
 
@@ -81,7 +82,7 @@ def ours(arm: Arm, *, plain: bool) -> Peer:
         PLAIN if plain else OURS,
         np.ascontiguousarray,
         robot.ik_all,
-        lambda found: rows(np.radians(found.axes)),
+        lambda found, _: rows(np.radians(found.axes)),
         without if plain else nullcontext,
     )
 
@@ -93,12 +94,15 @@ def ssik(arm: Arm, module: Any) -> Peer:
         SSIK,
         np.ascontiguousarray,
         lambda T: solve(T, respect_limits=False, enumerate_windings=False),
-        lambda found: rows([solution.q for solution in found]),
+        lambda found, _: rows([solution.q for solution in found]),
     )
 
 
 def eaik(arm: Arm) -> Peer | None:
-    """EAIK: subproblems, C++; None where it does not know the arm. What it marks as approximation does not count."""
+    """EAIK: subproblems, C++; None where it does not know the arm.
+
+    What it marks as approximation counts where it is right: at the edge of the reach some are, but for rounding.
+    """
     from eaik.IK_HP import HPRobot
 
     model = HPRobot(arm.axes, arm.offsets())
@@ -110,9 +114,11 @@ def eaik(arm: Arm) -> Peer | None:
         pose[:3, :3] = T[:3, :3] @ arm.M[:3, :3].T
         return pose
 
-    def joints(found: Any) -> np.ndarray:
+    def joints(found: Any, T: np.ndarray) -> np.ndarray:
         values = np.asarray(found.Q, dtype=float).reshape(-1, 6)
-        return rows(values[~np.asarray(found.is_LS, dtype=bool).reshape(-1)])
+        approximate = np.asarray(found.is_LS, dtype=bool).reshape(-1)
+        marked = rows(values[approximate])
+        return np.vstack([rows(values[~approximate]), marked[is_right(arm, marked, T)]])
 
     return Peer(EAIK, prepare, model.IK, joints)
 
@@ -128,7 +134,7 @@ def opw(arm: Arm) -> Peer | None:
     model = py_opw_kinematics.Robot(py_opw_kinematics.KinematicModel(**known.parameters), degrees=False)
     before, after = np.linalg.inv(known.T_base_arm), np.linalg.inv(known.T_flange_tool)
 
-    def joints(found: Any) -> np.ndarray:
+    def joints(found: Any, _: np.ndarray) -> np.ndarray:
         theta = np.asarray(found, dtype=float).reshape(-1, 6)
         return rows(known.joints(theta))
 
