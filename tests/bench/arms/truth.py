@@ -16,9 +16,7 @@ from tests.bench.arms.geometry import Arm, errors
 
 RIGHT: Final = 1e-6  # m and rad: a returned row that misses its pose by more is wrong
 SAME: Final = 1e-4  # rad, each joint modulo whole turns: closer ones are one branch
-ISOLATED: Final = (
-    1e-5  # smallest singular value / largest, lengths in units of the arm's: below, branches (nearly) touch
-)
+ISOLATED: Final = 1e-5  # smallest singular value / largest, lengths in units of the arm's: below, branches touch
 STARTS: Final = 80  # random joint values a pose
 BESIDE: Final = (3e-4, 3e-3, 3e-2, 0.3)  # rad: joint values beside known ones, each so far off
 _STEPS: Final = 30  # Newton steps of a start; those that come to a branch are there after ten or so
