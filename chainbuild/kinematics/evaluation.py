@@ -178,7 +178,16 @@ class Kinematics:
 
         The angle is that of the whole rotation for a full pose, else that of the tool vector.
         """
-        T = self.pose(self.q(x))
+        return self._missed(self.pose(self.q(x)), target, task)
+
+    def errors_and_jacobian(self, x: Vector, target: pin.SE3, task: Task) -> tuple[float, float, Matrix]:
+        """Return `errors`, and the rows of the Jacobian (k, n_axes) that the task determines, as `residual` does."""
+        T, J = self.pose_and_jacobian(x)
+        if task != "pose":
+            J = J[:3] if task == "position" else J[[n for n in range(6) if n != 3 + self.tool_axis]]
+        return *self._missed(T, target, task), J
+
+    def _missed(self, T: pin.SE3, target: pin.SE3, task: Task) -> tuple[float, float]:
         distance = float(np.linalg.norm(T.translation - target.translation))
         if task == "pose":
             return distance, float(np.linalg.norm(pin.log3(T.rotation.T @ target.rotation)))

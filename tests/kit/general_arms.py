@@ -1,4 +1,4 @@
-"""Arms of six rotary joints as screws: as drawn, calibrated (all lengths and angles a little off), rounded, at random."""
+"""Arms of six rotary joints as screws: as drawn, calibrated (lengths and angles a little off), rounded, at random."""
 
 from __future__ import annotations
 

@@ -11,6 +11,7 @@ w are the rotary axes and z0 the tool direction, both seen from the workpiece wh
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Final
 
@@ -29,8 +30,12 @@ from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.kinematics.newton import below, newton, shrinking
 
 _LINEAR_STEPS: Final = 2  # the second one only corrects the last digits
+_TURN_STEPS: Final = 40  # far more than a turn about one axis needs
+_MET: Final = below(1e-22)  # as good as a polished solution
+_DAMPING: Final = shrinking(1e-3, 1e-12)
 _MAX_ROTARY: Final = 3  # more revolute joints leave the direction open
 
 
@@ -104,6 +109,26 @@ def _placed(query: BranchQuery, x: Vector, free: list[int]) -> Iterator[Vector]:
     placed = _with_linear_axes(query, x)
     if placed is not None:
         yield placed
+        yield from _turned_into_reach(query, placed, free)
+
+
+def _turned_into_reach(query: BranchQuery, placed: Vector, free: list[int]) -> Iterator[Vector]:
+    """Yield x with its free axes turned so that slides that have come to lie in a plane reach the place in it."""
+    if not free or not _are_dependent(query, placed) or verified(query, placed) is not None:
+        return
+    residual = query.mechanism.kinematics.residual(query.target, query.mechanism.task)
+    for quarter in range(4):
+        start = placed.copy()
+        start[free[0]] += quarter * math.pi / 2.0
+        ended = newton(residual, start, query.structure.free, _MET, _DAMPING, _TURN_STEPS)
+        if ended.met:
+            yield ended.x
+
+
+def _are_dependent(query: BranchQuery, x: Vector) -> bool:
+    """Tell whether the rotary axes have turned one slide into the plane of the others."""
+    _, J = query.mechanism.kinematics.pose_and_jacobian(x)
+    return abs(float(np.linalg.det(J[:3, query.structure.linear]))) < tolerances.RANK
 
 
 def _with_linear_axes(query: BranchQuery, x: Vector) -> Vector | None:
@@ -114,10 +139,8 @@ def _with_linear_axes(query: BranchQuery, x: Vector) -> Vector | None:
         error = T.rotation.T @ (target.translation - T.translation)
         if not np.isfinite(error).all():
             return None
-        try:
-            x[linear] += np.linalg.solve(J[:3, linear], error)
-        except np.linalg.LinAlgError:  # a rotary axis has turned one slide into the plane of the others
-            x[linear] += np.linalg.lstsq(J[:3, linear], error)[0]
+        # A rotary axis may have turned one slide into the plane of the others, but for rounding.
+        x[linear] += np.linalg.lstsq(J[:3, linear], error, rcond=tolerances.RANK)[0]
     return x
 
 

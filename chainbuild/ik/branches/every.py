@@ -10,6 +10,7 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.closed import find_closed, opened_request, unreached_words, usual_branch
 from chainbuild.ik.branches.compiled.quick import quick_branches
 from chainbuild.ik.branches.core.branches import Branches, Solutions, collect, named
+from chainbuild.ik.branches.core.families import with_families
 from chainbuild.ik.branches.core.free_axis import solutions_of, with_free_axes_inside
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.direct import find_direct
@@ -17,7 +18,7 @@ from chainbuild.ik.branches.multistart import multistart_branches
 from chainbuild.ik.branches.redundant import REDUNDANT_SAMPLES, Redundant, held_samples, joined_branches
 from chainbuild.ik.branches.status_filter import StatusFilter
 from chainbuild.ik.branches.status_turn import has_status, status_turn_rows
-from chainbuild.ik.plan import TASK_ROWS, plan_for
+from chainbuild.ik.plan import TASK_ROWS, SolverPlan, plan_for
 from chainbuild.ik.request import Held, IkRequest
 from chainbuild.ik.result import IkResult
 from chainbuild.kinematics.inputs import Pose
@@ -59,17 +60,24 @@ def every_branch(query: BranchQuery) -> Solutions:
         ChainbuildError: more axes are free than the task determines.
     """
     plan = plan_for(query)
+    found = _every_solution(query, plan)
+    branches = with_families(query, found)
+    bits = status_turn_rows(query.mechanism, branches.axes) if has_status(query.mechanism) else None
+    return replace(found, branches=named(branches, plan.name, bits))
+
+
+def _every_solution(query: BranchQuery, plan: SolverPlan) -> Solutions:
+    """Return the solutions of a query by its plan, several of one family among them."""
     if plan.name == "direct":
         found = find_direct(query)
     elif plan.name == "struts":
-        found = find_closed(query, every_branch)
+        found = find_closed(query, lambda opened: _every_solution(opened, plan_for(opened)))
     elif plan.solver is not None:
         found = collect(query, with_free_axes_inside(query, solutions_of(plan.solver)))
     else:
         _refuse_redundant(query)
         found = collect(query, ((x, ()) for x in multistart_branches(query)))
-    bits = status_turn_rows(query.mechanism, found.branches.axes) if has_status(query.mechanism) else None
-    return replace(found, branches=named(found.branches, plan.name, bits))
+    return found
 
 
 def nearest_branch(request: IkRequest) -> IkResult | None:

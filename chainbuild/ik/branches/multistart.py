@@ -21,6 +21,7 @@ _IDLE_STARTS: Final = 60  # starts in a row without a new branch that end the se
 _STEPS: Final = 40  # at most, of one descent
 _STALL: Final = Stall(5, 0.9)
 _SAME: Final = 1e-5  # solutions closer than this in every axis [m, rad] are one
+_SINGULAR: Final = 1e-5  # singular values below this share of the largest may belong to a curve
 _MET: Final = below(1e-16)
 _DAMPING: Final = shrinking(1e-3, 1e-12)
 
@@ -44,7 +45,8 @@ def multistart_branches(query: BranchQuery) -> Iterator[Vector]:
         if found is not None and fresh:
             known.append(found)
             yield from turned_axes(query, found, free)
-        idle = 0 if fresh else idle + 1
+        # Of a curve of solutions every start finds another one: these do not keep the search going.
+        idle = 0 if found is not None and fresh and _is_isolated(query, found) else idle + 1
         if idle >= _IDLE_STARTS:
             return
         start = query.x0.copy()
@@ -57,6 +59,13 @@ def _largest_difference(a: Vector, b: Vector, query: BranchQuery) -> float:
     turns = query.periodic
     difference[turns] = np.remainder(difference[turns] + np.pi, 2.0 * np.pi) - np.pi
     return float(np.abs(difference).max())
+
+
+def _is_isolated(query: BranchQuery, x: Vector) -> bool:
+    """Return whether the Jacobian tells that there are no solutions beside one."""
+    _, J = query.mechanism.kinematics.residual(query.target, query.mechanism.task)(x)
+    sizes = np.linalg.svd(J[:, query.structure.free], compute_uv=False)
+    return len(query.structure.free) <= len(J) and bool((sizes > _SINGULAR * sizes.max(initial=0.0)).all())
 
 
 def _descend(query: BranchQuery, start: Vector) -> Vector | None:

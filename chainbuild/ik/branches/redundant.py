@@ -89,6 +89,7 @@ def joined_branches(parts: Sequence[Branches], x0: Vector) -> Branches:
     axes = np.concatenate([part.axes for part in parts])
     order = np.argsort(np.linalg.norm(axes * first.labels.to("si").factors - x0, axis=1), kind="stable")
     free = [names for part in parts for names in part.free_axes]
+    directions = [one for part in parts for one in part.free_directions]
     return replace(
         first,
         axes=axes[order],
@@ -96,6 +97,7 @@ def joined_branches(parts: Sequence[Branches], x0: Vector) -> Branches:
         rotation_error=np.concatenate([part.rotation_error for part in parts])[order],
         iterations=np.concatenate([part.iterations for part in parts])[order],
         free_axes=tuple(free[n] for n in order),
+        free_directions=tuple(directions[n] for n in order),
         status_bits=_bits([part.status_bits for part in parts], order),
         turn_bits=_bits([part.turn_bits for part in parts], order),
     )

@@ -14,6 +14,7 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.assemble import rotary, shift
 from chainbuild.comparison.eaik_model import eaik_answers, eaik_robot
 from chainbuild.frames import inverse, rot_x
+from chainbuild.ik.branches.arms.angle_pairs import angle_pairs
 from chainbuild.ik.branches.arms.parallel_axes import parallel_arm
 from chainbuild.ik.branches.arms.three_parallel import ThreeParallelAxes
 from chainbuild.ik.branches.core.query import BranchQuery
@@ -273,3 +274,17 @@ def test_other_arms_are_not_taken_for_such() -> None:
         (a, b, c, five, six),
     ):
         assert parallel_arm(Serial(screws, serial.M)) is None
+
+
+def test_where_three_pairs_of_angles_meet_they_keep_their_digits() -> None:
+    found = angle_pairs((-0.2, 0.2, 1.0, 0.0), (-0.2, 0.0), (0.0, -0.2, 1.0, 0.0), 0.0)
+    assert not (found.free or found.doubtful)
+    for wanted in ((math.pi, math.pi), (math.acos(0.6), math.acos(0.6))):
+        assert min(apart(np.array(pair), np.array(wanted)) for pair in found.pairs) < 1e-12
+
+
+def test_two_axes_that_meet_or_are_parallel_need_no_quartic() -> None:
+    for alone, wrist in enumerate(WRISTS):
+        arm = parallel_arm(random_parallel_arm(np.random.default_rng(12), wrist))
+        assert arm is not None
+        assert arm.alone == alone

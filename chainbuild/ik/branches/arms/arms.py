@@ -19,6 +19,7 @@ import numpy as np
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.elements import Task
 from chainbuild.frames import inverse
+from chainbuild.ik.branches.arms.loose_turns import loose_turns, with_loose_turns
 from chainbuild.ik.branches.arms.orientation import for_rotation, perpendicular
 from chainbuild.ik.branches.arms.positioner import MEETING, meeting_point, parallel, positioner, two_parallel_turns
 from chainbuild.ik.branches.arms.two_joints import reach_by_two
@@ -39,6 +40,7 @@ ARMS: Final[Mapping[str, str]] = {
 }
 
 _ACROSS: Final = 1e-9  # cosine of two axes at right angles, but for rounding
+_TILTED: Final = 1e-3  # rad: what is left to the last axis is no turn about it; less is lost digits
 _ALONG: Final = (0.0, 0.25, -0.25, 0.4)  # m
 
 
@@ -143,6 +145,9 @@ class _SphericalWrist:
             R = _apply(self.serial.screws[:3], arm)[:3, :3].T @ motion[:3, :3]
             solutions = for_rotation(self.wrist, R, keep[3:])
             found += [(np.array((*arm, *t.angles)), (False, False, False, *t.free)) for t in solutions]
+            if not solutions:
+                loose = loose_turns(self.serial.screws[:3], arm, self.centre)
+                found += with_loose_turns(self.serial.screws[:3], arm, loose, self.wrist, motion[:3, :3], keep)
         return found
 
 
@@ -161,19 +166,28 @@ class _SingleWrist:
         found: list[Solution] = []
         for arm in self.reach(self.point, transformed_point(motion, self.point), keep[:3]):
             R = _apply(self.serial.screws[:3], arm)[:3, :3].T @ motion[:3, :3]
+            if norm(R @ last.direction - last.direction) > _TILTED:
+                loose = loose_turns(self.serial.screws[:3], arm, self.point)
+                found += with_loose_turns(self.serial.screws[:3], arm, loose, [last.direction], motion[:3, :3], keep)
+                continue
             turn = subproblem_1(last.direction, aside, R @ aside, keep[3])
             found.append((np.array((*arm, turn.angle)), (False,) * 4))
         return found
 
 
 def _point_off_other_axes(screws: Sequence[Screw]) -> Vector:
-    """Return a point of the last axis that is on no other axis: there it would not determine that axis' angle."""
+    """Return a point of the last axis that is on no other axis, or on few: there it does not determine their angles.
+
+    An axis that coincides with the last one at zero has all of these points on it.
+    """
     *others, last = screws
     axes = [screw for screw in others if screw.kind == "revolute"]
     points = [last.point + along * last.direction for along in _ALONG]
 
-    def room(point: Vector) -> float:
-        return min((norm(perpendicular_part(a.direction, point - a.point)) for a in axes), default=math.inf)
+    def room(point: Vector) -> tuple[int, float]:
+        rooms = [norm(perpendicular_part(a.direction, point - a.point)) for a in axes]
+        off = [one for one in rooms if one > MEETING]
+        return len(off), min(off, default=math.inf)
 
     return max(points, key=room)
 

@@ -24,6 +24,8 @@ Vectors = NDArray[np.complex128]  # (n, 3)
 JointTriple = tuple[float, float, float]
 
 _LEVEL: Final = 1e-9  # cosine below which a slide counts as square to an axis
+_NO_TERM: Final = 1e-14  # share of the squared distances below which a coefficient of theirs is rounding
+_ANY: Final = np.linspace(-3.0, 3.0, 7)  # more angles than a function of the second degree has zeros
 
 
 def skew_turns(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[float]) -> list[JointTriple]:
@@ -107,13 +109,20 @@ def slide_turn_slide(row: Sequence[Screw], p: Vector, d: Vector, keep: Sequence[
     # Both slides along the line on which the heights agree: (share·lift_a − t·lift_c, share·lift_c + t·lift_a).
     inner, inner_slope = u + share * lift_c * c.direction, lift_a * c.direction
     outer, outer_slope = goal - share * lift_a * a.direction, lift_c * a.direction
-    found = []
     # The point must be as far from b as its place is on the other side; heights agree already.
-    for t in _quadratic(
-        float(inner_slope @ inner_slope) - float(outer_slope @ outer_slope),
-        float(inner @ inner_slope) - float(outer @ outer_slope),
-        float(inner @ inner) - float(outer @ outer),
-    ):
+    square = float(inner_slope @ inner_slope) - float(outer_slope @ outer_slope)
+    linear = float(inner @ inner_slope) - float(outer @ outer_slope)
+    constant = float(inner @ inner) - float(outer @ outer)
+    size = max(float(inner @ inner), float(outer @ outer))
+    lengths = _quadratic(square, linear, constant, size)
+    slope = max(float(inner_slope @ inner_slope), float(outer_slope @ outer_slope))
+    terms = np.abs([square, linear, constant])
+    if (terms <= _NO_TERM * np.array([slope, math.sqrt(size * slope), size])).all():
+        # Slides that the turn brings onto one line move against one another: what is kept tells how far.
+        kept = lift_c * (share * lift_a - keep[0]) + lift_a * (keep[2] - share * lift_c)
+        lengths = [kept / (lift_a * lift_a + lift_c * lift_c)]
+    found = []
+    for t in lengths:
         turn = subproblem_1(k, inner + t * inner_slope, outer + t * outer_slope, keep[1])
         found.append((share * lift_a - t * lift_c, turn.angle, share * lift_c + t * lift_a))
     return found
@@ -135,7 +144,7 @@ def _last_joint(
         origin: (3,) where the places are counted from.
         miss: Places (n, 3) → values (n,), of the second degree in the joint's sine and cosine, or of the fourth in its
             shift.
-        keep: Its value where the point lies on its axis.
+        keep: Its value where the point lies on its axis, or the function vanishes everywhere.
     """
     if c.kind == "prismatic":
         start = p - origin
@@ -151,20 +160,30 @@ def _last_joint(
         places = centre + np.outer(np.cos(t), swing) + np.outer(np.sin(t), side)
         return miss(places.astype(complex)).real
 
+    size = float(centre @ centre) + float(swing @ swing)
+    if np.abs(values(_ANY)).max() <= _NO_TERM * size:
+        return [keep]
     return real_angles(values, 2)
 
 
 def _to_distance(u: Vector, direction: Vector, square: float) -> list[float]:
     """Return the lengths x with |u + x·direction|² = square."""
-    return _quadratic(1.0, float(u @ direction), float(u @ u) - square)
+    return _quadratic(1.0, float(u @ direction), float(u @ u) - square, max(float(u @ u), square))
 
 
-def _quadratic(a: float, b: float, c: float) -> list[float]:
-    """Return the real roots of a·x² + 2·b·x + c; slightly complex ones count as touching."""
+def _quadratic(a: float, b: float, c: float, size: float) -> list[float]:
+    """Return the real roots of a·x² + 2·b·x + c; slightly complex ones count as touching.
+
+    Args:
+        a: Coefficient.
+        b: Coefficient.
+        c: Coefficient.
+        size: Of what c is the difference of: c itself may be nothing but its rounding.
+    """
     if abs(a) <= 1e-12 * max(abs(b), abs(c)):
         return [-c / (2.0 * b)] if b else []
     inside = b * b - a * c
-    if inside < -1e-9 * max(b * b, abs(a * c)):
+    if inside < -1e-9 * max(b * b, abs(a) * size):
         return []
     root = math.sqrt(max(inside, 0.0))
     larger = -(b + math.copysign(root, b))

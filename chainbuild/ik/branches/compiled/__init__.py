@@ -1,4 +1,7 @@
 """Closed forms as compiled code (extra `fast`): regular poses in microseconds, the others are left to the plain path.
 
-In reading order: `constants`, `small`, `quartic`, `spherical`, `direct`, `finish`, `entries`, `quick`.
+In reading order: `constants`, `small`, `quartic`, `spherical`, `direct`, `angle_pairs`, `three_parallel`, `finish`,
+`entries`, `quick`.
+
+`general` solves six rotary joints in any arrangement.
 """

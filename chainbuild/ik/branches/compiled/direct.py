@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from chainbuild.ik.branches.compiled.constants import DIRECT
-from chainbuild.ik.branches.compiled.small import one_turn, turned, two_turns, vector
+from chainbuild.ik.branches.compiled.small import one_turn, turned, two_turns_kept, vector
 from chainbuild.ik.branches.compiled.spherical import motion_of, product
 from chainbuild.ik.search.compiled.kernels import jit
 
@@ -11,19 +11,23 @@ _COUNT, _COLUMN, _AXES, _BACK, _TOOL, _ASIDE = DIRECT
 
 
 @jit
-def direct_branches(constants, T, values):
-    """Write the values of the rotary joints; return how many rows, and whether none can be missing."""
+def direct_branches(constants, T, keep, values):
+    """Write the values of the rotary joints, and which is free; return how many rows, and whether none can be missing.
+
+    Joints after those of the machine stay as they are; column 6 is the free joint, -1 where there is none.
+    """
     count, column = int(constants[_COUNT]), int(constants[_COLUMN])
-    row = values[0]
+    row, other = values[0], values[1]
+    row[6], other[6] = -1.0, -1.0
     if count == 0:
         return 1, True
-    w1 = vector(constants, _AXES)
+    w1, w2 = vector(constants, _AXES), vector(constants, _AXES + 3)
     if column >= 0:
         tool, d = vector(constants, _TOOL), (T[0, column], T[1, column], T[2, column])
         if count == 1:
             row[0], sure = one_turn(w1, tool, d)
             return 1, sure
-        pairs, row[0], row[1], values[1, 0], values[1, 1], sure = two_turns(w1, vector(constants, _AXES + 3), tool, d)
+        pairs, row[0], row[1], other[0], other[1], row[6], sure = two_turns_kept(w1, w2, tool, d, keep[0], keep[1])
         return pairs, sure
     R, _ = motion_of(constants, _BACK, T, False)
     aside, last = vector(constants, _ASIDE), vector(constants, _AXES + 3 * (count - 1))
@@ -35,8 +39,7 @@ def direct_branches(constants, T, values):
         row[0], sure = one_turn(w1, last, image)
         row[1], sure_last = one_turn(last, aside, turned(w1, -row[0], edge))
         return 1, sure and sure_last
-    w2 = vector(constants, _AXES + 3)
-    pairs, row[0], row[1], values[1, 0], values[1, 1], sure = two_turns(w1, w2, last, image)
+    pairs, row[0], row[1], other[0], other[1], row[6], sure = two_turns_kept(w1, w2, last, image, keep[0], keep[1])
     for n in range(pairs):
         back = turned(w2, -values[n, 1], turned(w1, -values[n, 0], edge))
         values[n, 2], sure_last = one_turn(last, aside, back)

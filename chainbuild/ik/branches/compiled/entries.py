@@ -12,8 +12,9 @@ from typing import Any, Final
 from zlib import crc32
 
 from chainbuild import tolerances
+from chainbuild.ik.branches.arms import parallel_axes
+from chainbuild.ik.branches.compiled import angle_pairs, direct, finish, quartic, small, spherical, three_parallel
 from chainbuild.ik.branches.compiled import constants as form_constants
-from chainbuild.ik.branches.compiled import direct, finish, quartic, small, spherical
 from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED
 from chainbuild.ik.branches.compiled.direct import direct_branches
 from chainbuild.ik.branches.compiled.finish import axes_of, finished, room_of
@@ -21,6 +22,7 @@ from chainbuild.ik.branches.compiled.general import constants as general_constan
 from chainbuild.ik.branches.compiled.general import eigen, equations, solutions, solve
 from chainbuild.ik.branches.compiled.general.solve import general_branches
 from chainbuild.ik.branches.compiled.spherical import spherical_branches
+from chainbuild.ik.branches.compiled.three_parallel import three_parallel_branches
 from chainbuild.ik.branches.core import branches, subproblems
 from chainbuild.ik.search.compiled import kernels as compiled_kernels
 from chainbuild.ik.search.compiled import search as compiled_search
@@ -31,7 +33,7 @@ from chainbuild.ik.search.compiled.search import is_rigid
 
 def _finish(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
-    def finish_poses(data, sizes, targets, x0, values, counts, found, left):
+    def finish_poses(data, sizes, targets, x0, values, counts, found, left, along):
         """Write the branches among joint values; return what was written last to counts.
 
         Args:
@@ -39,17 +41,18 @@ def _finish(fingerprint: int) -> Any:
             sizes: and their sizes, see `axes_of`.
             targets: (N, 4, 4) tool in the workpiece frame [m].
             x0: (n,) start in SI; held axes have their values.
-            values: (N, ROWS, 6) what a form wrote.
+            values: (N, ROWS, 7) what a form wrote.
             counts: (N,) what it wrote; out: how many branches there are, DOUBTFUL or REFUSED.
             found: (N, ROWS, n) out, see `finished`.
-            left: (N, 4, ROWS) out, likewise.
+            left: (N, ROWS, 5) out, likewise.
+            along: (N, ROWS, n) out, likewise.
         """
         axes, count = axes_of(data, sizes), 0 * fingerprint
         room = room_of(axes)
         for i in range(len(targets)):
             count = counts[i]
             if count > 0:
-                count, sure = finished(axes, room, targets[i], x0, values[i], count, found[i], left[i])
+                count, sure = finished(axes, room, targets[i], x0, values[i], count, found[i], left[i], along[i])
                 count = count if sure else DOUBTFUL
             counts[i] = count
         return count
@@ -59,20 +62,21 @@ def _finish(fingerprint: int) -> Any:
 
 def _spherical(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
-    def spherical_poses(constants, targets, rigid, values, counts):
+    def spherical_poses(constants, targets, rigid, keep, values, counts):
         """Write the joint values of poses.
 
         Args:
             constants: Those of the form.
             targets: (N, 4, 4) tool in the workpiece frame [m].
             rigid: Permitted deviation of a matrix from a rotation.
-            values: (N, ROWS, 6) out: joint values in the order of the screws.
+            keep: (6,) joint values of the start, for those that are free.
+            values: (N, ROWS, 7) out: joint values in the order of the screws, and which of them is free, -1: none.
             counts: (N,) out: how many rows, DOUBTFUL or REFUSED.
         """
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
             if is_rigid(targets[i], rigid):
-                count, sure = spherical_branches(constants, targets[i], values[i])
+                count, sure = spherical_branches(constants, targets[i], keep, values[i])
                 counts[i] = count if sure else DOUBTFUL
 
     return spherical_poses
@@ -80,12 +84,12 @@ def _spherical(fingerprint: int) -> Any:
 
 def _direct(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
-    def direct_poses(constants, targets, rigid, values, counts):
+    def direct_poses(constants, targets, rigid, keep, values, counts):
         """Write the values of rotary joints; see `spherical_poses`."""
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
             if is_rigid(targets[i], rigid):
-                count, sure = direct_branches(constants, targets[i], values[i])
+                count, sure = direct_branches(constants, targets[i], keep, values[i])
                 counts[i] = count if sure else DOUBTFUL
 
     return direct_poses
@@ -93,7 +97,7 @@ def _direct(fingerprint: int) -> Any:
 
 def _general(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
-    def general_poses(constants, targets, rigid, values, counts):
+    def general_poses(constants, targets, rigid, keep, values, counts):
         """Write the joint values of poses; see `spherical_poses`."""
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
@@ -102,6 +106,19 @@ def _general(fingerprint: int) -> Any:
                 counts[i] = count if sure else DOUBTFUL
 
     return general_poses
+
+
+def _three_parallel(fingerprint: int) -> Any:
+    @kept_jit(nogil=True, **FAST)
+    def three_parallel_poses(constants, targets, rigid, keep, values, counts):
+        """Write the joint values of poses; see `spherical_poses`."""
+        for i in range(len(targets)):
+            counts[i] = REFUSED + 0 * fingerprint
+            if is_rigid(targets[i], rigid):
+                count, sure = three_parallel_branches(constants, targets[i], values[i])
+                counts[i] = count if sure else DOUBTFUL
+
+    return three_parallel_poses
 
 
 def _fingerprint(*modules: Any) -> int:
@@ -114,5 +131,6 @@ finish_poses: Final = _finish(_fingerprint(finish, form_constants, branches, com
 FORMS: Final = {
     "spherical": _spherical(_SMALL ^ _fingerprint(spherical, quartic)),
     "direct": _direct(_SMALL ^ _fingerprint(spherical, quartic, direct)),
+    "three parallel axes": _three_parallel(_SMALL ^ _fingerprint(parallel_axes, angle_pairs, three_parallel)),
     "general": _general(_SMALL ^ _fingerprint(general_constants, eigen, equations, solutions, solve)),
 }

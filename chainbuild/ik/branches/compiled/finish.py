@@ -11,13 +11,22 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from chainbuild.ik.branches.core.branches import POLISH_FROM, POLISH_STEPS, POLISH_TO, SAME_BRANCH
-from chainbuild.ik.search.compiled.kernels import damped_step, jit, pose_and_jacobian, tool_error
+from chainbuild.ik.branches.core.branches import (
+    BETWEEN_BRANCHES,
+    CLOSE_BRANCHES,
+    POLISH_FROM,
+    POLISH_STEPS,
+    POLISH_TO,
+    SAME_BRANCH,
+)
+from chainbuild.ik.search.compiled.kernels import damped_step, jit, pose_and_jacobian, solve_in_place, tool_error
 from chainbuild.tolerances import IK_POSITION_M, IK_ROTATION_RAD, LIMIT_SLACK
 
 _FLOOR: Final = 1e-14  # damping that keeps the factorisation alive at singular points
 _LINEAR_STEPS: Final = 2  # the second one only corrects the last digits
 _DEPENDENT: Final = 1e-6  # share of their product: a determinant below it means slides turned into one plane
+_STILL: Final = 1e-7  # m and rad: what the tool moves along a direction that leaves it where it is
+_SEVERAL: Final = 1e6  # inverse square of a singular value: beyond it a second direction is free
 _TURN: Final = 2.0 * math.pi  # a whole turn
 
 
@@ -42,6 +51,7 @@ class Axes(NamedTuple):
     together: Any  # (n,) whether an axis takes part in any
     rows: Any  # (c,) which of the joint values determine them
     columns: Any  # (c,)
+    movers: Any  # (c,) which axis moves a joint most
     linear: Any  # (0 or 3,) axes that place the TCP after the others are known
     free: Any  # (f,)
     axis: Any  # tool axis whose direction is the task, or -1
@@ -71,7 +81,8 @@ def axes_of(data, sizes):
         data[e[3] : e[4]].reshape((c, c)), data[e[4] : e[5]].reshape((c, n)), data[e[5] : e[6]],
         data[e[6] : e[7]], data[e[7] : e[8]], data[e[8] : e[9]], data[e[9] : e[10]], data[e[10] : e[11]],
         data[e[11] : e[12]].reshape((sums, n)), data[e[12] : e[13]], data[e[13] : e[14]], data[e[14] : e[15]],
-        index[:c], index[c : 2 * c], index[2 * c : 2 * c + count], index[2 * c + count : 2 * c + count + f], sizes[5],
+        index[:c], index[c : 2 * c], index[2 * c : 3 * c],
+        index[3 * c : 3 * c + count], index[3 * c + count : 3 * c + count + f], sizes[5],
     )  # fmt: skip
 
 
@@ -167,13 +178,7 @@ def _polished(axes, room, target):
     if max(distance, angle) >= POLISH_FROM:
         _look(axes, room, target)
     while max(distance, angle) >= POLISH_FROM and steps < POLISH_STEPS:
-        rows = 0
-        for r in range(6):
-            if axes.axis < 0 or r != 3 + axes.axis:
-                room.error[rows] = room.error[r]
-                for m in range(len(axes.free)):
-                    room.Jf[rows, m] = room.J[r, axes.free[m]]
-                rows += 1
+        rows = _copy_rows(axes, room)
         damped_step(rows, room.Jf, room.error, room.H, room.g, room.step, _FLOOR)
         for m in range(len(axes.free)):
             room.x[axes.free[m]] += room.step[m]
@@ -222,7 +227,62 @@ def _keeps_sums(axes, x):
 
 
 @jit
-def finished(axes, room, target, x0, values, count, found, left):
+def _copy_rows(axes, room):
+    """Copy the rows of the task and the columns of the free axes of the Jacobian; return how many rows."""
+    rows = 0
+    for r in range(6):
+        if axes.axis < 0 or r != 3 + axes.axis:
+            room.error[rows] = room.error[r]
+            for m in range(len(axes.free)):
+                room.Jf[rows, m] = room.J[r, axes.free[m]]
+            rows += 1
+    return rows
+
+
+@jit
+def _iterate(room, rows, n, share, v):
+    """Write (JᵀJ + share·v·vᵀ + floor)⁻¹·v to room.g; return its length."""
+    for i in range(n):
+        for j in range(i + 1):
+            total = share * v[i] * v[j]
+            for r in range(rows):
+                total += room.Jf[r, i] * room.Jf[r, j]
+            room.H[i, j] = total
+        room.H[i, i] += _FLOOR
+        room.g[i] = v[i] if share == 0.0 else 1.0
+    solve_in_place(room.H, room.g, n)
+    total = 0.0
+    for i in range(n):
+        total += room.g[i] * room.g[i]
+    return math.sqrt(total)
+
+
+@jit
+def _goes_along(axes, room, target, axis, along):
+    """Write the unit direction in which a solution with a free axis goes on; return whether there is that one only."""
+    _look(axes, room, target)
+    rows, n, v = _copy_rows(axes, room), len(axes.free), room.step
+    for m in range(n):
+        v[m] = 1.0 if axes.free[m] == axis else 0.0
+    for _ in range(3):
+        size = _iterate(room, rows, n, 0.0, v)
+        for m in range(n):
+            v[m] = room.g[m] / size
+    rest = 0.0
+    for r in range(rows):
+        total = 0.0
+        for m in range(n):
+            total += room.Jf[r, m] * v[m]
+        rest = max(rest, abs(total))
+    for m in range(len(along)):
+        along[m] = 0.0
+    for m in range(n):
+        along[axes.free[m]] = v[m]
+    return rest < _STILL and _iterate(room, rows, n, 1.0, v) < _SEVERAL
+
+
+@jit
+def finished(axes, room, target, x0, values, count, found, left, along):
     """Write the branches among joint values, nearest to x0 first.
 
     Args:
@@ -230,26 +290,22 @@ def finished(axes, room, target, x0, values, count, found, left):
         room: Scratch.
         target: (4, 4) tool in the workpiece frame [m].
         x0: (n,) start in SI; held axes have their values.
-        values: (·, 6) joint values in the order of the screws.
+        values: (·, 7) joint values in the order of the screws, and which of them is free, -1: none.
         count: How many rows of them.
         found: (·, n) out: axis values, mm and degrees.
-        left: (4, ·) out: distances, angles, steps, squared distances to x0.
+        left: (·, 5) out: distance, angle, steps, squared distance to x0, free axis or -1.
+        along: (·, n) out: unit direction in which a solution with a free axis goes on.
 
     Returns:
         How many branches, and whether no row was left in doubt.
     """
-    n, kept = len(x0), 0
+    kept = 0
     for i in range(count):
-        x = room.x
-        for m in range(n):
-            x[m] = x0[m]
-        for r in range(len(axes.columns)):
-            value = -axes.offset[r]
-            for m in range(n):
-                value -= axes.others[r, m] * x0[m]
-            for m in range(len(axes.rows)):
-                value += axes.inverse[r, m] * values[i, axes.rows[m]]
-            x[axes.columns[r]] = value
+        x, loose = room.x, int(values[i, 6])
+        axis = axes.movers[loose] if loose >= 0 else -1
+        _axis_values(axes, x0, values[i], x)
+        if loose >= 0:
+            x[axis] = x0[axis]
         if len(axes.linear) and not _place_linear(axes, room, target):
             return 0, False
         distance, angle, steps = _polished(axes, room, target)
@@ -258,33 +314,85 @@ def finished(axes, room, target, x0, values, count, found, left):
         if not (distance <= IK_POSITION_M and angle <= IK_ROTATION_RAD):
             return 0, False
         side = _turned_inside(axes, x, x0)
-        if side < 0:
+        if side < 0 or (side == 0 and loose >= 0):
             return 0, False
-        if side == 0 or _known(axes, found, kept, x):
+        if side == 0:
             continue
-        far = 0.0
-        for m in range(n):
-            far += (x[m] - x0[m]) ** 2
-        at = kept
-        while at > 0 and left[3, at - 1] > far:
-            for m in range(n):
-                found[at, m] = found[at - 1, m]
-            for m in range(4):
-                left[m, at] = left[m, at - 1]
-            at -= 1
-        for m in range(n):
-            found[at, m] = x[m] / axes.factors[m]
-        left[0, at], left[1, at], left[2, at], left[3, at] = distance, angle, steps, far
-        kept += 1
+        if loose >= 0 and not _goes_along(axes, room, target, axis, along[kept]):
+            return 0, False
+        known = _known(axes, room, target, found, left, kept, axis)
+        if known < 0:
+            return 0, False
+        if known == 0:
+            _sort_in(axes, x0, x, (distance, angle, steps, axis), found, left, along, kept)
+            kept += 1
     return kept, True
 
 
 @jit
-def _known(axes, found, kept, x):
+def _axis_values(axes, x0, values, x):
+    """Write the axis values of joint values."""
+    n = len(x0)
+    for m in range(n):
+        x[m] = x0[m]
+    for r in range(len(axes.columns)):
+        value = -axes.offset[r]
+        for m in range(n):
+            value -= axes.others[r, m] * x0[m]
+        for m in range(len(axes.rows)):
+            value += axes.inverse[r, m] * values[axes.rows[m]]
+        x[axes.columns[r]] = value
+
+
+@jit
+def _sort_in(axes, x0, x, row, found, left, along, kept):
+    """Write a branch to where its distance to x0 puts it among those before; its direction stands behind them."""
+    n, far = len(x0), 0.0
+    for m in range(n):
+        far += (x[m] - x0[m]) ** 2
+    at = kept
+    while at > 0 and left[at - 1, 3] > far:
+        at -= 1
+    for k in range(kept, at, -1):
+        for m in range(n):
+            found[k, m] = found[k - 1, m]
+            along[k, m], along[k - 1, m] = along[k - 1, m], along[k, m]
+        for m in range(5):
+            left[k, m] = left[k - 1, m]
+    for m in range(n):
+        found[at, m] = x[m] / axes.factors[m]
+    left[at, 0], left[at, 1], left[at, 2], left[at, 3], left[at, 4] = row[0], row[1], row[2], far, row[3]
+
+
+@jit
+def _known(axes, room, target, found, left, kept, axis):
+    """Tell whether room.x is a branch that is known: 1, 0, or -1 where it lies in the middle of what lost its digits.
+
+    Two that are close to each other are one where the place between them is as good.
+    """
+    x = room.x
     for i in range(kept):
-        same = True
+        apart = 0.0
         for m in range(len(x)):
-            same &= abs(found[i, m] * axes.factors[m] - x[m]) < SAME_BRANCH
-        if same:
-            return True
-    return False
+            apart = max(apart, abs(_way(axes, m, found[i, m] * axes.factors[m], x[m])))
+        if apart < SAME_BRANCH:
+            return 1
+        if apart < CLOSE_BRANCHES:
+            if axis >= 0 or left[i, 4] >= 0.0:
+                return -1
+            for m in range(len(x)):
+                x[m] -= 0.5 * _way(axes, m, found[i, m] * axes.factors[m], x[m])
+            _pose(axes, room)
+            distance, angle = _missed(axes, room, target)
+            if max(distance, angle) < BETWEEN_BRANCHES:
+                return 1
+            for m in range(len(x)):
+                x[m] += _way(axes, m, found[i, m] * axes.factors[m], x[m])
+    return 0
+
+
+@jit
+def _way(axes, m, start, end):
+    """Return how far an axis is from one value to another, but for whole turns that lead to the same pose."""
+    way = end - start
+    return way - _TURN * np.rint(way / _TURN) if axes.periodic[m] != 0.0 else way

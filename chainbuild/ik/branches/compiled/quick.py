@@ -17,16 +17,17 @@ import numpy as np
 from chainbuild import tolerances
 from chainbuild.arrays import Indices, Integers, Matrix, Vector
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.ik.branches.arms.parallel_axes import three_parallel_constants
 from chainbuild.ik.branches.arms.virtual_joints import common_rotary_axis, with_spin_joint
 from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED, ROWS, direct_constants, spherical_constants
 from chainbuild.ik.branches.compiled.general.constants import general_constants
 from chainbuild.ik.branches.core.axis_values import block_of
-from chainbuild.ik.branches.core.branches import Branches, named
+from chainbuild.ik.branches.core.branches import Branches, isolated, named
 from chainbuild.ik.branches.core.query import BranchQuery
-from chainbuild.ik.branches.core.serial import Serial
+from chainbuild.ik.branches.core.serial import Screw, Serial
 from chainbuild.ik.branches.direct import query_is_direct
 from chainbuild.ik.branches.status_turn import has_status, status_turn_rows
-from chainbuild.ik.plan import plan_for
+from chainbuild.ik.plan import TASK_ROWS, plan_for
 from chainbuild.ik.request import Held, IkRequest, start_point
 from chainbuild.ik.search.compiled import packing
 from chainbuild.ik.search.solver import refusal
@@ -47,6 +48,9 @@ class QuickForm:
         axes: The axes in one array, and their sizes; see `finish.axes_of`.
         x0: (n_axes,) where branches are counted from without a start [SI].
         has_status: Whether the controller numbers the branches (KIN_TYP 45).
+        by_axes: (6, n_axes) joint values in the order of the screws by SI axis values,
+        at_zero: (6,) and where these are 0.
+        isolated: Free directions of branches that have none.
     """
 
     method: str
@@ -55,12 +59,16 @@ class QuickForm:
     axes: tuple[Vector, Integers]
     x0: Vector
     has_status: bool
+    by_axes: Matrix
+    at_zero: Vector
+    isolated: tuple[Matrix, ...]
 
-    def write(self, targets: Matrix, x0: Vector, found: Matrix, left: Matrix, counts: Integers) -> int:
+    def write(self, targets: Matrix, x0: Vector, found: Matrix, left: Matrix, along: Matrix, counts: Integers) -> int:
         """Write the branches of poses (N, 4, 4); return the last of counts. See `entries.finish_poses`."""
-        entries, values = _entries(), np.empty((len(targets), ROWS, 6))
-        entries.FORMS[self.form](self.constants, targets, tolerances.ROTATION_MATRIX, values, counts)
-        count: int = entries.finish_poses(*self.axes, targets, x0, values, counts, found, left)
+        entries, values = _entries(), np.full((len(targets), ROWS, 7), -1.0)
+        keep = self.by_axes @ x0 + self.at_zero
+        entries.FORMS[self.form](self.constants, targets, tolerances.ROTATION_MATRIX, keep, values, counts)
+        count: int = entries.finish_poses(*self.axes, targets, x0, values, counts, found, left, along)
         return count
 
 
@@ -88,16 +96,23 @@ def quick_branches(mechanism: Mechanism, target: Matrix, start: Vector | None, h
     form, x0 = quick_form(mechanism, start, held)
     if form is None:
         return None
-    rows, left, counts = np.empty((1, ROWS, len(x0))), np.empty((1, 4, ROWS)), np.empty(1, np.int64)
-    count = form.write(target[None], x0, rows, left, counts)
+    n = len(x0)
+    rows, left, along = np.empty((1, ROWS, n)), np.empty((1, ROWS, 5)), np.empty((1, ROWS, n))
+    count = form.write(target[None], x0, rows, left, along, np.empty(1, np.int64))
     if count == REFUSED:
         raise refusal(target)
     if count == DOUBTFUL:
         return None
-    distance, angle, steps, _ = left[0, :, :count]
+    distance, angle, steps, _, loose = left[0, :count].T
+    free: tuple[tuple[str, ...], ...] = _NONE_FREE[count]
+    directions = form.isolated[:count]
+    if count and loose.max() >= 0.0:
+        names = mechanism.labels.names
+        free = tuple((names[int(one)],) if one >= 0.0 else () for one in loose)
+        directions = tuple(along[0, k : k + 1] if loose[k] >= 0.0 else directions[k] for k in range(count))
     found = Branches(
-        rows[0, :count], distance, angle, steps.astype(np.int64), _NONE_FREE[count], mechanism.task, mechanism.labels,
-        method=form.method,
+        rows[0, :count], distance, angle, steps.astype(np.int64), free, mechanism.task, mechanism.labels,
+        method=form.method, free_directions=directions,
     )  # fmt: skip
     return named(found, form.method, status_turn_rows(mechanism, found.axes)) if form.has_status else found
 
@@ -114,8 +129,8 @@ def write_branches_of(form: QuickForm, targets: Matrix, x0: Vector, found: Matri
     """
 
     def write(part: slice) -> None:
-        left = np.empty((part.stop - part.start, 4, ROWS))
-        form.write(targets[part], x0, found[part], left, counts[part])
+        left, along = np.empty((part.stop - part.start, ROWS, 5)), np.empty((part.stop - part.start, ROWS, len(x0)))
+        form.write(targets[part], x0, found[part], left, along, counts[part])
 
     parts = [slice(n, min(n + _PART, len(targets))) for n in range(0, len(targets), _PART)]
     if len(parts) == 1:
@@ -149,11 +164,17 @@ def _quick_form(mechanism: Mechanism, start: Vector | None, held: Held | None) -
     if not packing.available() or product is None or chain.loops or limits.curved:
         return None
     query = BranchQuery.of(IkRequest(mechanism, np.eye(4), start, held))
+    if len(query.structure.free) > TASK_ROWS[mechanism.task]:
+        return None  # every branch is on a curve, whose direction the plain path tells
     method, form, constants = _chosen(query)
-    packed = None if constants is None else _packed(query, form)
-    if constants is None or packed is None:
+    joints = np.array([screw.joint for screw in _screws(query, form)], dtype=np.intp)
+    packed = None if constants is None else _packed(query, form, joints)
+    if constants is None or packed is None or not isinstance(chain.axis_map, AffineMap):
         return None
-    return QuickForm(method, form, constants, packed, query.x0, has_status(mechanism))
+    by_axes, at_zero = np.zeros((6, len(query.x0))), np.zeros(6)
+    by_axes[: len(joints)], at_zero[: len(joints)] = chain.axis_map.A[joints], chain.axis_map.b[joints]
+    alone = (isolated(mechanism.labels),) * ROWS
+    return QuickForm(method, form, constants, packed, query.x0, has_status(mechanism), by_axes, at_zero, alone)
 
 
 def _chosen(query: BranchQuery) -> tuple[str, str, Vector | None]:
@@ -165,6 +186,8 @@ def _chosen(query: BranchQuery) -> tuple[str, str, Vector | None]:
         constants = spherical_constants(serial)
         if constants is not None:
             return plan.name, "spherical", constants
+    if plan.name == "three parallel axes" and serial is not None:
+        return plan.name, "three parallel axes", three_parallel_constants(serial)
     if plan.name in {"spherical wrist", "elimination"} and serial is not None:
         return plan.name, "general", general_constants(serial)
     return plan.name, "", None
@@ -180,18 +203,21 @@ def _six_joints(query: BranchQuery) -> Serial | None:
     return with_spin_joint(serial, query.mechanism.chain.tool_column)
 
 
-def _packed(query: BranchQuery, form: str) -> tuple[Vector, Integers] | None:
+def _screws(query: BranchQuery, form: str) -> list[Screw]:
+    """Return the joints whose values a form tells."""
+    return [screw for screw in query.serial().screws if form != "direct" or screw.kind == "revolute"]
+
+
+def _packed(query: BranchQuery, form: str, joints: Indices) -> tuple[Vector, Integers] | None:
     """Return the axes of a query in one array, and their sizes, or None where joint values do not give them alone."""
     mechanism, structure = query.mechanism, query.structure
-    serial, product, axis_map = query.serial(), product_of(mechanism.chain), mechanism.chain.axis_map
+    product, axis_map = product_of(mechanism.chain), mechanism.chain.axis_map
     if product is None or not isinstance(axis_map, AffineMap):
         return None
     linear = structure.linear if form == "direct" else structure.linear[:0]
     columns = structure.rotary[: len(structure.revolute)] if form == "direct" else structure.free
-    screws = [screw for screw in serial.screws if form != "direct" or screw.kind == "revolute"]
-    joints = np.array([screw.joint for screw in screws], dtype=np.intp)
     block = block_of(mechanism, axis_map, joints, columns)
-    if block is None or not block.turns_per_axis:
+    if block is None or not block.turns_per_axis or len(joints) != len(columns):
         return None
     others = np.zeros((len(columns), len(mechanism.axes)))
     others[:, block.others] = block.inverse @ block.from_others
@@ -203,7 +229,8 @@ def _packed(query: BranchQuery, form: str) -> tuple[Vector, Integers] | None:
     flat = [np.asarray(part, dtype=float).ravel() for part in parts]
     axis = mechanism.chain.tool_column if mechanism.task == "direction" else -1
     ends = np.cumsum([len(part) for part in flat])
-    indices: tuple[Indices, ...] = (block.rows, columns, linear, structure.free)
+    movers = query.undetermined_axes(joints, [True] * len(joints), structure.free)
+    indices: tuple[Indices | list[int], ...] = (block.rows, columns, movers, linear, structure.free)
     sums = len(mechanism.limits.sums)
     sizes = (*product.A.shape, len(columns), len(linear), len(structure.free), axis, sums, *ends)
     return np.concatenate(flat), np.concatenate([sizes, *indices]).astype(np.int64)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from chainbuild.ik.branches.core.subproblems import TOUCH
+from chainbuild.ik.branches.core.subproblems import ON_AXIS, TOUCH
 from chainbuild.ik.search.compiled.kernels import jit
 
 # A vector whose part across an axis is below this share of its length: its turn keeps half the digits at most.
@@ -128,3 +128,23 @@ def two_turns(k1, k2, p, q):
     first, sure_1 = one_turn(k1, turned(k2, one, p), q)
     second, sure_2 = one_turn(k1, turned(k2, other, p), q)
     return 2, first, one, second, other, sure_1 and sure_2
+
+
+@jit
+def two_turns_kept(k1, k2, p, q, keep1, keep2):
+    """Return the pairs as `two_turns` does; where q lies on k1 or p on k2 one pair with that angle kept.
+
+    Returns:
+        count, a, b, a', b', which of the two is free (-1: none), sure.
+    """
+    outer, inner, scale = length(across(k1, q)), length(across(k2, p)), length(q)
+    if not min(outer, inner) > BARELY * scale:
+        if inner <= ON_AXIS * scale and outer > BARELY * scale:
+            first, sure = one_turn(k1, p, q)
+            return 1, first, keep2, 0.0, 0.0, 1, sure
+        if outer <= ON_AXIS * scale and inner > BARELY * scale:
+            second, sure = one_turn(k2, p, q)
+            return 1, keep1, second, 0.0, 0.0, 0, sure
+        return 0, 0.0, 0.0, 0.0, 0.0, -1, False
+    count, first, second, first_too, second_too, sure = two_turns(k1, k2, p, q)
+    return count, first, second, first_too, second_too, -1, sure

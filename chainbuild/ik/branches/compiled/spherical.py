@@ -21,6 +21,7 @@ from chainbuild.ik.branches.compiled.small import (
     turned,
     turned_about,
     two_turns,
+    two_turns_kept,
     vector,
 )
 from chainbuild.ik.search.compiled.kernels import jit
@@ -146,8 +147,8 @@ def _after_skew(constants, p, d, arms):
 
 
 @jit
-def spherical_branches(constants, T, values):
-    """Write the joint values of a pose; return how many rows, and whether none can be missing."""
+def spherical_branches(constants, T, keep, values):
+    """Write the joint values of a pose, and which is free; return how many rows, and whether none can be missing."""
     from_tool, backwards = constants[_FROM_TOOL] != 0.0, constants[_BACKWARDS] != 0.0
     R, t = motion_of(constants, _BACK, T, from_tool)
     centre = vector(constants, _CENTRE)
@@ -163,7 +164,8 @@ def spherical_branches(constants, T, values):
     w1, w2, w3 = vector(constants, _WRIST), vector(constants, _WRIST + 3), vector(constants, _WRIST + 6)
     aside = vector(constants, _ASIDE)
     image, side = product(R, w3), product(R, aside)
-    found = 0
+    loose = 2 if from_tool else 3  # the outermost axis of the wrist: free where the wrist is stretched
+    found, kept = 0, keep[loose]
     for n in range(count):
         if backwards:
             arms[n, 0], arms[n, 2] = arms[n, 2], arms[n, 0]
@@ -171,14 +173,15 @@ def spherical_branches(constants, T, values):
         for m in range(3):
             k = vector(constants, _ARM + 3 * m)
             tip, edge = turned(k, -arms[n, m], tip), turned(k, -arms[n, m], edge)
-        pairs, first, second, first_too, second_too, sure_pair = two_turns(w1, w2, w3, tip)
-        sure &= sure_pair
+        pairs, first, second, first_too, second_too, free, sure_pair = two_turns_kept(w1, w2, w3, tip, kept, 0.0)
+        sure &= sure_pair and free != 1
         for _ in range(pairs):
             last, _ = one_turn(w3, aside, turned(w2, -second, turned(w1, -first, edge)))
             row = values[found]
             row[0], row[1], row[2], row[3], row[4], row[5] = arms[n, 0], arms[n, 1], arms[n, 2], first, second, last
             if from_tool:
                 row[0], row[1], row[2], row[3], row[4], row[5] = row[5], row[4], row[3], row[2], row[1], row[0]
+            row[6] = loose if free == 0 else -1.0
             first, second = first_too, second_too
             found += 1
     return found, sure

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from chainbuild.arrays import Integers, Matrix, Vector
 from chainbuild.chain.elements import Task
@@ -28,6 +29,9 @@ POLISH_FROM: Final = 1e-11
 POLISH_TO: Final = 1e-3
 POLISH_STEPS: Final = 3  # from a thousandth, Newton needs two
 _POLISH: Final = shrinking(0.0, 1e-14)
+_SHARE: Final = 1e-6  # an axis with a smaller share of a direction stands still
+CLOSE_BRANCHES: Final = 1e-2  # m and rad: branches so close to each other may be one where digits are lost
+BETWEEN_BRANCHES: Final = 1e-9  # m and rad: the pose half-way between two is as good as theirs: they are one
 SAME_BRANCH: Final = 1e-5  # branches closer than this in every axis [m, rad] are one
 
 
@@ -41,17 +45,22 @@ class Branch(IkResult):
         status_bits: Pose status as the controller numbers it (KIN_TYP 45), else None.
         turn_bits: Signs of the axes as the controller numbers them (KIN_TYP 45), else None.
         method: What found it; the name of a `SolverPlan`.
+        free_directions: (m, n_axes) unit directions in axis values, m and rad whatever the `units`, in which the
+            solutions go on: none where this one is isolated, one on a curve, two or more that span a surface, one of
+            each curve where curves cross.
     """
 
     free_axes: tuple[str, ...] = ()
     status_bits: int | None = None
     turn_bits: int | None = None
     method: str = ""
+    free_directions: Matrix = field(default_factory=lambda: np.empty((0, 0)))
 
     def _in_words(self) -> str:
         bits = "" if self.status_bits is None else f"; status {self.status_bits}, turn {self.turn_bits}"
         free = f"; free: {', '.join(self.free_axes)}" if self.free_axes else ""
-        return f"{IkResult._in_words(self)}{bits}{free}; by {self.method or 'candidates'}"
+        along = "".join(f"; goes on along {words}" for words in directions_shown(self.labels, self.free_directions))
+        return f"{IkResult._in_words(self)}{bits}{free}{along}; by {self.method or 'candidates'}"
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -69,6 +78,7 @@ class Branches(AxisValues, Sequence[Branch]):
         task: "pose", "direction" or "position": what was solved for.
         labels: Names and units of the axis values.
         method: What found them; the name of a `SolverPlan`.
+        free_directions: For each (m, n_axes) unit directions in which the solutions go on, m and rad; see `Branch`.
     """
 
     axes: Matrix
@@ -81,6 +91,7 @@ class Branches(AxisValues, Sequence[Branch]):
     status_bits: Integers | None = None
     turn_bits: Integers | None = None
     method: str = ""
+    free_directions: tuple[Matrix, ...] = ()
 
     def __len__(self) -> int:
         return len(self.axes)
@@ -99,7 +110,7 @@ class Branches(AxisValues, Sequence[Branch]):
         return Branch(
             True, self.axes[n], "ok", *left, int(self.iterations[n]), 0, self.task, self.labels,
             free_axes=self.free_axes[n], status_bits=_at(self.status_bits, n), turn_bits=_at(self.turn_bits, n),
-            method=self.method,
+            method=self.method, free_directions=(self.free_directions or (isolated(self.labels),) * len(self))[n],
         )  # fmt: skip
 
     def __iter__(self) -> Iterator[Branch]:
@@ -107,7 +118,12 @@ class Branches(AxisValues, Sequence[Branch]):
 
     def __repr__(self) -> str:
         bits = "" if self.status_bits is None else ", .status_bits, .turn_bits"
-        return two_lines(f"<Branches of a pose: {len(self)} by {self.method or 'candidates'}; .axes{bits}, [n]>")
+        return two_lines(f"<Branches of a pose: {self._counted()}; .axes{bits}, [n]>")
+
+    def _counted(self) -> str:
+        families = sum(1 for directions in self.free_directions if len(directions))
+        told = f", {families} of {'it' if len(self) == 1 else 'them'} not isolated" if families else ""
+        return f"{len(self)} by {self.method or 'candidates'}{told}"
 
     def _repr_html_(self) -> str:
         head, rows = axes_rows(self.labels, self[:SHOWN_ROWS])
@@ -115,8 +131,31 @@ class Branches(AxisValues, Sequence[Branch]):
             head = (*head, "Status bits", "Turn bits")
             bits = zip(rows, self.status_bits.tolist(), self.turn_bits.tolist(), strict=False)
             rows = [(*row, str(status), str(turn)) for row, status, turn in bits]
+        if any(len(directions) for directions in self.free_directions):
+            head = (*head, "Goes on along")
+            along = [", ".join(directions_shown(self.labels, one)) for one in self.free_directions]
+            rows = [(*row, words) for row, words in zip(rows, along, strict=False)]
         caption = f"{len(self)} branches by {self.method or 'candidates'}"
         return html_table(head, rows, caption, len(self) - len(rows))
+
+
+def directions_shown(labels: AxisLabels, directions: Matrix) -> list[str]:
+    """Return directions (m, n_axes) in words: the shares of the axes, where these are not rounding."""
+    rows = []
+    for direction in directions:
+        parts = [
+            (share, name) for share, name in zip(direction.tolist(), labels.names, strict=True) if abs(share) > _SHARE
+        ]
+        words = " ".join(f"{'-' if share < 0.0 else '+'} {abs(share):.3g} {name}" for share, name in parts)
+        rows.append(
+            words.removeprefix("+ ").replace("- ", "-", 1) if words.startswith("-") else words.removeprefix("+ ")
+        )
+    return rows
+
+
+def isolated(labels: AxisLabels) -> Matrix:
+    """Return the free directions (0, n_axes) of a branch that has none."""
+    return np.empty((0, len(labels.names)))
 
 
 def _at(column: Integers | None, n: int) -> int | None:
@@ -124,12 +163,13 @@ def _at(column: Integers | None, n: int) -> int | None:
 
 
 class VerifiedRow(NamedTuple):
-    """A solution by itself: axis values in mm and degrees, distance [m], angle [rad], steps, free axes."""
+    """A solution by itself: axis values in mm and degrees, distance [m], angle [rad], steps, Jacobian, free axes."""
 
     axes: Vector
     distance: float
     angle: float
     steps: int
+    jacobian: Matrix
     free_axes: tuple[str, ...] = ()
 
     def branch(self, task: Task, labels: AxisLabels) -> Branch:
@@ -147,17 +187,19 @@ class Solutions:
         branches: Solutions inside all limits, nearest first.
         beyond: The nearest solution outside them, or None.
         outside: Names of the violated limits if there is no branch inside.
+        jacobians: (k, rows, n_axes) of the task in SI, of each branch.
     """
 
     branches: Branches
     beyond: Branch | None
     outside: tuple[str, ...]
+    jacobians: NDArray[np.float64]
 
 
 def verified(query: BranchQuery, x: Vector) -> VerifiedRow | None:
     """Return x as a solution if forward kinematics meets the target, polished by Newton steps where it helps."""
     kinematics, task = query.mechanism.kinematics, query.mechanism.task
-    distance, angle = kinematics.errors(x, query.target, task)
+    distance, angle, J = kinematics.errors_and_jacobian(x, query.target, task)
     largest = distance if task == "position" else max(distance, angle)
     if not largest <= POLISH_TO:  # not a number among them
         return None
@@ -166,10 +208,10 @@ def verified(query: BranchQuery, x: Vector) -> VerifiedRow | None:
         residual = kinematics.residual(query.target, task)
         ended = newton(residual, x, query.structure.free, below(POLISH_FROM**2), _POLISH, POLISH_STEPS)
         x, steps = ended.x, ended.steps
-        distance, angle = kinematics.errors(x, query.target, task)
+        distance, angle, J = kinematics.errors_and_jacobian(x, query.target, task)
     if not (math.isfinite(distance + angle) and is_met(task, distance, angle)):
         return None
-    return VerifiedRow(query.shown(x), distance, angle, steps)
+    return VerifiedRow(query.shown(x), distance, angle, steps, J)
 
 
 def collect(query: BranchQuery, candidates: Iterable[Candidate]) -> Solutions:
@@ -184,7 +226,7 @@ def collect(query: BranchQuery, candidates: Iterable[Candidate]) -> Solutions:
         if row is None or not (query.keeps is None or query.keeps(row.axes)):
             continue
         reached = row.axes * factors
-        if len(known) and (np.abs(known - reached).max(axis=1) < SAME_BRANCH).any():
+        if len(known) and _is_known(query, known - reached):
             continue
         row = row._replace(free_axes=free_axes)
         out = mechanism.limits.violated(row.axes)
@@ -200,9 +242,20 @@ def collect(query: BranchQuery, candidates: Iterable[Candidate]) -> Solutions:
     nearest = min(beyond, key=lambda item: item[0], default=None)
     outside = () if nearest is None or inside else nearest[2]
     branches = _as_arrays([row for _, row in inside], mechanism)
-    return Solutions(
-        branches, None if nearest is None else nearest[1].branch(mechanism.task, mechanism.labels), outside
-    )
+    first = None if nearest is None else nearest[1].branch(mechanism.task, mechanism.labels)
+    jacobians = [row.jacobian for _, row in inside]
+    return Solutions(branches, first, outside, np.array(jacobians) if inside else np.empty((0, 0, len(factors))))
+
+
+def _is_known(query: BranchQuery, motions: Matrix) -> bool:
+    """Return whether one of the motions to known branches (k, n_axes) is none, or whole turns if these do not count.
+
+    Half a turn from the start both ways are as near, and rounding decides: two solutions may have gone both.
+    """
+    sizes = np.abs(motions)
+    if not query.windings and float(sizes.max()) > math.pi:
+        sizes = np.where(query.periodic, np.abs(np.remainder(motions + math.pi, math.tau) - math.pi), sizes)
+    return bool((sizes.max(axis=1) < SAME_BRANCH).any())
 
 
 def _as_arrays(rows: Sequence[VerifiedRow], mechanism: Mechanism) -> Branches:
@@ -210,7 +263,9 @@ def _as_arrays(rows: Sequence[VerifiedRow], mechanism: Mechanism) -> Branches:
     left = np.array([(row.distance, row.angle) for row in rows]).reshape(-1, 2)
     steps = np.array([row.steps for row in rows], dtype=np.int64)
     free_axes = tuple(row.free_axes for row in rows)
-    return Branches(axes, left[:, 0], left[:, 1], steps, free_axes, mechanism.task, mechanism.labels)
+    directions = (isolated(mechanism.labels),) * len(rows)
+    left_over = left[:, 0], left[:, 1]
+    return Branches(axes, *left_over, steps, free_axes, mechanism.task, mechanism.labels, free_directions=directions)
 
 
 def named(branches: Branches, method: str, bits: Integers | None) -> Branches:

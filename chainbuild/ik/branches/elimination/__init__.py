@@ -1,4 +1,4 @@
 """Six joints without a known structure.
 
-In reading order: `conformal`, `loop`, `eliminant`, `elimination`.
+In reading order: `conformal`, `loop`, `eliminant`, `cuts`, `elimination`.
 """

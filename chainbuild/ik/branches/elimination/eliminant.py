@@ -65,27 +65,30 @@ class Eliminant:
         quadratic = np.stack([lowest, middle, leading[best]])
         return cls(blocks, kinds, views[best], float(conditions[best]), quadratic)
 
-    def solutions(self) -> tuple[list[tuple[float, float, float]], bool]:
+    def solutions(self, near: float = NEARLY_REAL) -> tuple[list[tuple[float, float, float]], bool]:
         """Return the real joint values (h, x, y), some of them perhaps twice, and whether these are all.
 
         They may be incomplete where several solutions share h and others tend to infinity.
+
+        Args:
+            near: How far beside the real numbers a solution may lie; its real part is returned.
         """
         found, settled = [], True
-        for h in self._hidden_values():
+        for h in self._hidden_values(near):
             powers = (1.0, h, h * h)
             matrix = sum(power * block for power, block in zip(powers, self.blocks, strict=True))
-            value = _joint_value(h, self.kinds[0])
+            value = _joint_value(h, self.kinds[0], near)
             if value is None:
                 continue
             pairs, apart = _kernel_pairs(_multiplied(np.asarray(matrix), once=False))
             settled = settled and apart
             for x, y in pairs:
-                first, second = _joint_value(x, self.kinds[1]), _joint_value(y, self.kinds[2])
+                first, second = _joint_value(x, self.kinds[1], near), _joint_value(y, self.kinds[2], near)
                 if first is not None and second is not None:
                     found.append((value, first, second))
         return found, settled
 
-    def _hidden_values(self) -> list[complex]:
+    def _hidden_values(self, near: float) -> list[complex]:
         """Return the values of h that a real joint has, but for rounding."""
         half = self.quadratic.shape[1]
         companion = np.zeros((2 * half, 2 * half), dtype=complex)
@@ -94,7 +97,7 @@ class Eliminant:
         a, b, c, e = self.view
         values = []
         for w in np.linalg.eigvals(companion):
-            if abs(w.imag) < NEARLY_REAL * (1.0 + abs(w) ** 2):
+            if abs(w.imag) < near * (1.0 + abs(w) ** 2):
                 h = (a * w.real + b, c * w.real + e)
                 if abs(h[0]) < _MAX_DISTANCE * abs(h[1]):
                     values.append(complex(h[0] / h[1]))
@@ -144,10 +147,10 @@ def _pairs_of(rows: Complex, count: int) -> tuple[list[tuple[complex, complex]],
     return pairs, bool(count < _MAX_NULLITY and sizes[-1] > _AT_INFINITY * sizes[0])
 
 
-def _joint_value(number: complex, kind: JointKind) -> float | None:
+def _joint_value(number: complex, kind: JointKind, near: float) -> float | None:
     """Return the joint value of x, y or h, or None if it is not real."""
     if not cmath.isfinite(number):
         return None
     if kind == "prismatic":
-        return number.real if abs(number.imag) < 10.0 * NEARLY_REAL * (1.0 + abs(number)) else None
-    return cmath.phase(number) if abs(abs(number) - 1.0) < 10.0 * NEARLY_REAL else None
+        return number.real if abs(number.imag) < max(near, 10.0 * NEARLY_REAL) * (1.0 + abs(number)) else None
+    return cmath.phase(number) if abs(abs(number) - 1.0) < max(near, 10.0 * NEARLY_REAL) else None

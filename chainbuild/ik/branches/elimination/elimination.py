@@ -11,22 +11,27 @@ References: Raghavan and Roth 1990, "Kinematic analysis of the 6R manipulator of
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 
-from chainbuild.arrays import Matrix, Vector
+from chainbuild.arrays import Matrices, Matrix, Vector
 from chainbuild.frames import inverse, transform
-from chainbuild.ik.branches.core.serial import Screw, Serial, transformed_point
-from chainbuild.ik.branches.core.subproblems import cross, rotation
+from chainbuild.ik.branches.arms.virtual_joints import NO_JOINT
+from chainbuild.ik.branches.core.roots import NEARLY_REAL
+from chainbuild.ik.branches.core.serial import Screw, Serial
+from chainbuild.ik.branches.core.subproblems import rotation
 from chainbuild.ik.branches.elimination.conformal import arrow, coefficients, motion
+from chainbuild.ik.branches.elimination.cuts import on_curves
 from chainbuild.ik.branches.elimination.eliminant import SINGULAR
 from chainbuild.ik.branches.elimination.loop import OpenedLoop, closed, eliminant, equations, inner_order
 
 if TYPE_CHECKING:
-    from chainbuild.ik.branches.core.serial import Solution
+    from chainbuild.ik.branches.core.serial import ArmSolver, Solution
 
+_Values = TypeVar("_Values", tuple[float, float, float], Vector)
 Opening = tuple[int, int]  # the joint before which the loop is opened, and which of the inner joints is solved for
 
 JOINTS: Final = 6  # of the loop: what a pose determines
@@ -36,6 +41,16 @@ _GOOD: Final = 1e5  # condition up to which one opening of the loop is enough
 _MAX_OPENINGS: Final = 3  # solved for one pose before the solutions found so far are taken
 # Distances of nearby poses from a singular one [arm lengths, rad]: far enough for equations with some digits left.
 _PERTURBATIONS: Final = (1e-3, 1e-2, 1e-4)
+# Where two solutions meet, the poses on one side have none: there they are a complex pair, as far beside the real
+# numbers as the square root of the distance.
+_BESIDE: Final = 1.0
+_FAR: Final = 1.0  # the same where no solution is known: a start for Newton's steps
+_DIRECTIONS: Final = 12  # of poses around a singular one: one in three has led to solutions
+_FEW_DIGITS: Final = 3  # decimals [rad, arm lengths] by which starts of Newton's steps are told apart
+_LOST: Final = 1e-5  # singular values below this share of the largest are those of a solution that is not isolated
+_BESIDE_CURVE: Final = 1e-2  # step along a curve [arm lengths, rad]: where there is none, the residual is its square
+_ON_CURVE: Final = 1e-10  # residual that Newton's steps leave on a curve
+_MISSED: Final = 3.0  # times that, what the real parts of such a pair miss the pose by [arm lengths, rad]
 _REACHED: Final = 1e-6  # residual of a solution, and twice as much as rounding leaves of it where branches meet
 _APART: Final = 1e-4  # half the difference of solutions that are not the same
 _NO_SOLUTION: Final = 1e-2  # residuals above this are no solutions
@@ -58,49 +73,108 @@ class Elimination:
         self.size = max([float(np.linalg.norm(point - self.centre)) for point in ends]) or 1.0
         self.screws = [Screw(s.kind, s.direction, (s.point - self.centre) / self.size, s.joint) for s in serial.screws]
         self.parts = [coefficients(screw) for screw in self.screws]
-        self.back = inverse(serial.M)
+        self.serial, self.back = serial, inverse(serial.M)
         self.openings = self._openings()
 
-    def solve(self, target: Matrix, _keep: Sequence[float]) -> list[Solution]:
+    def solve(self, target: Matrix, keep: Sequence[float]) -> list[Solution]:
         """Return the joint values of a pose (4, 4); some may be inexact or duplicates."""
+        if self._is_beyond(target):
+            return []
         G = self._scaled(target @ self.back)
+        found, settled = self._found(G)
+        if settled:
+            return self._unscaled(found)
+        reached = self._reaching(G, found)
+        if reached and not any(self._continues(G, values) for values in reached):
+            return self._unscaled(found)
+        cut = on_curves(self.serial, target, keep, _cut)
+        return cut + self._unscaled(found if cut or reached else self._around(G))
+
+    def _is_beyond(self, target: Matrix) -> bool:
+        """Return whether rotary joints are certainly too short for a pose: their axes' points keep their distances."""
+        real = [screw for screw in self.serial.screws if screw.joint != NO_JOINT]
+        if any(screw.kind == "prismatic" for screw in real):
+            return False
+        points = np.array([*(screw.point for screw in real), self.serial.M[:3, 3]])
+        reach = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+        return float(np.linalg.norm(target[:3, 3] - points[0])) > reach + _REACHED * self.size
+
+    def isolated(self, target: Matrix, _keep: Sequence[float]) -> list[Solution]:
+        """Return the joint values of a pose (4, 4) without looking for curves."""
+        return self._unscaled(self._found(self._scaled(target @ self.back))[0])
+
+    def _found(self, G: Matrix) -> tuple[list[Vector], bool]:
+        """Return what the equations of a loop separate (6,), the most exact first, and whether that is all."""
         found, settled = self._solved(G)
         if not settled:
             found += self._beside(G, found)
-        # The most exact first: the caller keeps the first of duplicates.
-        ranked = sorted(((self._miss(G, values), n) for n, values in enumerate(found)))
-        return [(self._unscaled(found[n]), (False,) * JOINTS) for miss, n in ranked if miss < _NO_SOLUTION]
+        # The caller keeps the first of duplicates.
+        ranked = sorted((miss, n) for n, miss in enumerate(self._misses(G, found)))
+        return [found[n] for miss, n in ranked if miss < _NO_SOLUTION], settled
+
+    def _continues(self, G: Matrix, values: Vector) -> bool:
+        """Return whether a solution is on a curve: beside it, where its joints move against one another, is another."""
+        _, (J,) = self._poses_and_screws([values])
+        _, sizes, rows = np.linalg.svd(J)
+        beside = self._refined(G, [values + _BESIDE_CURVE * direction for direction in rows[sizes < _LOST * sizes[0]]])
+        moved = [float(np.abs(one - values).max()) > _BESIDE_CURVE / 4.0 for one in beside]
+        return any(far and miss < _ON_CURVE for far, miss in zip(moved, self._misses(G, beside), strict=True))
 
     def _beside(self, G: Matrix, known: Sequence[Vector]) -> list[Vector]:
         """Return the values (6,) of poses next to a singular one, brought to it.
 
-        Next to it the equations may lose some, too: another distance is tried until one brings nothing new.
+        Next to it the equations may lose some, too: another distance is tried until one brings nothing new. Solutions
+        that have become a complex pair there count by their real parts.
         """
         found: list[Vector] = []
-        reached = [values for values in known if self._miss(G, values) < _REACHED]
+        reached = self._reaching(G, known)
         for n, distance in enumerate(_PERTURBATIONS):
-            beside, _ = self._solved(_perturbed(G, distance))
-            refined = [self._refined(G, values) for values in beside]
+            beside, _ = self._solved(_perturbed(G, distance), _BESIDE * math.sqrt(distance))
+            refined = self._refined(G, _distinct(beside))
             before = len(reached)
-            for values in refined:
-                if self._miss(G, values) < _REACHED and not any(self._same(values, one) for one in reached):
-                    reached.append(values)
+            reached += [one for one in self._reaching(G, refined) if not self._is_among(one, reached)]
             found += refined
             if n and len(reached) == before:
                 break
         return found
 
-    def _same(self, values: Vector, others: Vector) -> bool:
-        """Return whether two sets of values are the same but for whole turns."""
+    def _around(self, G: Matrix) -> list[Vector]:
+        """Return solutions by the poses around a singular one, in the first direction that leads to any.
+
+        Beside a short curve, which none of the values to keep crosses, the poses of some directions have solutions near
+        it, those of others only far in the complex numbers.
+        """
+        for n in range(_DIRECTIONS):
+            beside, _ = self._solved(_perturbed(G, _PERTURBATIONS[1], n + 1), _FAR)
+            found = self._reaching(G, self._refined(G, _distinct(beside)))
+            if found:
+                return found
+        return []
+
+    def _is_among(self, values: Vector, others: Sequence[Vector]) -> bool:
+        """Return whether one of some sets of values is the same but for whole turns."""
         turns = [screw.kind == "revolute" for screw in self.screws]
-        return float(np.abs(np.where(turns, np.sin((values - others) / 2.0), values - others)).max()) < _APART
+        off = np.reshape(others, (-1, JOINTS)) - values
+        return bool((np.abs(np.where(turns, np.sin(off / 2.0), off)).max(axis=1) < _APART).any())
 
-    def _miss(self, G: Matrix, values: Vector) -> float:
-        """Return how far values miss a pose [arm lengths, rad]."""
-        return float(np.abs(self._pose_and_jacobian(values)[0] - G).max())
+    def _reaching(self, G: Matrix, rows: Sequence[Vector]) -> list[Vector]:
+        """Return the sets of values that meet a pose."""
+        return [values for values, miss in zip(rows, self._misses(G, rows), strict=True) if miss < _REACHED]
 
-    def _solved(self, G: Matrix) -> tuple[list[Vector], bool]:
-        """Return the values (6,) of a loop, by one opening or several, and whether these are certainly all."""
+    def _misses(self, G: Matrix, rows: Sequence[Vector]) -> list[float]:
+        """Return how far sets of values miss a pose [arm lengths, rad]."""
+        T, _ = self._poses_and_screws(rows)
+        misses: list[float] = np.abs(T - G).max(axis=(1, 2)).tolist()
+        return misses
+
+    def _solved(self, G: Matrix, near: float = NEARLY_REAL) -> tuple[list[Vector], bool]:
+        """Return the values (6,) of a loop, by one opening or several, and whether these are certainly all.
+
+        Args:
+            G: (4, 4) what the loop closes to.
+            near: How far beside the real numbers a solution may lie; what it has of real values then misses G.
+        """
+        off = 0.0 if near == NEARLY_REAL else _MISSED * near
         found: list[Vector] = []
         opened = 0
         for first, hidden in self.openings:
@@ -108,8 +182,10 @@ class Elimination:
             problem = eliminant(loop, equations(loop), hidden)
             if problem.condition > SINGULAR:
                 continue
-            inner, settled = problem.solutions()
-            found += _values(loop, inner, (first, hidden), G)
+            inner, settled = problem.solutions(near)
+            if off:
+                inner = _distinct(inner)
+            found += _values(loop, inner, (first, hidden), G, off)
             if settled and problem.condition < _GOOD:
                 return found, True
             opened += 1
@@ -117,26 +193,38 @@ class Elimination:
                 break
         return found, False
 
-    def _refined(self, G: Matrix, values: Vector) -> Vector:
-        """Return values improved by Newton steps; axes that have no effect keep theirs."""
+    def _refined(self, G: Matrix, rows: Sequence[Vector]) -> list[Vector]:
+        """Return sets of values improved by Newton steps; axes that have no effect keep theirs."""
+        values = np.reshape(rows, (-1, JOINTS))
         for _ in range(_STEPS):
-            T, J = self._pose_and_jacobian(values)
-            rest = G @ inverse(T)
-            turn = np.array([rest[2, 1] - rest[1, 2], rest[0, 2] - rest[2, 0], rest[1, 0] - rest[0, 1]]) / 2.0
-            step = np.linalg.lstsq(J, np.concatenate([rest[:3, 3], turn]), rcond=_DEPENDENT)[0]
-            values = values + step / max(1.0, float(np.abs(step).max()) / _MAX_STEP)
-        return values
+            T, J = self._poses_and_screws(values)
+            R = G[:3, :3] @ T[:, :3, :3].transpose(0, 2, 1)
+            shift = G[:3, 3] - (R @ T[:, :3, 3:])[:, :, 0]
+            turn = np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1) / 2.0
+            u, sizes, vt = np.linalg.svd(J)
+            along = (np.concatenate([shift, turn], axis=1)[:, None] @ u)[:, 0]
+            kept = sizes > _DEPENDENT * sizes[:, :1]
+            steps = ((along * kept / np.where(kept, sizes, 1.0))[:, None] @ vt)[:, 0]
+            values = values + steps / np.maximum(1.0, np.abs(steps).max(axis=1, keepdims=True) / _MAX_STEP)
+        return list(values)
 
-    def _pose_and_jacobian(self, values: Vector) -> tuple[Matrix, Matrix]:
-        """Return the loop's motion (4, 4) and the screws (6, 6) of its joints there, one a column."""
-        T, columns = np.eye(4), []
-        for screw, value in zip(self.screws, values, strict=True):
-            k = T[:3, :3] @ screw.direction
-            point = transformed_point(T, screw.point)
-            turns = screw.kind == "revolute"
-            columns.append(np.concatenate([cross(point, k), k] if turns else [k, np.zeros(3)]))
-            T = T @ screw.T(float(value))
-        return T, np.column_stack(columns)
+    def _poses_and_screws(self, rows: Sequence[Vector] | Matrix) -> tuple[Matrices, Matrices]:
+        """Return the loop's motions (N, 4, 4) and the screws (N, 6, 6) of its joints there, one a column."""
+        values = np.reshape(rows, (-1, JOINTS))
+        T, J = np.tile(np.eye(4), (len(values), 1, 1)), np.zeros((len(values), 6, JOINTS))
+        for n, screw in enumerate(self.screws):
+            k = T[:, :3, :3] @ screw.direction
+            if screw.kind == "prismatic":
+                J[:, :3, n] = k
+                T[:, :3, 3] += values[:, n, None] * k
+                continue
+            point = T[:, :3, :3] @ screw.point + T[:, :3, 3]
+            J[:, :3, n], J[:, 3:, n] = np.cross(point, k), k
+            K = np.cross(screw.direction, np.eye(3)).T  # K·v is direction × v
+            turn = np.sin(values[:, n, None, None]) * K + (1.0 - np.cos(values[:, n, None, None])) * (K @ K)
+            T[:, :3, :3] += T[:, :3, :3] @ turn
+            T[:, :3, 3] = point - T[:, :3, :3] @ screw.point
+        return T, J
 
     def _scaled(self, T: Matrix) -> Matrix:
         """Return a motion as seen from the middle of the axes, in units of the arm."""
@@ -145,10 +233,9 @@ class Elimination:
         seen[:3, 3] /= self.size
         return seen
 
-    def _unscaled(self, values: Vector) -> Vector:
+    def _unscaled(self, found: Sequence[Vector]) -> list[Solution]:
         factors = np.array([self.size if screw.kind == "prismatic" else 1.0 for screw in self.screws])
-        unscaled: Vector = values * factors
-        return unscaled
+        return [(values * factors, (False,) * JOINTS) for values in found]
 
     def _opened(self, G: Matrix, first: int) -> OpenedLoop:
         """Return the loop opened before a joint: those before it follow after the last, carried there by G⁻¹."""
@@ -164,7 +251,7 @@ class Elimination:
         rng = np.random.default_rng(20240229)
         poses = []
         for _ in range(_TRIALS):
-            G, J = self._pose_and_jacobian(rng.uniform(-2.0, 2.0, JOINTS))
+            (G,), (J,) = self._poses_and_screws(rng.uniform(-2.0, 2.0, (1, JOINTS)))
             if np.linalg.cond(J) * _DEPENDENT > 1.0:
                 return []  # these joints do not move the tool in all six freedoms
             poses.append(G)
@@ -191,7 +278,9 @@ class Elimination:
         return eliminant(loop, equations(loop), opening[1]).solutions()[1]
 
 
-def _values(loop: OpenedLoop, solutions: list[tuple[float, float, float]], opening: Opening, G: Matrix) -> list[Vector]:
+def _values(
+    loop: OpenedLoop, solutions: list[tuple[float, float, float]], opening: Opening, G: Matrix, off: float
+) -> list[Vector]:
     """Return all joint values (6,) that solutions of the inner joints, the one solved for leading, go with."""
     first, hidden = opening
     found = []
@@ -199,7 +288,7 @@ def _values(loop: OpenedLoop, solutions: list[tuple[float, float, float]], openi
         inner = [0.0, 0.0, 0.0]
         for place, value in zip(inner_order(hidden), solution, strict=True):
             inner[place] = value
-        found += [np.roll(np.array(values), first) for values in closed(loop, (inner[0], inner[1], inner[2]), G)]
+        found += [np.roll(np.array(values), first) for values in closed(loop, (inner[0], inner[1], inner[2]), G, off)]
     return found
 
 
@@ -211,9 +300,20 @@ def elimination(serial: Serial) -> Elimination | None:
     return solver if solver.openings else None
 
 
-def _perturbed(G: Matrix, distance: float) -> Matrix:
-    """Return a pose next to another, displaced in a generic direction, which each distance has for itself."""
-    rng = np.random.default_rng([20240229, round(1.0 / distance)])
+def _distinct(found: Iterable[_Values]) -> list[_Values]:
+    """Return sets of values without those that are others but for few digits, which Newton's steps bring back."""
+    return list({tuple(np.round(values, _FEW_DIGITS)): values for values in found}.values())
+
+
+def _cut(serial: Serial) -> ArmSolver | None:
+    """Return the solver of a chain with one joint held; it looks for no curves, on which two would have to be."""
+    solver = elimination(serial)
+    return None if solver is None else solver.isolated
+
+
+def _perturbed(G: Matrix, distance: float, number: int = 0) -> Matrix:
+    """Return a pose next to another, displaced in a generic direction, of each distance and number its own."""
+    rng = np.random.default_rng([20240229, round(1.0 / distance), number])
     axis = rng.normal(size=3)
     R = rotation(axis / float(np.linalg.norm(axis)), distance)
     return np.asarray(transform(R, distance * rng.normal(size=3)) @ G, dtype=float)

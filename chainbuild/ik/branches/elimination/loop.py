@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import cmath
 from dataclasses import dataclass
-from typing import Final
+from functools import cached_property
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -24,11 +25,28 @@ from chainbuild.ik.branches.elimination.eliminant import Eliminant
 _EQUATIONS: Final = np.array([n for n in range(SIZE) if n != ONE])
 _PRODUCTS: Final = 8  # of joints 1 and 2: nine combinations without the constant one
 _DEPENDENT: Final = 1e-7  # singular values below this share of the largest leave the outer joints open
+_ROUNDING: Final = 1e-14  # below this share they are rounding
 _MET: Final = 1e-5  # an arrow that misses its goal by less [arm lengths, rad] meets it
 _NEAR: Final = 1e-2  # the same for solutions by geometry, which lose digits; the caller verifies all
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+class _RightSide(NamedTuple):
+    """The right side of the equations: of the eight products of joints 1 and 2, and constant.
+
+    Attributes:
+        constant: (14,) what stands beside the products.
+        u: (14, 14) left singular vectors of the coefficients of the products.
+        sizes: (8,) their singular values.
+        solved: (8, 14) the products from the other side.
+    """
+
+    constant: Complex
+    u: Complex
+    sizes: Vector
+    solved: Complex
+
+
+@dataclass(frozen=True, eq=False)
 class OpenedLoop:
     """The loop opened before one of its joints.
 
@@ -44,14 +62,16 @@ class OpenedLoop:
     end: Vector
     goal: Vector
 
-
-def _right_side(loop: OpenedLoop) -> tuple[Complex, Complex]:
-    """Return the right side of the equations: of the eight products of joints 1 and 2 (14, 8), and constant (14,)."""
-    one, two = (backwards(loop.row[n], loop.parts[n]) for n in (0, 1))
-    inner = one @ loop.goal
-    products = np.einsum("aij,bj->iab", two, inner).reshape(SIZE, -1)[_EQUATIONS]
-    constant = _constant(loop.row[1]) * 3 + _constant(loop.row[0])
-    return np.delete(products, constant, axis=1), products[:, constant]
+    @cached_property
+    def right_side(self) -> _RightSide:
+        """The right side of the equations."""
+        one, two = (backwards(self.row[n], self.parts[n]) for n in (0, 1))
+        products = np.einsum("aij,bj->iab", two, one @ self.goal).reshape(SIZE, -1)[_EQUATIONS]
+        constant = _constant(self.row[1]) * 3 + _constant(self.row[0])
+        u, sizes, rows = np.linalg.svd(np.delete(products, constant, axis=1))
+        kept = sizes > _ROUNDING * sizes[0]
+        solved = (rows.conj().T * (kept / np.where(kept, sizes, 1.0))) @ u[:, :_PRODUCTS].conj().T
+        return _RightSide(products[:, constant], u, sizes, solved)
 
 
 def _constant(screw: Screw) -> int:
@@ -61,15 +81,14 @@ def _constant(screw: Screw) -> int:
 
 def equations(loop: OpenedLoop) -> Complex:
     """Return the six equations for joints 3, 4, 5: (6, 3, 3, 3), the coefficients of their products."""
-    products, constant = _right_side(loop)
+    right = loop.right_side
     three, four, five = loop.parts[2:5]
     left = np.einsum("cij,j->ci", five, loop.end)
     left = np.einsum("bij,cj->bci", four, left)
     left = np.einsum("aij,bcj->iabc", three, left)[_EQUATIONS]
     a, b, c = (_constant(screw) for screw in loop.row[2:5])
-    left[:, a, b, c] -= constant
-    u, _, _ = np.linalg.svd(products)
-    return np.asarray(np.einsum("ni,iabc->nabc", u[:, _PRODUCTS:].conj().T, left), dtype=complex)
+    left[:, a, b, c] -= right.constant
+    return np.asarray(np.tensordot(right.u[:, _PRODUCTS:].conj().T, left, 1), dtype=complex)
 
 
 def eliminant(loop: OpenedLoop, blocks: Complex, hidden: int) -> Eliminant:
@@ -92,33 +111,40 @@ def inner_order(hidden: int) -> tuple[int, int, int]:
     return hidden, others[0], others[1]
 
 
-def closed(loop: OpenedLoop, inner: tuple[float, float, float], G: Matrix) -> list[list[float]]:
-    """Return all six values, given those of joints 3, 4, 5; several if several outer joints fit."""
+def closed(loop: OpenedLoop, inner: tuple[float, float, float], G: Matrix, off: float = 0.0) -> list[list[float]]:
+    """Return all six values, given those of joints 3, 4, 5; several if several outer joints fit.
+
+    Args:
+        loop: The opened loop.
+        inner: Values of joints 3, 4, 5.
+        G: (4, 4) what the loop closes to.
+        off: By how much these values may be off, so that the arrow misses its goal.
+    """
     middle = np.eye(4)
     for screw, value in zip(loop.row[2:5], inner, strict=True):
         middle = middle @ screw.T(value)
     last = loop.row[5]
     aside = perpendicular(last.direction)
     found = []
-    for first, second in _outer_pairs(loop, middle, G):
+    for first, second in _outer_pairs(loop, middle, G, off):
         R = (loop.row[0].T(first) @ loop.row[1].T(second) @ middle)[:3, :3].T @ G[:3, :3]
         found.append([first, second, *inner, subproblem_1(last.direction, aside, R @ aside).angle])
     return found
 
 
-def _outer_pairs(loop: OpenedLoop, middle: Matrix, G: Matrix) -> list[JointPair]:
+def _outer_pairs(loop: OpenedLoop, middle: Matrix, G: Matrix, off: float) -> list[JointPair]:
     """Return the values of joints 1 and 2 that bring the arrow behind them to its goal."""
-    products, constant = _right_side(loop)
-    reached = (motion(middle) @ loop.end)[_EQUATIONS]
-    solved, _, _, sizes = np.linalg.lstsq(products, reached - constant, rcond=None)
-    table = np.insert(solved, _constant(loop.row[1]) * 3 + _constant(loop.row[0]), 1.0).reshape(3, 3)
+    right = loop.right_side
+    solved = right.solved @ ((motion(middle) @ loop.end)[_EQUATIONS] - right.constant)
+    constant = _constant(loop.row[1]) * 3 + _constant(loop.row[0])
+    table = np.concatenate([solved[:constant], [1.0], solved[constant:]]).reshape(3, 3)
     second = _value(loop.row[1], table[:2].ravel(), table[1:].ravel())
     first = _value(loop.row[0], table[:, :2].ravel(), table[:, 1:].ravel())
-    if sizes[-1] > _DEPENDENT * sizes[0] and _miss(loop, (first, second), middle, G) < _MET:
+    if right.sizes[-1] > _DEPENDENT * right.sizes[0] and _miss(loop, (first, second), middle, G) < max(_MET, off):
         return [(first, second)]
     # At this pose the products do not separate the two joints: solve by geometry.
     candidates = [(first, second), *_by_geometry(loop, middle, G)]
-    return [pair for pair in candidates if _miss(loop, pair, middle, G) < _NEAR]
+    return [pair for pair in candidates if _miss(loop, pair, middle, G) < max(_NEAR, off)]
 
 
 def _by_geometry(loop: OpenedLoop, middle: Matrix, G: Matrix) -> list[JointPair]:

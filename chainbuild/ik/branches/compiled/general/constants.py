@@ -52,9 +52,7 @@ VIEWS: Final = (0.3, 1.5, 2.7, -0.9, -2.1)  # angles from which the hidden joint
 _KEPT: Final = np.array([n for n in range(SIZE) if n != ONE])
 _MAX_OPENINGS: Final = 3  # solved for one pose: what three cannot tell, a fourth hardly does
 _TRIALS: Final = 4  # poses on which the openings are tried
-_LARGER: Final = (
-    0.7  # decades of digits that the larger eigenvalue problem must win to be taken: it takes twice as long
-)
+_LARGER: Final = 0.7  # decades of digits that the larger eigenvalue problem must win: it takes twice as long
 _HOPELESS: Final = 11.0  # decades of digits lost: no pose would be solved surely
 _DEPENDENT: Final = 1e-9  # singular values below this share of the largest: joints that do not move the tool everywhere
 _NEAR_REAL: Final = 1e-2  # eigenvalues so near to the real ones count in the score: they might be solutions

@@ -13,8 +13,9 @@ from typing import Final
 from chainbuild.ik.search.compiled.kernels import jit
 
 _LAST_DIGIT: Final = 2.220446049250313e-16
-_MAX_STEPS: Final = 30  # for one eigenvalue: two or three are usual
+_MAX_STEPS: Final = 60  # for one eigenvalue: two or three are usual
 _EXCEPTIONAL: Final = 10  # every so many steps without success the shift is another
+_SMALLEST: Final = 1e-300  # a column whose entries are smaller counts as 0
 _TINY: Final = 1e-17  # a pivot below is rounding: the matrix is singular there
 
 
@@ -71,7 +72,7 @@ def reflect(A, rows, columns, width):
         total = 0.0
         for i in range(k, rows):
             total += A[i, k] * A[i, k]
-        if total == 0.0:
+        if total < _SMALLEST:
             continue
         length = math.copysign(math.sqrt(total), A[k, k])
         head = A[k, k] + length
@@ -97,12 +98,14 @@ def reflect(A, rows, columns, width):
 def to_hessenberg(A, n):
     """Bring the first n rows and columns of A (n + 1, …) to Hessenberg form by Householder's reflections."""
     for k in range(n - 2):
-        total = 0.0
+        total, scale = 0.0, 0.0
         for i in range(k + 1, n):
-            total += A[i, k] * A[i, k]
+            scale += abs(A[i, k])
+        for i in range(k + 1, n):
+            total += (A[i, k] / max(scale, _SMALLEST)) ** 2
         if total == 0.0:
             continue
-        length = math.copysign(math.sqrt(total), A[k + 1, k])
+        length = math.copysign(scale * math.sqrt(total), A[k + 1, k])
         head = A[k + 1, k] + length
         factor = head / length
         A[k + 1, k] = head
@@ -134,22 +137,36 @@ def to_hessenberg(A, n):
 def francis_step(H, low, high, s, t):
     """Do one double step on the rows low … high of a Hessenberg matrix, with shifts of sum s and product t.
 
-    The last reflection is of two rows: the third one's share is 0.
+    It may begin behind two entries below the diagonal that are small together. The last reflection is of two rows: the
+    third one's share is 0.
     """
-    x = H[low, low] * (H[low, low] - s) + t + H[low, low + 1] * H[low + 1, low]
-    y = H[low + 1, low] * (H[low, low] + H[low + 1, low + 1] - s)
-    z = H[low + 1, low] * H[low + 2, low + 1]
-    for k in range(low, high):
-        if k > low:
+    first = high - 1
+    x = y = z = 0.0
+    while first > low:
+        first -= 1
+        m = first
+        x = H[m, m] * (H[m, m] - s) + t + H[m, m + 1] * H[m + 1, m]
+        y = H[m + 1, m] * (H[m, m] + H[m + 1, m + 1] - s)
+        z = H[m + 1, m] * H[m + 2, m + 1]
+        if m > low:
+            near = abs(H[m - 1, m - 1]) + abs(H[m, m]) + abs(H[m + 1, m + 1])
+            if abs(H[m, m - 1]) * (abs(y) + abs(z)) <= _LAST_DIGIT * abs(x) * near:
+                break
+    for k in range(first, high):
+        if k > first:
             x, y = H[k, k - 1], H[k + 1, k - 1]
             z = H[k + 2, k - 1] if k + 2 <= high else 0.0
-        length = math.copysign(math.sqrt(x * x + y * y + z * z), x)
-        if length == 0.0:
+        scale = abs(x) + abs(y) + abs(z)  # squares of the smallest numbers have no digits
+        if scale == 0.0:
             continue
-        if k > low:
-            H[k, k - 1], H[k + 1, k - 1] = -length, 0.0
+        x, y, z = x / scale, y / scale, z / scale
+        length = math.copysign(math.sqrt(x * x + y * y + z * z), x)
+        if k > first:
+            H[k, k - 1], H[k + 1, k - 1] = -scale * length, 0.0
             if k + 2 <= high:
                 H[k + 2, k - 1] = 0.0
+        elif k > low:
+            H[k, k - 1] = -H[k, k - 1]
         head = x + length
         factor, y, z = head / length, y / head, z / head
         fy, fz = factor * y, factor * z
@@ -217,6 +234,6 @@ def eigenvalues_of(A, n, real, imaginary):
         s, t = a + d, a * d - b * c
         if steps % _EXCEPTIONAL == 0:
             away = abs(c) + abs(A[high - 1, high - 2])
-            s, t = 1.5 * away, away * away
+            s, t = 2.0 * d + 1.5 * away, d * d + 1.5 * d * away + away * away
         francis_step(A, low, high, s, t)
     return True

@@ -20,11 +20,11 @@ from chainbuild.ik.branches.compiled.general.constants import (
     PAIRS,
     RANGE,
     ROWS,
-    SIZE,
     STEPS_BEFORE,
     VIEWS,
 )
 from chainbuild.ik.branches.compiled.general.eigen import gauss, multiply, reflect, substitute
+from chainbuild.ik.branches.elimination.conformal import SIZE
 from chainbuild.ik.search.compiled.kernels import jit
 
 PRODUCTS: Final = COMBINATIONS - 1
@@ -52,9 +52,8 @@ def write_motion(G, backwards, motion):
     for i in range(10):
         for j in range(10):
             one, other, first, second = _FIRST[j], _SECOND[j], _FIRST[i], _SECOND[i]
-            motion[5 + i, 5 + j] = (
-                motion[first, one] * motion[second, other] - motion[second, one] * motion[first, other]
-            )
+            crossed = motion[second, one] * motion[first, other]
+            motion[5 + i, 5 + j] = motion[first, one] * motion[second, other] - crossed
 
 
 @jit
@@ -85,7 +84,7 @@ def write_right_side(part, motion, moved, sides, right):
 
 @jit
 def choose_pair(null):
-    """Put one pair of rows (a, b) and (−b, a), with a and b most nearly at right angles and of one length, to the front.
+    """Put one pair of rows (a, b) and (−b, a), a and b most nearly at right angles and of one length, to the front.
 
     The rows stand for a + i·b and span two complex ones, of which one may be nearly real: of four at most two are so.
     """

@@ -52,7 +52,7 @@ def write_screws(constants, q, T, J):
 
 @jit
 def write_rest(G, T, J):
-    """Write what is left to a pose to column 6 of J: shift and sine of the turn; returns its cosine, the largest part."""
+    """Write what is left to a pose to column 6 of J: shift, sine of the turn; returns its cosine, the largest part."""
     for i in range(3):
         J[i, JOINTS] = G[i, 3]
     largest, trace = 0.0, 0.0

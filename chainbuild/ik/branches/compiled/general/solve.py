@@ -27,6 +27,7 @@ from chainbuild.ik.search.compiled.kernels import jit
 _USELESS: Final = 1e7  # entries of the matrix above which its eigenvalues have no digits
 _APART: Final = 1e-9  # share below which the eliminated joints are not told apart
 _NOISE: Final = 1e-13  # times the square of the largest entry: 10 to 100 times what rounding was seen to make of 0
+_BESIDE: Final = 1e-2  # half the angle from the real ones: complex eigenvalues that are nearer are tried nevertheless
 _MET: Final = 1e-10  # residual of a solution [arm lengths, rad]
 _REGULAR: Final = 1e-4  # pivot of the Jacobian [arm lengths, rad]: below, branches meet, or solutions are a curve
 _SAME: Final = 1e-4  # rad: solutions nearer than this are one
@@ -45,20 +46,37 @@ def scaled(constants, T, G):
 
 
 @jit
+def distances(real, imaginary, size, x, y):
+    """Return the product of a number's distances to all eigenvalues, on the sphere; those above a quarter are 1."""
+    product, length = 1.0, 1.0 + x * x + y * y
+    for n in range(size):
+        across, along = real[n] - x, imaginary[n] - y
+        other = 1.0 + real[n] * real[n] + imaginary[n] * imaginary[n]
+        product *= min(1.0, 16.0 * (across * across + along * along) / (length * other))
+    return math.sqrt(product)
+
+
+@jit
 def is_complex(real, imaginary, size, k, noise):
     """Tell whether an eigenvalue is complex beyond doubt.
 
-    The characteristic polynomial at the real number next to it is the product of the distances to all eigenvalues: if
-    that is more than rounding makes of 0, no real eigenvalue was meant.
+    The product of the distances to all eigenvalues is the characteristic polynomial. Rounding moves eigenvalues only to
+    where it is small: to none on the real line if it is not small on a line between that and the eigenvalue.
     """
     half = 0.5 * math.atan2(2.0 * real[k], 1.0 - real[k] * real[k] - imaginary[k] * imaginary[k])
-    c, s = math.cos(half), math.sin(half)
-    product = 1.0
+    if distances(real, imaginary, size, math.tan(half), 0.0) > noise:
+        return True
+    # Tangents of h/2 with one imaginary part of h/2: half that of the eigenvalue.
+    a, b = real[k], abs(imaginary[k])
+    high = 0.125 * math.log((a * a + (1.0 + b) * (1.0 + b)) / (a * a + (1.0 - b) * (1.0 - b)))
+    t = math.tanh(high)
     for n in range(size):
-        across, along = c * real[n] - s, c * imaginary[n]
-        square = (across * across + along * along) / (1.0 + real[n] * real[n] + imaginary[n] * imaginary[n])
-        product *= min(1.0, 16.0 * square)
-    return product > noise * noise
+        half = 0.5 * math.atan2(2.0 * real[n], 1.0 - real[n] * real[n] - imaginary[n] * imaginary[n])
+        c, s = math.cos(half), math.sin(half)
+        below = c * c + s * s * t * t
+        if not distances(real, imaginary, size, c * s * (1.0 - t * t) / below, t / below) > noise:
+            return False
+    return True
 
 
 @jit
@@ -92,9 +110,12 @@ def general_branches(constants, T, values):
         noise = _NOISE * largest * largest
         perhaps = 0
         for k in range(size):
-            if imaginary[k] != 0.0 and is_complex(real, imaginary, size, k, noise):
+            beside = abs(imaginary[k]) / (1.0 + real[k] * real[k] + imaginary[k] * imaginary[k])
+            certain = beside > 0.0 and is_complex(real, imaginary, size, k, noise)
+            if certain and (beside > _BESIDE or imaginary[k] < 0.0):
                 continue
-            perhaps += 1
+            if not certain:
+                perhaps += 1
             half_angle = 0.5 * angle + math.atan(real[k])
             write_kernel(rows, half, math.cos(half_angle), math.sin(half_angle), nine, B)
             write_values(constants, part, G, right, B, half_angle, nine, q, pose, J)
@@ -103,7 +124,8 @@ def general_branches(constants, T, values):
             for i in range(JOINTS):
                 values[found, i] = q[i]
             found += 1
-            if gauss(J, len(q), len(q)) < _REGULAR:
+            # A complex eigenvalue leads to no new solution, unless rounding moved it farther than it is known to do.
+            if certain or gauss(J, len(q), len(q)) < _REGULAR:
                 return found, False
         if 0 < perhaps <= found:
             return found, perhaps == found
