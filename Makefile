@@ -7,7 +7,7 @@ INSTALLED_TEST := $(VENV)/.installed-test
 INSTALLED_BENCH := $(VENV)/.installed-bench
 INSTALLED_LAB := $(VENV)/.installed-lab
 
-.PHONY: demo test lint types test-slow bench mutants mutants-all docs chromium clean
+.PHONY: demo test lint types test-slow bench bench-arms mutants mutants-all docs chromium clean
 
 demo: $(INSTALLED)
 	$(BIN)/chainbuild demo
@@ -31,6 +31,11 @@ bench: $(INSTALLED_BENCH) $(INSTALLED_TEST) chromium
 	$(BIN)/python -m tests.bench.page
 	$(BIN)/python -m tests.bench.live
 	$(BIN)/python docs/generate.py
+
+# Every branch of many arms. What ssik has to derive for calibrated arms takes a quarter of an hour, once.
+bench-arms: $(INSTALLED_BENCH) $(INSTALLED_TEST)
+	$(BIN)/python -m tests.bench.arms --build
+	$(BIN)/python -m tests.bench.arms
 
 # Six of each file, drawn at random and always the same. All of them, some 2000, take many hours on two cores: those that
 # no test kills at once are judged in fresh processes by all tests. Where time ends, another run goes on.

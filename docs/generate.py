@@ -23,7 +23,7 @@ ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "docs"))
 import machine_pictures  # noqa: E402
 
-_DOCS = ("branches", "conventions", "findings", "kinematics", "machines", "robx", "tables")
+_DOCS = ("arms", "branches", "conventions", "findings", "kinematics", "machines", "robx", "tables")
 PAGES = ("README.md", *(f"docs/{name}.md" for name in _DOCS))
 _COLUMNS = 2  # of the contact sheet: two machines with two pictures each fit a page
 _WIDTH = 200  # pixels of its pictures
@@ -163,6 +163,12 @@ def robx_methods() -> str:
     return table(("MAIN_AXES", "axis 4 to the last rotary basic axis", "4 axes", "5 axes", "6 axes"), rows())
 
 
+def arms(part: str) -> str:
+    """Return a part of what `make bench-arms` has measured: every branch of many arms, every solver side by side."""
+    found = runpy.run_path(str(ROOT / "docs/arms_tables.py"))[part]()
+    return found if isinstance(found, str) else table(*found)
+
+
 TABLES: dict[str, Callable[[], str]] = {
     "machines": machines,
     "types": types,
@@ -174,6 +180,10 @@ TABLES: dict[str, Callable[[], str]] = {
     "solvers": solvers,
     "methods": methods,
     "robx-methods": robx_methods,
+    "arms-run": lambda: arms("run"),
+    "arms-missed": lambda: arms("missed"),
+    "arms-times": lambda: arms("times"),
+    "arms-line": lambda: arms("line"),
 }
 
 
