@@ -22,7 +22,7 @@ from chainbuild.ik.branches.core.serial import Screw, Serial
 from chainbuild.ik.branches.core.subproblems import cross
 from chainbuild.ik.branches.elimination.conformal import ONE, SIZE, arrow, coefficients, motion
 
-JOINTS: Final = 6
+JOINTS: Final = 6  # what a pose determines
 ROWS: Final = 14  # equations: the numbers of an arrow without the one that is always 1
 EQUATIONS: Final = 6  # without the eight products of the two joints that are eliminated
 COMBINATIONS: Final = 9  # products of the cosine, the sine and 1 of two joints
@@ -42,8 +42,8 @@ BEHIND: Final = 2
 BACKWARDS: Final = 3
 ROLES: Final = 4
 LEFT: Final = ROLES + JOINTS
-RANGE: Final = LEFT + 3 * ROWS * COMBINATIONS
-STEPS_BEFORE: Final = RANGE + 8 * ROWS
+RANGE: Final = LEFT + 3 * ROWS * COMBINATIONS  # behind the left side, by cosine, sine and 1 of the hidden joint
+STEPS_BEFORE: Final = RANGE + 8 * ROWS  # behind four complex columns
 ARROWS_BEHIND: Final = STEPS_BEFORE + COMBINATIONS * ROWS * SIZE
 PER_OPENING: Final = ARROWS_BEHIND + COMBINATIONS * SIZE
 

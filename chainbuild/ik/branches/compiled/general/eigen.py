@@ -12,7 +12,7 @@ from typing import Final
 
 from chainbuild.ik.search.compiled.kernels import jit
 
-_LAST_DIGIT: Final = 2.220446049250313e-16
+_LAST_DIGIT: Final = 2.220446049250313e-16  # of numbers of double precision
 _MAX_STEPS: Final = 60  # for one eigenvalue: two or three are usual
 _EXCEPTIONAL: Final = 10  # every so many steps without success the shift is another
 _SMALLEST: Final = 1e-300  # a column whose entries are smaller counts as 0

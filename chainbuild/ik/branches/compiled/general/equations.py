@@ -27,8 +27,8 @@ from chainbuild.ik.branches.compiled.general.eigen import gauss, multiply, refle
 from chainbuild.ik.branches.elimination.conformal import SIZE
 from chainbuild.ik.search.compiled.kernels import jit
 
-PRODUCTS: Final = COMBINATIONS - 1
-TERMS: Final = 3 * COMBINATIONS
+PRODUCTS: Final = COMBINATIONS - 1  # without that of 1 and 1, which is known
+TERMS: Final = 3 * COMBINATIONS  # of the left side: by the hidden joint and two others
 _GOOD: Final = 60.0  # entries of the matrix up to which no better view is looked for
 _FIRST, _SECOND = np.triu_indices(5, 1)
 

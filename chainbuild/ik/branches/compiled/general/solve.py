@@ -38,7 +38,7 @@ _NOISE: Final = 1e-13  # times the square of the largest entry: 10 to 100 times 
 _BESIDE: Final = 1e-2  # of a sphere: complex eigenvalues so near to the real ones must lead to complex solutions
 
 
-class Room(NamedTuple):
+class LoopRoom(NamedTuple):
     """Scratch of one pose; the arrays bear the names they have in `equations` and `solutions`."""
 
     G: Any  # (3, 4)
@@ -60,10 +60,10 @@ class Room(NamedTuple):
 
 
 @jit
-def room_of():
+def loop_room():
     """Return the scratch."""
     kind = np.complex128
-    return Room(
+    return LoopRoom(
         np.empty((3, 4)), np.empty((10, 27)), np.empty((15, 23)), np.empty((16, 126)), np.empty((12, 32)),
         np.empty((3, 4)), np.empty((JOINTS, JOINTS + 1)), np.empty(JOINTS), np.empty((6, 14), kind),
         np.empty((12, 13), kind), np.empty((3, 4), kind), np.empty((JOINTS, JOINTS + 1), kind), np.empty(JOINTS, kind),
@@ -178,7 +178,7 @@ def general_branches(constants, T, values):
     Returns:
         How many rows were written, and whether these are certainly all.
     """
-    room = room_of()
+    room = loop_room()
     P, product, motion, null = np.empty((6, 14)), np.empty((10, 15)), np.empty((15, 15)), np.empty((13, 20))
     combined, A = np.empty((10, 6)), np.empty((21, 21))
     scaled(constants, T, room.G)
