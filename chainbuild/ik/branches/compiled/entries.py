@@ -14,10 +14,12 @@ from zlib import crc32
 from chainbuild import tolerances
 from chainbuild.ik.branches.arms import parallel_axes
 from chainbuild.ik.branches.compiled import angle_pairs, direct, finish, quartic, small, spherical, three_parallel
+from chainbuild.ik.branches.compiled import axes as machine_axes
 from chainbuild.ik.branches.compiled import constants as form_constants
+from chainbuild.ik.branches.compiled.axes import axes_of, finish_room
 from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED
 from chainbuild.ik.branches.compiled.direct import direct_branches
-from chainbuild.ik.branches.compiled.finish import axes_of, finished, room_of
+from chainbuild.ik.branches.compiled.finish import finished
 from chainbuild.ik.branches.compiled.general import constants as general_constants
 from chainbuild.ik.branches.compiled.general import eigen, equations, solutions, solve
 from chainbuild.ik.branches.compiled.general.solve import general_branches
@@ -48,7 +50,7 @@ def _finish(fingerprint: int) -> Any:
             along: (N, ROWS, n) out, likewise.
         """
         axes, count, loose = axes_of(data, sizes), 0 * fingerprint, False
-        room = room_of(axes)
+        room = finish_room(axes)
         for i in range(len(targets)):
             count = counts[i]
             if count > 0:
@@ -133,7 +135,9 @@ def _fingerprint(*modules: Any) -> int:
 
 
 _SMALL: Final = _fingerprint(small, subproblems, form_constants, compiled_kernels, compiled_search)
-finish_poses: Final = _finish(_fingerprint(finish, form_constants, branches, compiled_kernels, tolerances))
+finish_poses: Final = _finish(
+    _fingerprint(machine_axes, finish, form_constants, branches, compiled_kernels, tolerances)
+)
 # Form → its entry point.
 FORMS: Final = {
     "spherical": _spherical(_SMALL ^ _fingerprint(spherical, quartic)),

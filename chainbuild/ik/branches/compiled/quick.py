@@ -45,7 +45,7 @@ class QuickForm:
         method: Name of the `SolverPlan` that the form stands for.
         form: Name of the form, see `entries.ENTRIES`.
         constants: Constants of the form.
-        axes: The axes in one array, and their sizes; see `finish.axes_of`.
+        axes: The axes in one array, and their sizes; see `axes.axes_of`.
         x0: (n_axes,) where branches are counted from without a start [SI].
         has_status: Whether the controller numbers the branches (KIN_TYP 45).
         by_axes: (6, n_axes) joint values in the order of the screws by SI axis values,

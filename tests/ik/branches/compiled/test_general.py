@@ -12,15 +12,16 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from chainbuild.ik.branches.compiled.general import constants, eigen, equations, solutions, solve
+from chainbuild.ik.branches.compiled.entries import FORMS
+from chainbuild.ik.branches.compiled.general import constants, eigen
 from chainbuild.ik.branches.compiled.general.constants import general_constants
 from chainbuild.ik.branches.compiled.general.eigen import eigenvalues_of
-from chainbuild.ik.branches.compiled.general.solve import general_branches
 from chainbuild.ik.branches.core.serial import Screw, Serial
 from chainbuild.ik.branches.elimination.elimination import elimination
 from chainbuild.ik.search.compiled import kernels
 from chainbuild.ik.search.compiled.entries import kept_jit
 from chainbuild.ik.search.compiled.kernels import FAST
+from chainbuild.tolerances import ROTATION_MATRIX
 from tests.kit.general_arms import DRAWN, arm_of, at_random, calibrated, rounded
 
 Rows = np.ndarray
@@ -28,34 +29,26 @@ SAME = 1e-4  # rad: branches nearer than this are one
 KINDS = ("at random", 90.0, 45.0, 30.0)  # of joint values: at random, or multiples of an angle
 
 
-def _kept(fingerprint: int) -> tuple[Any, Any]:
-    """Return the kernels as functions that Python may call, their machine code kept on disk."""
-
-    @kept_jit(**FAST)
-    def poses(packed, targets, values, counts, sure):
-        """Solve poses (N, 4, 4): values (N, 32, 6), how many (N,), whether all (N,)."""
-        for i in range(len(targets)):
-            counts[i], sure[i] = general_branches(packed, targets[i], values[i])
-        return 0 * fingerprint
+def _kept(fingerprint: int) -> Any:
+    """Return the eigenvalues' code as a function that Python may call, its machine code kept on disk."""
 
     @kept_jit(**FAST)
     def eigenvalues(A, n, real, imaginary):
         """Find the eigenvalues of the first n rows and columns of A (n + 1, n + 1)."""
         return eigenvalues_of(A, n + 0 * fingerprint, real, imaginary)
 
-    return poses, eigenvalues
+    return eigenvalues
 
 
-MODULES = (constants, eigen, equations, solutions, solve, kernels)
-POSES, EIGENVALUES = _kept(crc32(b"".join(Path(str(m.__file__)).read_bytes() for m in MODULES)))
+EIGENVALUES = _kept(crc32(b"".join(Path(str(m.__file__)).read_bytes() for m in (eigen, kernels))))
 
 
 def compiled(packed: np.ndarray, targets: np.ndarray) -> list[tuple[Rows, bool]]:
-    """Return the joint values (k, 6) of poses (N, 4, 4), and whether the kernel is sure of them."""
-    count = len(targets)
-    values, counts, sure = np.empty((count, 32, 6)), np.empty(count, np.int64), np.empty(count, np.bool_)
-    POSES(packed, np.ascontiguousarray(targets), values, counts, sure)
-    return [(values[i, : counts[i]], bool(sure[i])) for i in range(count)]
+    """Return the joint values (k, 6) of poses (N, 4, 4), and whether the form is sure of them."""
+    values, counts = np.full((len(targets), 32, 7), np.nan), np.empty(len(targets), np.int64)
+    FORMS["general"](packed, np.ascontiguousarray(targets), ROTATION_MATRIX, np.zeros(6), values, counts)
+    rows = [found[np.isfinite(found).all(axis=1), :6] for found in values]
+    return [(found, bool(count >= 0)) for found, count in zip(rows, counts, strict=True)]
 
 
 def by_hand(serial: Serial, q: np.ndarray) -> np.ndarray:

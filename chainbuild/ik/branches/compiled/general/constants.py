@@ -23,7 +23,7 @@ from chainbuild.ik.branches.core.subproblems import cross
 from chainbuild.ik.branches.elimination.conformal import ONE, SIZE, arrow, coefficients, motion
 
 JOINTS: Final = 6  # what a pose determines
-ROWS: Final = 14  # equations: the numbers of an arrow without the one that is always 1
+ARROW_ROWS: Final = 14  # equations: the numbers of an arrow without the one that is always 1
 EQUATIONS: Final = 6  # without the eight products of the two joints that are eliminated
 COMBINATIONS: Final = 9  # products of the cosine, the sine and 1 of two joints
 
@@ -42,9 +42,9 @@ BEHIND: Final = 2
 BACKWARDS: Final = 3
 ROLES: Final = 4
 LEFT: Final = ROLES + JOINTS
-RANGE: Final = LEFT + 3 * ROWS * COMBINATIONS  # behind the left side, by cosine, sine and 1 of the hidden joint
-STEPS_BEFORE: Final = RANGE + 8 * ROWS  # behind four complex columns
-ARROWS_BEHIND: Final = STEPS_BEFORE + COMBINATIONS * ROWS * SIZE
+RANGE: Final = LEFT + 3 * ARROW_ROWS * COMBINATIONS  # behind the left side, by cosine, sine and 1 of the hidden joint
+STEPS_BEFORE: Final = RANGE + 8 * ARROW_ROWS  # behind four complex columns
+ARROWS_BEHIND: Final = STEPS_BEFORE + COMBINATIONS * ARROW_ROWS * SIZE
 PER_OPENING: Final = ARROWS_BEHIND + COMBINATIONS * SIZE
 
 VIEWS: Final = (0.3, 1.5, 2.7, -0.9, -2.1)  # angles from which the hidden joint is looked at; any that are apart
@@ -93,7 +93,7 @@ class _Opening:
     def rows(self, G: Matrix) -> tuple[Matrix, float]:
         """Return the six equations (6, 3, 9) at a pose, and how well the eliminated joints are told apart."""
         pose = motion(inverse(G) if self.backwards else G)
-        right = np.einsum("lij,rj->irl", self.before[:, _KEPT], self.behind @ pose.T).reshape(ROWS, COMBINATIONS)
+        right = np.einsum("lij,rj->irl", self.before[:, _KEPT], self.behind @ pose.T).reshape(ARROW_ROWS, COMBINATIONS)
         u, sizes, _ = np.linalg.svd(right[:, :-1])
         left = self.left.copy()
         left[2, :, -1] -= right[:, -1]
@@ -182,7 +182,7 @@ def _openings(screws: Sequence[Screw]) -> Iterator[_Opening]:
             else:
                 before, behind = back[two], back[one] @ end
             roles = tuple(JOINTS - 1 - n if backwards else n for n in (one, two, hidden, x, y, last))
-            yield _Opening(backwards, roles, left.reshape(3, ROWS, COMBINATIONS), u[:, :4], before, behind)
+            yield _Opening(backwards, roles, left.reshape(3, ARROW_ROWS, COMBINATIONS), u[:, :4], before, behind)
 
 
 def _by_angle(screw: Screw) -> Matrix:

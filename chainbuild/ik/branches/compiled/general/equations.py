@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 
 from chainbuild.ik.branches.compiled.general.constants import (
+    ARROW_ROWS,
     ARROWS_BEHIND,
     BACKWARDS,
     BEFORE,
@@ -19,7 +20,6 @@ from chainbuild.ik.branches.compiled.general.constants import (
     LEFT,
     PAIRS,
     RANGE,
-    ROWS,
     STEPS_BEFORE,
     VIEWS,
 )
@@ -72,7 +72,7 @@ def write_right_side(part, motion, moved, sides, right):
     before, behind = int(part[BEFORE]), int(part[BEHIND])
     size, rows = moved.shape[1], right.shape[0] - 1
     arrows = part[ARROWS_BEHIND : ARROWS_BEHIND + behind * SIZE].reshape((behind, SIZE))
-    steps = part[STEPS_BEFORE : STEPS_BEFORE + SIZE * ROWS * before].reshape((SIZE, ROWS * before))
+    steps = part[STEPS_BEFORE : STEPS_BEFORE + SIZE * ARROW_ROWS * before].reshape((SIZE, ARROW_ROWS * before))
     multiply(arrows, motion, moved, behind, size, size)
     multiply(moved, steps, sides, behind, size, rows * before)
     write_unit(right, rows, COMBINATIONS)
@@ -110,7 +110,7 @@ def write_combinations(part, P, product, null, T):
     at right angles to all of them, which keep the whole degree.
     """
     count, rows = P.shape
-    range_ = part[RANGE : RANGE + 8 * ROWS].reshape((ROWS, 8))
+    range_ = part[RANGE : RANGE + 8 * ARROW_ROWS].reshape((ARROW_ROWS, 8))
     multiply(P, range_, product, count, rows, range_.shape[1])
     write_unit(null, 2 * count, 8)
     for i in range(count):
@@ -155,7 +155,7 @@ def write_equations(part, G, right, P, product, motion, null, T, rows, nine):
             P[i, j] = right[PRODUCTS + i, COMBINATIONS + j]
     half = write_combinations(part, P, product, null, T)
     multiply(T, P, product, equations + half, equations, width)
-    left = part[LEFT : LEFT + ROWS * TERMS].reshape((ROWS, TERMS))
+    left = part[LEFT : LEFT + ARROW_ROWS * TERMS].reshape((ARROW_ROWS, TERMS))
     multiply(product, left, rows, equations + half, width, terms)
     for r in range(equations + half):
         for i in range(equations):

@@ -13,12 +13,12 @@ from numba import types
 from numba.extending import overload
 
 from chainbuild.ik.branches.compiled.general.constants import (
+    ARROW_ROWS,
     COMBINATIONS,
     JOINTS,
     LEFT,
     PER_SCREW,
     ROLES,
-    ROWS,
     SCREWS,
 )
 from chainbuild.ik.branches.compiled.general.eigen import gauss, substitute
@@ -129,7 +129,7 @@ def write_values(constants, part, rows, half, right, hidden, nine, B, G, q, T, J
     for n in range(len(T)):
         by_y = np.cos(y) if n == 0 else (np.sin(y) if n == 1 else 1.0 + 0.0 * y)
         products[n], products[3 + n], products[6 + n] = np.cos(x) * by_y, np.sin(x) * by_y, by_y
-    left = part[LEFT : LEFT + ROWS * TERMS].reshape((ROWS, TERMS))
+    left = part[LEFT : LEFT + ARROW_ROWS * TERMS].reshape((ARROW_ROWS, TERMS))
     a, b = np.cos(hidden), np.sin(hidden)
     for k in range(len(left)):
         reached[k] = 0.0

@@ -1,0 +1,121 @@
+"""A machine's axes as arrays, and how far they miss a pose, compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from chainbuild.ik.search.compiled.kernels import jit, pose_and_jacobian, tool_error
+
+
+class Axes(NamedTuple):
+    """A machine's axes as arrays, see `pack.Packed`; flags are 0 or 1, columns and rows are indices."""
+
+    fixed: Any  # (k + 1, 3, 4)
+    prismatic: Any  # (k,)
+    A: Any  # (k, n)
+    b: Any  # (k,)
+    inverse: Any  # (c, c) from joint values to the axes in `columns`
+    others: Any  # (c, n) what the other axes take from these
+    offset: Any  # (c,) what the constants of the map take from them
+    lower: Any  # (n,)
+    upper: Any  # (n,)
+    slack: Any  # (n,)
+    periodic: Any  # (n,)
+    factors: Any  # (n,) mm and degrees to SI
+    sums: Any  # (s, n) limits on sums of axes, mm or degrees by SI
+    sum_lower: Any  # (s,)
+    sum_upper: Any  # (s,)
+    together: Any  # (n,) whether an axis takes part in any
+    rows: Any  # (c,) which of the joint values determine them
+    columns: Any  # (c,)
+    movers: Any  # (c,) which axis moves a joint most
+    linear: Any  # (0 or 3,) axes that place the TCP after the others are known
+    free: Any  # (f,)
+    axis: Any  # tool axis whose direction is the task, or -1
+
+
+class FinishRoom(NamedTuple):
+    """Scratch of one pose."""
+
+    T: Any  # (3, 4)
+    J: Any  # (6, n)
+    error: Any  # (6,)
+    small: Any  # (9,)
+    Jf: Any  # (6, f) of the free axes, the rows of the task first
+    H: Any
+    g: Any
+    step: Any
+    x: Any  # (n,)
+
+
+@jit
+def axes_of(data, sizes):
+    """Return views of axes packed in two arrays; sizes: k, n, c, linear, f, axis, s, where parts end, then indices."""
+    k, n, c, count, f, sums, e = sizes[0], sizes[1], sizes[2], sizes[3], sizes[4], sizes[6], sizes[7:23]
+    index = sizes[23:]
+    return Axes(
+        data[: e[0]].reshape((k + 1, 3, 4)), data[e[0] : e[1]], data[e[1] : e[2]].reshape((k, n)), data[e[2] : e[3]],
+        data[e[3] : e[4]].reshape((c, c)), data[e[4] : e[5]].reshape((c, n)), data[e[5] : e[6]],
+        data[e[6] : e[7]], data[e[7] : e[8]], data[e[8] : e[9]], data[e[9] : e[10]], data[e[10] : e[11]],
+        data[e[11] : e[12]].reshape((sums, n)), data[e[12] : e[13]], data[e[13] : e[14]], data[e[14] : e[15]],
+        index[:c], index[c : 2 * c], index[2 * c : 3 * c],
+        index[3 * c : 3 * c + count], index[3 * c + count : 3 * c + count + f], sizes[5],
+    )  # fmt: skip
+
+
+@jit
+def finish_room(axes):
+    """Return the scratch for some axes."""
+    n, f = len(axes.lower), len(axes.free)
+    size = max(f, 6)
+    return FinishRoom(
+        np.empty((3, 4)), np.empty((6, n)), np.empty(6), np.empty(9), np.empty((6, f)), np.empty((size, size)),
+        np.empty(size), np.empty(f), np.empty(n),
+    )  # fmt: skip
+
+
+@jit
+def write_pose(axes, room):
+    """Write the pose at room.x; walks from the tool to the workpiece, as `pose_and_jacobian` does."""
+    T, fixed = room.T, axes.fixed
+    k, n = axes.A.shape
+    for r in range(3):
+        for c in range(4):
+            T[r, c] = fixed[k, r, c]
+    for i in range(k - 1, -1, -1):
+        u = axes.b[i]
+        for m in range(n):
+            u += axes.A[i, m] * room.x[m]
+        if axes.prismatic[i] != 0.0:
+            T[2, 3] += u
+        else:
+            cosine, sine = math.cos(u), math.sin(u)
+            for c in range(4):
+                T[0, c], T[1, c] = cosine * T[0, c] - sine * T[1, c], sine * T[0, c] + cosine * T[1, c]
+        for c in range(4):
+            x, y, z = T[0, c], T[1, c], T[2, c]
+            for r in range(3):
+                T[r, c] = fixed[i, r, 0] * x + fixed[i, r, 1] * y + fixed[i, r, 2] * z
+        for r in range(3):
+            T[r, 3] += fixed[i, r, 3]
+
+
+@jit
+def missed(axes, room, target):
+    """Write the remaining motion from room.T to the target; return its distance and angle."""
+    tool_error(room.T, target, axes.axis, room.error, room.small)
+    e = room.error
+    return (
+        math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]),
+        math.sqrt(e[3] * e[3] + e[4] * e[4] + e[5] * e[5]),
+    )
+
+
+@jit
+def look(axes, room, target):
+    """Write pose, Jacobian and remaining motion at room.x; return distance and angle."""
+    pose_and_jacobian(axes.fixed, axes.prismatic, axes.A, axes.b, room.x, room.T, room.J, room.error)
+    return missed(axes, room, target)
