@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
+import numba
 import numpy as np
 
-from chainbuild.ik.search.compiled.kernels import jit, pose_and_jacobian, tool_error
+from chainbuild.ik.search.compiled.kernels import INNER, jit, pose_and_jacobian, tool_error
+
+
+# Code put into its caller: handing over a machine as twenty arrays takes longer than what is done with it.
+inlined: Final[Any] = numba.njit(forceinline=True, **INNER)
 
 
 class Axes(NamedTuple):
@@ -77,7 +82,7 @@ def finish_room(axes):
     )  # fmt: skip
 
 
-@jit
+@inlined
 def write_pose(axes, room):
     """Write the pose at room.x; walks from the tool to the workpiece, as `pose_and_jacobian` does."""
     T, fixed = room.T, axes.fixed
@@ -103,7 +108,7 @@ def write_pose(axes, room):
             T[r, 3] += fixed[i, r, 3]
 
 
-@jit
+@inlined
 def missed(axes, room, target):
     """Write the remaining motion from room.T to the target; return its distance and angle."""
     tool_error(room.T, target, axes.axis, room.error, room.small)

@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from chainbuild.ik.branches.compiled.axes import look, missed, write_pose
+from chainbuild.ik.branches.compiled.axes import inlined, look, missed, write_pose
 from chainbuild.ik.branches.core.branches import (
     BETWEEN_BRANCHES,
     CLOSE_BRANCHES,
@@ -57,7 +57,7 @@ def _place_linear(axes, room, target):
     return True
 
 
-@jit
+@inlined
 def _polished(axes, room, target):
     """Improve room.x by Newton steps; return distance, angle and steps, or an infinite distance for no solution."""
     write_pose(axes, room)
@@ -77,7 +77,7 @@ def _polished(axes, room, target):
     return distance, angle, steps
 
 
-@jit
+@inlined
 def _turned_inside(axes, x, x0):
     """Move periodic axes by whole turns into their limits, near to x0: 1 inside, 0 outside, -1 only just inside."""
     inside = 1
@@ -96,7 +96,7 @@ def _turned_inside(axes, x, x0):
     return min(inside, _keeps_sums(axes, x))
 
 
-@jit
+@inlined
 def _keeps_sums(axes, x):
     """Tell whether x keeps the limits on sums of axes: 1, 0, or -1 only just, or where another whole turn might."""
     for i in range(len(axes.sum_lower)):
@@ -219,7 +219,7 @@ def finished(axes, room, target, x0, values, count, found, left, along):
     return kept, True
 
 
-@jit
+@inlined
 def _axis_values(axes, x0, values, x):
     """Write the axis values of joint values."""
     n = len(x0)
@@ -234,7 +234,7 @@ def _axis_values(axes, x0, values, x):
         x[axes.columns[r]] = value
 
 
-@jit
+@inlined
 def _sort_in(axes, x0, x, row, found, left, along, kept):
     """Write a branch to where its distance to x0 puts it among those before; its direction stands behind them."""
     n, far = len(x0), 0.0
@@ -254,7 +254,7 @@ def _sort_in(axes, x0, x, row, found, left, along, kept):
     left[at, 0], left[at, 1], left[at, 2], left[at, 3], left[at, 4] = row[0], row[1], row[2], far, row[3]
 
 
-@jit
+@inlined
 def _known(axes, room, target, found, left, kept, axis):
     """Tell whether room.x is a branch that is known: 1, 0, or -1 where it lies in the middle of what lost its digits.
 
@@ -283,7 +283,7 @@ def _known(axes, room, target, found, left, kept, axis):
     return 0
 
 
-@jit
+@inlined
 def _way(axes, m, start, end):
     """Return how far an axis is from one value to another, but for whole turns that lead to the same pose."""
     way = end - start
