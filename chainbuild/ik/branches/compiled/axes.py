@@ -10,7 +10,6 @@ import numpy as np
 
 from chainbuild.ik.search.compiled.kernels import INNER, jit, pose_and_jacobian, tool_error
 
-
 # Code put into its caller: handing over a machine as twenty arrays takes longer than what is done with it.
 inlined: Final[Any] = numba.njit(forceinline=True, **INNER)
 
