@@ -201,8 +201,8 @@ class Robot(DisplayedMechanism):
     ) -> Branches:
         """Find every branch of a pose inside the limits, nearest to the start first, verified by forward kinematics.
 
-        The result is complete if the plan is (`plan`); else it holds what damped descents from many starts find. Of
-        solutions that form a curve there is one branch, with its `free_directions`.
+        The result is complete, but for rounding where branches meet, if the plan is (`plan`); else it holds what damped
+        descents from many starts find. Of solutions that form a curve there is one branch, with its `free_directions`.
 
         Args:
             T: Tool in the workpiece frame [m]: `pin.SE3` or a (4, 4) array.

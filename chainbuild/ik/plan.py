@@ -51,7 +51,8 @@ class SolverPlan:
         name: "direct", "spherical wrist", "single wrist axis", "parallel arm", "position", "three parallel axes",
             "elimination", "struts" (closed loops), or "search": damped descents from many starts.
         reason: Why, in words.
-        complete: True if no branch can be missing; False if branches are only searched for.
+        complete: True if all branches follow from equations, so that none is missing but by rounding where branches
+            meet; False if they are only searched for.
     """
 
     name: PlanName

@@ -20,7 +20,7 @@ from chainbuild.ik.branches.core.branches import (
     POLISH_TO,
     SAME_BRANCH,
 )
-from chainbuild.ik.search.compiled.kernels import damped_step, jit, solve_in_place
+from chainbuild.ik.search.compiled.kernels import damped_step, jit, jit_within, solve_in_place
 from chainbuild.tolerances import IK_POSITION_M, IK_ROTATION_RAD, LIMIT_SLACK
 
 _FLOOR: Final = 1e-14  # damping that keeps the factorisation alive at singular points
@@ -31,7 +31,7 @@ _SEVERAL: Final = 1e6  # inverse square of a singular value: beyond it a second 
 _TURN: Final = 2.0 * math.pi  # a whole turn
 
 
-@jit
+@jit_within
 def _place_linear(axes, room, target):
     """Move the linear axes to bring the tip to the target's position; return False where they lie in one plane."""
     for _ in range(_LINEAR_STEPS):
@@ -57,7 +57,7 @@ def _place_linear(axes, room, target):
     return True
 
 
-@inlined
+@jit_within
 def _polished(axes, room, target):
     """Improve room.x by Newton steps; return distance, angle and steps, or an infinite distance for no solution."""
     write_pose(axes, room)
@@ -77,7 +77,7 @@ def _polished(axes, room, target):
     return distance, angle, steps
 
 
-@inlined
+@jit_within
 def _turned_inside(axes, x, x0):
     """Move periodic axes by whole turns into their limits, near to x0: 1 inside, 0 outside, -1 only just inside."""
     inside = 1
@@ -147,7 +147,7 @@ def _iterate(room, rows, n, share, v):
     return math.sqrt(total)
 
 
-@jit
+@jit_within
 def _goes_along(axes, room, target, axis, along):
     """Write the unit direction in which a solution with a free axis goes on; return whether there is that one only."""
     look(axes, room, target)
@@ -171,7 +171,7 @@ def _goes_along(axes, room, target, axis, along):
     return rest < _STILL and _iterate(room, rows, n, 1.0, v) < _SEVERAL
 
 
-@jit
+@jit_within
 def finished(axes, room, target, x0, values, count, found, left, along):
     """Write the branches among joint values, nearest to x0 first.
 
@@ -219,7 +219,7 @@ def finished(axes, room, target, x0, values, count, found, left, along):
     return kept, True
 
 
-@inlined
+@jit_within
 def _axis_values(axes, x0, values, x):
     """Write the axis values of joint values."""
     n = len(x0)
@@ -234,7 +234,7 @@ def _axis_values(axes, x0, values, x):
         x[axes.columns[r]] = value
 
 
-@inlined
+@jit_within
 def _sort_in(axes, x0, x, row, found, left, along, kept):
     """Write a branch to where its distance to x0 puts it among those before; its direction stands behind them."""
     n, far = len(x0), 0.0
@@ -254,7 +254,7 @@ def _sort_in(axes, x0, x, row, found, left, along, kept):
     left[at, 0], left[at, 1], left[at, 2], left[at, 3], left[at, 4] = row[0], row[1], row[2], far, row[3]
 
 
-@inlined
+@jit_within
 def _known(axes, room, target, found, left, kept, axis):
     """Tell whether room.x is a branch that is known: 1, 0, or -1 where it lies in the middle of what lost its digits.
 

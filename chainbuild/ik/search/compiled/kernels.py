@@ -16,6 +16,8 @@ FAST: Final[Mapping[str, Any]] = {"error_model": "numpy", "fastmath": {"contract
 # Without the wrappers that Python and C would call: a quarter less to compile.
 INNER: Final[Mapping[str, Any]] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, **FAST}
 jit: Final[Any] = numba.njit(**INNER)
+# For a large function with one caller: it becomes part of it before both are compiled, once instead of twice.
+jit_within: Final[Any] = numba.njit(inline="always", **INNER)
 
 
 class Arrays(NamedTuple):
