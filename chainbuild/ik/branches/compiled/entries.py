@@ -1,8 +1,8 @@
 """Entry points of compiled closed forms. They release the interpreter, so that threads share many poses.
 
 Forms write joint values, one entry point for all of them makes branches of these: so nobody waits for the compilation
-of another form. numba keeps the code of an entry point by
-what it closes over; a form among that would never be found again: forms are globals, their files in the fingerprint.
+of another form. numba keeps the code of an entry point by what it closes over; a form among that would never be found
+again: forms are globals, their files in the fingerprint, and each has an entry point of its own.
 """
 
 from __future__ import annotations

@@ -131,7 +131,7 @@ def _copy_rows(axes, room):
 
 @jit
 def _iterate(room, rows, n, share, v):
-    """Write (JᵀJ + share·v·vᵀ + floor)⁻¹·v to room.g; return its length."""
+    """Write (JᵀJ + share·v·vᵀ + floor)⁻¹·w to room.g, w being v, or ones where v has a share; return its length."""
     for i in range(n):
         for j in range(i + 1):
             total = share * v[i] * v[j]

@@ -43,7 +43,7 @@ class QuickForm:
 
     Attributes:
         method: Name of the `SolverPlan` that the form stands for.
-        form: Name of the form, see `entries.ENTRIES`.
+        form: Name of the form, see `entries.FORMS`.
         constants: Constants of the form.
         axes: The axes in one array, and their sizes; see `axes.axes_of`.
         x0: (n_axes,) where branches are counted from without a start [SI].

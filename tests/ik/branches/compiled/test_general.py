@@ -10,7 +10,6 @@ from zlib import crc32
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 from chainbuild.ik.branches.compiled.entries import FORMS
 from chainbuild.ik.branches.compiled.general import constants, eigen
@@ -23,6 +22,7 @@ from chainbuild.ik.search.compiled.entries import kept_jit
 from chainbuild.ik.search.compiled.kernels import FAST
 from chainbuild.tolerances import ROTATION_MATRIX
 from tests.kit.general_arms import DRAWN, arm_of, at_random, calibrated, rounded
+from tests.kit.parallel_arms import pose_by_hand
 
 Rows = np.ndarray
 SAME = 1e-4  # rad: branches nearer than this are one
@@ -51,17 +51,6 @@ def compiled(packed: np.ndarray, targets: np.ndarray) -> list[tuple[Rows, bool]]
     return [(found, bool(count >= 0)) for found, count in zip(rows, counts, strict=True)]
 
 
-def by_hand(serial: Serial, q: np.ndarray) -> np.ndarray:
-    """Return the pose of screws by scipy's rotations."""
-    T = np.eye(4)
-    for screw, value in zip(serial.screws, q, strict=True):
-        step = np.eye(4)
-        step[:3, :3] = Rotation.from_rotvec(value * screw.direction).as_matrix()
-        step[:3, 3] = screw.point - step[:3, :3] @ screw.point
-        T = T @ step
-    return T @ serial.M
-
-
 def apart(row: np.ndarray, others: Rows) -> float:
     """Return how far joint values (6,) are from the nearest of others (k, 6), whole turns aside [rad]."""
     return float((2.0 * np.abs(np.sin((others - row) / 2.0))).max(axis=1).min(initial=math.inf))
@@ -71,7 +60,7 @@ def plain(serial: Serial, T: np.ndarray, within: float) -> Rows:
     """Return the plain elimination's solutions of a pose, once each."""
     found = np.empty((0, 6))
     for values, _ in solver_of(serial).solve(T, np.zeros(6)):
-        if np.abs(by_hand(serial, values) - T).max() < within and apart(values, found) > SAME:
+        if np.abs(pose_by_hand(serial, values) - T).max() < within and apart(values, found) > SAME:
             found = np.vstack((found, values))
     return found
 
@@ -118,7 +107,7 @@ def check(name: str, q: np.ndarray) -> int:
     sure_of = 0
     for row, target, (found, sure) in zip(q, targets, compiled(packed_of(name), targets), strict=True):
         for values in found:
-            assert np.abs(by_hand(serial, values) - target).max() < 1e-8
+            assert np.abs(pose_by_hand(serial, values) - target).max() < 1e-8
         if not sure:
             continue
         sure_of += 1
@@ -192,7 +181,7 @@ def test_sixteen_branches() -> None:
     assert sure
     assert len(found) == 16
     for n, values in enumerate(found):
-        assert np.abs(by_hand(serial, values) - target).max() < 1e-9
+        assert np.abs(pose_by_hand(serial, values) - target).max() < 1e-9
         assert apart(values, np.delete(found, n, axis=0)) > SAME
 
 
