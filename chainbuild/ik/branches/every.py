@@ -6,10 +6,11 @@ from dataclasses import replace
 
 from numpy.typing import ArrayLike
 
+from chainbuild.arrays import Matrix
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.closed import find_closed, opened_request, unreached_words, usual_branch
 from chainbuild.ik.branches.compiled.quick import quick_branches
-from chainbuild.ik.branches.core.branches import Branches, Solutions, collect, named
+from chainbuild.ik.branches.core.branches import Branches, Candidate, Solutions, collect, named
 from chainbuild.ik.branches.core.families import with_families
 from chainbuild.ik.branches.core.free_axis import solutions_of, with_free_axes_inside
 from chainbuild.ik.branches.core.query import BranchQuery
@@ -43,37 +44,48 @@ def ik_all(
         choices = held_samples(mechanism, redundant, samples, held, request.start)
         parts = [ik_all(mechanism, T, start, one, windings=windings, status=status, turn=turn) for one in choices]
         return joined_branches(parts, request.start_point()[0])
+    places: Matrix | None = None
     if status is None and turn is None and not windings:
         found = quick_branches(mechanism, request.target, request.start, held)
-        if found is not None:
+        if isinstance(found, Branches):
             return found
+        places = None if found is None else found.places
     query = BranchQuery.of(request, windings)
     if status is not None or turn is not None:
         query = StatusFilter.of(mechanism, status, turn).applied(query)
-    return every_branch(query).branches
+    return every_branch(query, places).branches
 
 
-def every_branch(query: BranchQuery) -> Solutions:
+def every_branch(query: BranchQuery, places: Matrix | None = None) -> Solutions:
     """Return the branches of a query by its plan.
+
+    Args:
+        query: The query.
+        places: (k, n_axes) solutions that are known [SI], all but for families; see `quick.Doubtful`.
 
     Raises:
         ChainbuildError: more axes are free than the task determines.
     """
     plan = plan_for(query)
-    found = _every_solution(query, plan)
+    found = _every_solution(query, plan, places)
     branches = with_families(query, found)
     bits = status_turn_rows(query.mechanism, branches.axes) if has_status(query.mechanism) else None
     return replace(found, branches=named(branches, plan.name, bits))
 
 
-def _every_solution(query: BranchQuery, plan: SolverPlan) -> Solutions:
+def _every_solution(query: BranchQuery, plan: SolverPlan, places: Matrix | None = None) -> Solutions:
     """Return the solutions of a query by its plan, several of one family among them."""
+    known: list[Candidate] = [] if places is None or plan.name != "elimination" else [(x, ()) for x in places]
+    if known:
+        found = collect(query, known)
+        if found.beyond is None:  # else a family may have members inside the limits
+            return found
     if plan.name == "direct":
         found = find_direct(query)
     elif plan.name == "struts":
         found = find_closed(query, lambda opened: _every_solution(opened, plan_for(opened)))
     elif plan.solver is not None:
-        found = collect(query, with_free_axes_inside(query, solutions_of(plan.solver)))
+        found = collect(query, [*with_free_axes_inside(query, solutions_of(plan.solver)), *known])
     else:
         _refuse_redundant(query)
         found = collect(query, ((x, ()) for x in multistart_branches(query)))
@@ -83,7 +95,7 @@ def _every_solution(query: BranchQuery, plan: SolverPlan) -> Solutions:
 def nearest_branch(request: IkRequest) -> IkResult | None:
     """Return the branch nearest to the start, or a failure; None if the plan only searches."""
     quick = quick_branches(request.mechanism, request.target, request.start, request.held)
-    if quick is not None and len(quick):
+    if isinstance(quick, Branches) and len(quick):
         return quick[0]
     query = BranchQuery.of(request)
     if not plan_for(query).complete:

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from chainbuild.arrays import Matrix
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.compiled.constants import DOUBTFUL, ROWS
-from chainbuild.ik.branches.compiled.quick import quick_form, write_branches_of
+from chainbuild.ik.branches.compiled.forms import quick_form
+from chainbuild.ik.branches.compiled.quick import write_branches_of
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.every import every_branch
 from chainbuild.ik.branches.opw.batch import has_ortho_parallel_batch, ortho_parallel_batch

@@ -134,18 +134,16 @@ class ThreeParallelAxes:
         wanted = _rotated(five, -fifth, up)
         across = _cross(seen, wanted)
         last_free = max(_length(_cross(six, seen)), _length(_cross(six, wanted))) < _ROUNDING
-        last = math.atan2(_dot(six, across), _dot(seen, wanted) - _dot(six, seen) * _dot(six, wanted))
+        lasts = [math.atan2(_dot(six, across), _dot(seen, wanted) - _dot(six, seen) * _dot(six, wanted))]
         if last_free:
-            nearest = self._nearest_reach(E, first, fifth, keep[5])
-            if nearest is None:
-                return []
-            last = nearest
-        x, y, turn = self._planar(E, first, fifth, last)
+            lasts = self._nearest_reach(E, first, fifth, keep[5])
         found: list[Solution] = []
-        for second, third, second_free in self._links(x, y, keep[1]):
-            fourth = half_open(turn - second - third)
-            values = (first, second, third * self.arm.signs[0], fourth * self.arm.signs[1], fifth, last)
-            found.append((np.array(values), (free, second_free, False, False, False, last_free)))
+        for last in lasts:
+            x, y, turn = self._planar(E, first, fifth, last)
+            for second, third, second_free in self._links(x, y, keep[1]):
+                fourth = half_open(turn - second - third)
+                values = (first, second, third * self.arm.signs[0], fourth * self.arm.signs[1], fifth, last)
+                found.append((np.array(values), (free, second_free, False, False, False, last_free)))
         return found
 
     def _planar(self, E: list[list[float]], first: float, fifth: float, last: float) -> tuple[float, float, float]:
@@ -171,10 +169,12 @@ class ThreeParallelAxes:
             found.append((second, half_open(bend - self.arm.bend), free))
         return found
 
-    def _nearest_reach(self, E: list[list[float]], first: float, fifth: float, keep: float) -> float | None:
+    def _nearest_reach(self, E: list[list[float]], first: float, fifth: float, keep: float) -> list[float]:
         """Return the angle 6 nearest to another with which the links reach axis 4, where axis 6 is parallel to them.
 
-        It then takes axis 4 along a circle: the square of the distance is a sinusoid of the angle.
+        It then takes axis 4 along a circle: the square of the distance is a sinusoid of the angle. Where that leaves
+        the reach on both sides, the links reach it on two arcs, and no motion leads from one to the other: there the
+        angle is the mirror image.
         """
         squares = []
         for angle in (0.0, math.pi / 2.0, math.pi):
@@ -182,8 +182,14 @@ class ThreeParallelAxes:
             squares.append(x * x + y * y)
         middle = (squares[0] + squares[2]) / 2.0
         wave = ((squares[0] - squares[2]) / 2.0, squares[1] - middle, middle)
-        inner, outer = self.arm.links
-        return _nearest_within(wave, (inner - outer) ** 2, (inner + outer) ** 2, keep)
+        low, high = (self.arm.links[0] - self.arm.links[1]) ** 2, (self.arm.links[0] + self.arm.links[1]) ** 2
+        nearest = _nearest_within(wave, low, high, keep)
+        if nearest is None:
+            return []
+        amplitude, slack = math.hypot(wave[0], wave[1]), TOUCH * max(high, wave[2])
+        if wave[2] + amplitude > high + slack and wave[2] - amplitude < low - slack:
+            return [nearest, half_open(2.0 * math.atan2(wave[1], wave[0]) - nearest)]
+        return [nearest]
 
 
 def _turns(equation: Sinusoid) -> list[float] | None:

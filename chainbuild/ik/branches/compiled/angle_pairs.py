@@ -11,6 +11,7 @@ from typing import Final
 
 import numpy as np
 
+from chainbuild.ik.branches.core.subproblems import TOUCH
 from chainbuild.ik.search.compiled.kernels import jit
 
 _HALF: Final = math.sqrt(0.5)
@@ -26,7 +27,8 @@ _DEPENDENT: Final = 1e-5
 # Share of its parts below which a discriminant is in doubt: where roots nearly meet, the cubic has half of the digits.
 _MEETING: Final = 1e-7
 _CLOSE: Final = 1e-8  # squared distance of points of the unit circle that may be one
-_VANISHED: Final = 1e-7  # share of its parts below which what they leave has lost too many digits
+VANISHED: Final = 1e-7  # share of its parts below which what they leave has lost too many digits
+MERGED: Final = 1e-14  # squared sine of half the difference of two angles: less is what rounding makes of one
 _OFF: Final = 1e-7  # how far from the unit circle the other angle's point may be computed
 _STEPS: Final = 2  # Newton's: from half of the digits to all of them
 
@@ -46,11 +48,16 @@ def sinusoid_roots(a, b, c, roots):
     """
     square = a * a + b * b
     left = square - c * c
-    if not (square > 1e-10 and abs(left) > 1e-8 * square):
+    if not square > 1e-10:
         return 0, False
-    if left < 0.0:
-        return 0, True
-    share, wide = 1.0 / square, math.sqrt(left)
+    share = 1.0 / square
+    if left <= MERGED * square:
+        if left < -2.0 * TOUCH * square:
+            return 0, True
+        size = math.copysign(math.sqrt(share), c)
+        roots[0, 0], roots[0, 1] = a * size, b * size
+        return 1, True
+    wide = math.sqrt(left)
     roots[0, 0], roots[0, 1] = (a * c - b * wide) * share, (b * c + a * wide) * share
     roots[1, 0], roots[1, 1] = (a * c + b * wide) * share, (b * c - a * wide) * share
     return 2, True
@@ -89,9 +96,9 @@ def paired_roots(rows, pairs, work):
     x, y = rows[0, one + 2] - rows[0, other + 2], rows[1, one + 2] - rows[1, other + 2]
     z0, z1 = d * x - b * y, a * y - c * x
     xx, yy, zz, square = x0 * x0 + x1 * x1, y0 * y0 + y1 * y1, z0 * z0 + z1 * z1, determinant * determinant
-    count, sure = _wave_roots(
+    count, sure = wave_roots(
         0.5 * (xx + yy) + zz - square, 2.0 * (x0 * z0 + x1 * z1), 2.0 * (y0 * z0 + y1 * z1), 0.5 * (xx - yy),
-        x0 * y0 + x1 * y1, _VANISHED * (xx + yy + zz + square), work,
+        x0 * y0 + x1 * y1, VANISHED * (xx + yy + zz + square), work,
     )  # fmt: skip
     share = 1.0 / determinant
     for n in range(count):
@@ -107,7 +114,7 @@ def paired_roots(rows, pairs, work):
 
 
 @jit
-def _wave_roots(m, a1, b1, a2, b2, nothing, roots):
+def wave_roots(m, a1, b1, a2, b2, nothing, roots):
     """Write cosine and sine of the angles where m + a1·cos t + b1·sin t + a2·cos 2t + b2·sin 2t is 0; how many, sure.
 
     Sure it is not where the wave is nowhere larger than `nothing`.

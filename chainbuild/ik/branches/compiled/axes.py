@@ -13,6 +13,8 @@ from chainbuild.ik.search.compiled.kernels import INNER, jit, pose_and_jacobian,
 # Code put into its caller: handing over a machine as twenty arrays takes longer than what is done with it.
 inlined: Final[Any] = numba.njit(forceinline=True, **INNER)
 
+TURN: Final = 2.0 * math.pi  # a whole turn
+
 
 class Axes(NamedTuple):
     """A machine's axes as arrays, see `pack.Packed`; flags are 0 or 1, columns and rows are indices."""
@@ -123,3 +125,10 @@ def look(axes, room, target):
     """Write pose, Jacobian and remaining motion at room.x; return distance and angle."""
     pose_and_jacobian(axes.fixed, axes.prismatic, axes.A, axes.b, room.x, room.T, room.J, room.error)
     return missed(axes, room, target)
+
+
+@inlined
+def way_of(axes, m, start, end):
+    """Return how far an axis is from one value to another, but for whole turns that lead to the same pose."""
+    way = end - start
+    return way - TURN * np.rint(way / TURN) if axes.periodic[m] != 0.0 else way

@@ -13,11 +13,20 @@ from zlib import crc32
 
 from chainbuild import tolerances
 from chainbuild.ik.branches.arms import parallel_axes
-from chainbuild.ik.branches.compiled import angle_pairs, direct, finish, quartic, small, spherical, three_parallel
+from chainbuild.ik.branches.compiled import (
+    angle_pairs,
+    beside,
+    direct,
+    finish,
+    small,
+    spherical,
+    three_parallel,
+)
 from chainbuild.ik.branches.compiled import axes as machine_axes
 from chainbuild.ik.branches.compiled import constants as form_constants
 from chainbuild.ik.branches.compiled.axes import axes_of, finish_room
-from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED
+from chainbuild.ik.branches.compiled.beside import places_beside
+from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED, UNSURE
 from chainbuild.ik.branches.compiled.direct import direct_branches
 from chainbuild.ik.branches.compiled.finish import finished
 from chainbuild.ik.branches.compiled.general import constants as general_constants
@@ -43,10 +52,10 @@ def _finish(fingerprint: int) -> Any:
             sizes: and their sizes, see `axes_of`.
             targets: (N, 4, 4) tool in the workpiece frame [m].
             x0: (n,) start in SI; held axes have their values.
-            values: (N, ROWS, 7) what a form wrote.
+            values: (N, ROWS, COLUMNS) what a form wrote.
             counts: (N,) what it wrote; out: how many branches there are, DOUBTFUL or REFUSED.
             found: (N, ROWS, n) out, see `finished`.
-            left: (N, ROWS, 5) out, likewise.
+            left: (N, ROWS, TOLD) out, likewise.
             along: (N, ROWS, n) out, likewise.
         """
         axes, count, loose = axes_of(data, sizes), 0 * fingerprint, False
@@ -56,6 +65,8 @@ def _finish(fingerprint: int) -> Any:
             if count > 0:
                 count, sure = finished(axes, room, targets[i], x0, values[i], count, found[i], left[i], along[i])
                 count = count if sure else DOUBTFUL
+            elif count <= UNSURE:
+                count = DOUBTFUL
             counts[i] = count
             loose = False
             for r in range(count):
@@ -63,6 +74,16 @@ def _finish(fingerprint: int) -> Any:
         return count, loose
 
     return finish_poses
+
+
+def _beside(fingerprint: int) -> Any:
+    @kept_jit(nogil=True, **FAST)
+    def beside_pose(data, sizes, target, x0, values, counts, places, count):
+        """Add solutions of a pose to places; see `places_beside`, whose axes are packed here."""
+        axes = axes_of(data, sizes)
+        return places_beside(axes, finish_room(axes), target, x0, values, counts, places, count + 0 * fingerprint)
+
+    return beside_pose
 
 
 def _spherical(fingerprint: int) -> Any:
@@ -75,15 +96,15 @@ def _spherical(fingerprint: int) -> Any:
             targets: (N, 4, 4) tool in the workpiece frame [m].
             rigid: Permitted deviation of a matrix from a rotation.
             keep: (6,) joint values of the start, for those that are free.
-            values: (N, ROWS, 7) out: joint values in the order of the screws, and which of them is free, -1: none.
-            counts: (N,) out: how many rows, DOUBTFUL or REFUSED.
+            values: (N, ROWS, COLUMNS) out: joint values in the order of the screws, see `COLUMNS`.
+            counts: (N,) out: how many rows, UNSURE less that or REFUSED.
         """
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
-            values[i, :, 6] = -1.0
+            values[i, :, 6:] = -1.0
             if is_rigid(targets[i], rigid):
                 count, sure = spherical_branches(constants, targets[i], keep, values[i])
-                counts[i] = count if sure else DOUBTFUL
+                counts[i] = count if sure else UNSURE - count
 
     return spherical_poses
 
@@ -94,10 +115,10 @@ def _direct(fingerprint: int) -> Any:
         """Write the values of rotary joints; see `spherical_poses`."""
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
-            values[i, :, 6] = -1.0
+            values[i, :, 6:] = -1.0
             if is_rigid(targets[i], rigid):
                 count, sure = direct_branches(constants, targets[i], keep, values[i])
-                counts[i] = count if sure else DOUBTFUL
+                counts[i] = count if sure else UNSURE - count
 
     return direct_poses
 
@@ -108,10 +129,10 @@ def _general(fingerprint: int) -> Any:
         """Write the joint values of poses; see `spherical_poses`."""
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
-            values[i, :, 6] = -1.0
+            values[i, :, 6:] = -1.0
             if is_rigid(targets[i], rigid):
                 count, sure = general_branches(constants, targets[i], values[i])
-                counts[i] = count if sure else DOUBTFUL
+                counts[i] = count if sure else UNSURE - count
 
     return general_poses
 
@@ -122,10 +143,10 @@ def _three_parallel(fingerprint: int) -> Any:
         """Write the joint values of poses; see `spherical_poses`."""
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
-            values[i, :, 6] = -1.0
+            values[i, :, 6:] = -1.0
             if is_rigid(targets[i], rigid):
-                count, sure = three_parallel_branches(constants, targets[i], values[i])
-                counts[i] = count if sure else DOUBTFUL
+                count, sure = three_parallel_branches(constants, targets[i], keep, values[i])
+                counts[i] = count if sure else UNSURE - count
 
     return three_parallel_poses
 
@@ -135,13 +156,13 @@ def _fingerprint(*modules: Any) -> int:
 
 
 _SMALL: Final = _fingerprint(small, subproblems, form_constants, compiled_kernels, compiled_search)
-finish_poses: Final = _finish(
-    _fingerprint(machine_axes, finish, form_constants, branches, compiled_kernels, tolerances)
-)
+_FINISH: Final = _fingerprint(machine_axes, finish, form_constants, branches, compiled_kernels, tolerances)
+finish_poses: Final = _finish(_FINISH)
+beside_pose: Final = _beside(_FINISH ^ _fingerprint(beside))
 # Form → its entry point.
 FORMS: Final = {
-    "spherical": _spherical(_SMALL ^ _fingerprint(spherical, quartic)),
-    "direct": _direct(_SMALL ^ _fingerprint(spherical, quartic, direct)),
+    "spherical": _spherical(_SMALL ^ _fingerprint(spherical, angle_pairs)),
+    "direct": _direct(_SMALL ^ _fingerprint(spherical, angle_pairs, direct)),
     "three parallel axes": _three_parallel(_SMALL ^ _fingerprint(parallel_axes, angle_pairs, three_parallel)),
     "general": _general(_SMALL ^ _fingerprint(general_constants, eigen, equations, solutions, solve)),
 }

@@ -11,7 +11,8 @@ from typing import Final
 
 import numpy as np
 
-from chainbuild.ik.branches.compiled.axes import inlined, look, missed, write_pose
+from chainbuild.ik.branches.compiled.axes import TURN, inlined, look, missed, way_of, write_pose
+from chainbuild.ik.branches.compiled.constants import TOLD
 from chainbuild.ik.branches.core.branches import (
     BETWEEN_BRANCHES,
     CLOSE_BRANCHES,
@@ -28,7 +29,6 @@ _LINEAR_STEPS: Final = 2  # the second one only corrects the last digits
 _DEPENDENT: Final = 1e-6  # share of their product: a determinant below it means slides turned into one plane
 _STILL: Final = 1e-7  # m and rad: what the tool moves along a direction that leaves it where it is
 _SEVERAL: Final = 1e6  # inverse square of a singular value: beyond it a second direction is free
-_TURN: Final = 2.0 * math.pi  # a whole turn
 
 
 @jit_within
@@ -68,7 +68,7 @@ def _polished(axes, room, target):
     if max(distance, angle) >= POLISH_FROM:
         look(axes, room, target)
     while max(distance, angle) >= POLISH_FROM and steps < POLISH_STEPS:
-        rows = _copy_rows(axes, room)
+        rows = copy_rows(axes, room)
         damped_step(rows, room.Jf, room.error, room.H, room.g, room.step, _FLOOR)
         for m in range(len(axes.free)):
             room.x[axes.free[m]] += room.step[m]
@@ -84,10 +84,10 @@ def _turned_inside(axes, x, x0):
     for n in range(len(x)):
         lower, upper, value = axes.lower[n], axes.upper[n], x[n]
         if axes.periodic[n] != 0.0:
-            wanted = (x0[n] - value) / _TURN
-            low, high = (lower - axes.slack[n] - value) / _TURN, (upper + axes.slack[n] - value) / _TURN
+            wanted = (x0[n] - value) / TURN
+            low, high = (lower - axes.slack[n] - value) / TURN, (upper + axes.slack[n] - value) / TURN
             turns = min(max(np.rint(wanted), np.ceil(low)), np.floor(high))
-            value += _TURN * turns
+            value += TURN * turns
             x[n] = value
         if not lower - axes.slack[n] <= value <= upper + axes.slack[n]:
             return 0
@@ -110,14 +110,14 @@ def _keeps_sums(axes, x):
             for n in range(len(x)):
                 if axes.together[n] != 0.0 and axes.periodic[n] != 0.0:
                     low, high = axes.lower[n] - axes.slack[n], axes.upper[n] + axes.slack[n]
-                    if low <= x[n] - _TURN or x[n] + _TURN <= high:
+                    if low <= x[n] - TURN or x[n] + TURN <= high:
                         return -1
             return 0
     return 1
 
 
 @jit
-def _copy_rows(axes, room):
+def copy_rows(axes, room):
     """Copy the rows of the task and the columns of the free axes of the Jacobian; return how many rows."""
     rows = 0
     for r in range(6):
@@ -151,7 +151,7 @@ def _iterate(room, rows, n, share, v):
 def _goes_along(axes, room, target, axis, along):
     """Write the unit direction in which a solution with a free axis goes on; return whether there is that one only."""
     look(axes, room, target)
-    rows, n, v = _copy_rows(axes, room), len(axes.free), room.step
+    rows, n, v = copy_rows(axes, room), len(axes.free), room.step
     for m in range(n):
         v[m] = 1.0 if axes.free[m] == axis else 0.0
     for _ in range(3):
@@ -180,10 +180,11 @@ def finished(axes, room, target, x0, values, count, found, left, along):
         room: Scratch.
         target: (4, 4) tool in the workpiece frame [m].
         x0: (n,) start in SI; held axes have their values.
-        values: (·, 7) joint values in the order of the screws, and which of them is free, -1: none.
+        values: (·, COLUMNS) joint values in the order of the screws, which of them is free, and which rows are of one
+            family; -1: none.
         count: How many rows of them.
         found: (·, n) out: axis values, mm and degrees.
-        left: (·, 5) out: distance, angle, steps, squared distance to x0, free axis or -1.
+        left: (·, TOLD) out: distance, angle, steps, squared distance to x0, free axis, family; -1: none.
         along: (·, n) out: unit direction in which a solution with a free axis goes on.
 
     Returns:
@@ -193,7 +194,7 @@ def finished(axes, room, target, x0, values, count, found, left, along):
     for i in range(count):
         x, loose = room.x, int(values[i, 6])
         axis = axes.movers[loose] if loose >= 0 else -1
-        _axis_values(axes, x0, values[i], x)
+        write_axis_values(axes, x0, values[i], x)
         if loose >= 0:
             x[axis] = x0[axis]
         if len(axes.linear) and not _place_linear(axes, room, target):
@@ -214,13 +215,33 @@ def finished(axes, room, target, x0, values, count, found, left, along):
         if known < 0:
             return 0, False
         if known == 0:
-            _sort_in(axes, x0, x, (distance, angle, steps, axis), found, left, along, kept)
+            _sort_in(axes, x0, x, (distance, angle, steps, axis, values[i, 7]), found, left, along, kept)
             kept += 1
-    return kept, True
+    return _one_of_each(found, left, along, kept), True
+
+
+@jit
+def _one_of_each(found, left, along, kept):
+    """Leave of every family the branch nearest to x0; return how many branches are left."""
+    n = found.shape[1]
+    count = 0
+    for i in range(kept):
+        known = False
+        for k in range(count):
+            known |= left[i, 5] >= 0.0 and left[k, 5] == left[i, 5]
+        if known:
+            continue
+        if count < i:
+            for m in range(n):
+                found[count, m], along[count, m] = found[i, m], along[i, m]
+            for m in range(TOLD):
+                left[count, m] = left[i, m]
+        count += 1
+    return count
 
 
 @jit_within
-def _axis_values(axes, x0, values, x):
+def write_axis_values(axes, x0, values, x):
     """Write the axis values of joint values."""
     n = len(x0)
     for m in range(n):
@@ -247,11 +268,12 @@ def _sort_in(axes, x0, x, row, found, left, along, kept):
         for m in range(n):
             found[k, m] = found[k - 1, m]
             along[k, m], along[k - 1, m] = along[k - 1, m], along[k, m]
-        for m in range(5):
+        for m in range(TOLD):
             left[k, m] = left[k - 1, m]
     for m in range(n):
         found[at, m] = x[m] / axes.factors[m]
-    left[at, 0], left[at, 1], left[at, 2], left[at, 3], left[at, 4] = row[0], row[1], row[2], far, row[3]
+    left[at, 0], left[at, 1], left[at, 2] = row[0], row[1], row[2]
+    left[at, 3], left[at, 4], left[at, 5] = far, row[3], row[4]
 
 
 @jit_within
@@ -264,7 +286,7 @@ def _known(axes, room, target, found, left, kept, axis):
     for i in range(kept):
         apart = 0.0
         for m in range(len(x)):
-            apart = max(apart, abs(_way(axes, m, found[i, m] * axes.factors[m], x[m])))
+            apart = max(apart, abs(way_of(axes, m, found[i, m] * axes.factors[m], x[m])))
             if apart >= CLOSE_BRANCHES:
                 break
         if apart < SAME_BRANCH:
@@ -273,18 +295,11 @@ def _known(axes, room, target, found, left, kept, axis):
             if axis >= 0 or left[i, 4] >= 0.0:
                 return -1
             for m in range(len(x)):
-                x[m] -= 0.5 * _way(axes, m, found[i, m] * axes.factors[m], x[m])
+                x[m] -= 0.5 * way_of(axes, m, found[i, m] * axes.factors[m], x[m])
             write_pose(axes, room)
             distance, angle = missed(axes, room, target)
             if max(distance, angle) < BETWEEN_BRANCHES:
                 return 1
             for m in range(len(x)):
-                x[m] += _way(axes, m, found[i, m] * axes.factors[m], x[m])
+                x[m] += way_of(axes, m, found[i, m] * axes.factors[m], x[m])
     return 0
-
-
-@inlined
-def _way(axes, m, start, end):
-    """Return how far an axis is from one value to another, but for whole turns that lead to the same pose."""
-    way = end - start
-    return way - _TURN * np.rint(way / _TURN) if axes.periodic[m] != 0.0 else way

@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
+from chainbuild.ik.branches.compiled.angle_pairs import VANISHED, wave_roots
 from chainbuild.ik.branches.compiled.constants import MEETING_AXES, SKEW_AXES, SPHERICAL
-from chainbuild.ik.branches.compiled.quartic import real_angles_of
 from chainbuild.ik.branches.compiled.small import (
     BARELY,
     dot,
@@ -130,19 +130,24 @@ def _after_skew(constants, p, d, arms):
     goal, arm = minus(d, point_a), minus(p, point_c)
     if not dot(arm, arm) - dot(c, arm) ** 2 > BARELY * BARELY * dot(arm, arm):
         return 0, False
-    samples, angles = np.empty(5), np.empty(4)
+    roots = np.empty((4, 2))
+    m, a1, b1, a2, b2, size = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for n in range(5):
         moved = plus(point_c, 1.0, turned(c, n * _FIFTH, arm))
-        samples[n], _ = _missed_length(constants, goal, minus(moved, point_b))
-    count, sure = real_angles_of(samples, angles)
+        sample, _ = _missed_length(constants, goal, minus(moved, point_b))
+        m, size = m + 0.2 * sample, size + abs(sample)
+        a1, b1 = a1 + 0.4 * sample * math.cos(n * _FIFTH), b1 + 0.4 * sample * math.sin(n * _FIFTH)
+        a2, b2 = a2 + 0.4 * sample * math.cos(2.0 * n * _FIFTH), b2 + 0.4 * sample * math.sin(2.0 * n * _FIFTH)
+    count, sure = wave_roots(m, a1, b1, a2, b2, VANISHED * size, roots)
     for n in range(count):
-        moved = plus(point_c, 1.0, turned(c, angles[n], arm))
+        angle = math.atan2(roots[n, 1], roots[n, 0])
+        moved = plus(point_c, 1.0, turned(c, angle, arm))
         u = minus(moved, point_b)
         _, place = _missed_length(constants, goal, u)
         second, sure_second = one_turn(b, u, place)
         first, sure_first = one_turn(a, minus(turned_about(b, point_b, second, moved), point_a), goal)
         sure &= sure_first and sure_second
-        arms[n, 0], arms[n, 1], arms[n, 2] = first, second, angles[n]
+        arms[n, 0], arms[n, 1], arms[n, 2] = first, second, angle
     return count, sure
 
 

@@ -1,7 +1,8 @@
 """Six rotary axes of which three neighbouring ones are parallel, as compiled code: the twin of `arms.three_parallel`.
 
-The same equations, on cosines and sines instead of angles. Where an axis has no effect, branches (nearly) meet or
-equations lose digits, it says that it is not sure and leaves the pose to its twin.
+The same equations, on cosines and sines instead of angles. Where axis 6 is parallel to the three it is free and keeps
+its value, as in the twin. Where axis 1 has no effect, the value to keep leads nowhere or equations lose digits, this
+says that it is not sure.
 """
 
 from __future__ import annotations
@@ -11,7 +12,8 @@ from typing import Final
 
 import numpy as np
 
-from chainbuild.ik.branches.compiled.angle_pairs import paired_roots, sinusoid_roots
+from chainbuild.ik.branches.compiled.angle_pairs import MERGED, paired_roots, sinusoid_roots
+from chainbuild.ik.branches.core.subproblems import TOUCH
 from chainbuild.ik.search.compiled.kernels import jit
 
 # Where the parts of `three_parallel_constants` begin: M⁻¹ seen from the frame of axis 2, directions of axes 1, 5 and 6,
@@ -32,18 +34,20 @@ _ALONE: Final = 51
 _SIZE: Final = 52
 _BACKWARDS: Final = 53
 
-_EDGE: Final = 1e-8  # squared sine of half the difference of branches that are about to meet, as of `sinusoid_roots`
-_PARALLEL: Final = 1e-8  # squared sine of the angle between axis 6 and the parallel ones below which it has no effect
+_CENTRE: Final = 1e-14  # squared share of the arm's size: a place so near to axis 2 leaves that axis open
+
+_PARALLEL: Final = 1e-14  # squared sine of the angle between axis 6 and the parallel ones below which it has no effect
 
 
 @jit
-def three_parallel_branches(constants, T, values):
+def three_parallel_branches(constants, T, keep, values):
     """Write the joint values of every branch of a pose.
 
     Args:
         constants: Of `three_parallel_constants`.
         T: (4, 4) tool in the workpiece frame [m].
-        values: (8, 6) or larger, out: joint values in the order of the screws [rad], any whole turn.
+        keep: (6,) joint values to keep [rad].
+        values: (16, COLUMNS) or larger, out: joint values in the order of the screws [rad], any whole turn.
 
     Returns:
         How many branches were written, and whether these are certainly all.
@@ -58,8 +62,7 @@ def three_parallel_branches(constants, T, values):
         pair_count, sure = paired_roots(rows, pairs, work)
     count = 0
     for n in range(pair_count):
-        found, settled = _complete(constants, E, pairs[n], values, count)
-        count += found
+        count, settled = _complete(constants, E, pairs[n], keep, values, count)
         sure = sure and settled
     return count, sure and count > 0
 
@@ -146,8 +149,8 @@ def _rotated(c, at, cosine, sine, x, y, z):
 
 
 @jit
-def _complete(c, E, pair, values, row):
-    """Write the branches with a pair of angles 1 and 5; how many, and whether that is sure."""
+def _complete(c, E, pair, keep, values, row):
+    """Write the branches with a pair of angles 1 and 5 behind others; how many there are then, and whether all."""
     c1, s1, c5, s5 = pair[0], pair[1], pair[2], pair[3]
     x, y, z = _rotated(c, _ONE, c1, -s1, 0.0, 0.0, 1.0)
     u = E[0, 0] * x + E[1, 0] * y + E[2, 0] * z
@@ -158,22 +161,72 @@ def _complete(c, E, pair, values, row):
     along = (c[_SIX] * u + c[_SIX + 1] * v + c[_SIX + 2] * w) * (c[_SIX] * x + c[_SIX + 1] * y + c[_SIX + 2] * z)
     c6 = u * x + v * y + w * z - along
     size = math.sqrt(c6 * c6 + s6 * s6)
-    if not size > _PARALLEL:
-        return 0, False
-    c6, s6 = c6 / size, s6 / size
+    if size > _PARALLEL:
+        return _with_links(c, E, pair, c6 / size, s6 / size, values, row, -1, False)
+    return _with_free_last(c, E, pair, keep[0 if c[_BACKWARDS] != 0.0 else 5], values, row)
+
+
+@jit
+def _with_free_last(c, E, pair, keep, values, row):
+    """Write the branches of `_complete` where axis 6 is parallel to the three: it takes axis 4 along a circle.
+
+    The squared distance that the links have to reach is a sinusoid of angle 6. Where it leaves their reach on one side
+    or the other, both bends are of one family; where on both, there is another family on the other side of its top.
+    """
+    inner, outer = c[_LINKS], c[_LINKS + 1]
+    x, y, _, _ = _planar(c, E, pair, 1.0, 0.0)
+    first = x * x + y * y
+    x, y, _, _ = _planar(c, E, pair, -1.0, 0.0)
+    last = x * x + y * y
+    x, y, _, _ = _planar(c, E, pair, 0.0, 1.0)
+    middle = 0.5 * (first + last)
+    a, b = 0.5 * (first - last), x * x + y * y - middle
+    high, low, wide = (inner + outer) ** 2, (inner - outer) ** 2, math.hypot(a, b)
+    slack = TOUCH * (high + middle + wide)
+    over, under = middle + wide - high, low - middle + wide
+    level = a * math.cos(keep) + b * math.sin(keep) + middle
+    if not (low - slack <= level <= high + slack and abs(over) > slack and abs(under) > slack):
+        return row, False
+    joined = over > 0.0 or under > 0.0
+    first_row = row
+    row, sure = _with_links(c, E, pair, math.cos(keep), math.sin(keep), values, row, 5, joined)
+    if over > 0.0 and under > 0.0:
+        other = 2.0 * math.atan2(b, a) - keep
+        row, settled = _with_links(c, E, pair, math.cos(other), math.sin(other), values, row, 5, True)
+        sure = sure and settled
+    return row, sure and row > first_row
+
+
+@jit
+def _with_links(c, E, pair, c6, s6, values, row, loose, joined):
+    """Write the branches with angles 1, 5 and 6 behind others; how many there are then, and whether all.
+
+    Args:
+        c: The constants.
+        E: (3, 4) the motion from the zero pose.
+        pair: (4,) cosine and sine of angles 1 and 5.
+        c6: Cosine of angle 6,
+        s6: and sine.
+        values: Out.
+        row: How many there are.
+        loose: Which joint is free, in the order of the arm; -1: none.
+        joined: Whether both bends are of one family.
+    """
+    c1, s1, c5, s5 = pair[0], pair[1], pair[2], pair[3]
     x, y, sine, cosine = _planar(c, E, pair, c6, s6)
     inner, outer = c[_LINKS], c[_LINKS + 1]
     bend = (x * x + y * y - inner * inner - outer * outer) / (2.0 * inner * outer)
     left = 1.0 - bend * bend
-    if not abs(left) > _EDGE:
-        return 0, False
-    if left < 0.0:
-        return 0, True
-    wide = math.sqrt(left)
+    if not left > -2.0 * TOUCH:
+        return row, True
+    if not x * x + y * y > _CENTRE * c[_SIZE] * c[_SIZE]:
+        return row, False
+    wide = math.sqrt(left) if left > MERGED else 0.0
     middle = math.atan2(y, x) - c[_LEAD]
     ahead, folded = math.atan2(outer * wide, inner + outer * bend), math.atan2(wide, bend)
     turn, first, fifth, last = math.atan2(sine, cosine), math.atan2(s1, c1), math.atan2(s5, c5), math.atan2(s6, c6)
-    for n in range(2):
+    count = 2 if wide > 0.0 else 1
+    for n in range(count):
         sign = 1.0 - 2.0 * n
         second, third = middle - sign * ahead, sign * folded - c[_BEND]
         fourth = turn - second - third
@@ -182,7 +235,9 @@ def _complete(c, E, pair, values, row):
             place = place[::-1]
         place[0], place[1], place[2] = first, second, c[_SIGNS] * third
         place[3], place[4], place[5] = c[_SIGNS + 1] * fourth, fifth, last
-    return 2, True
+        values[row + n, 6] = -1.0 if loose < 0 else (5 - loose if c[_BACKWARDS] != 0.0 else loose)
+        values[row + n, 7] = row if joined else -1.0
+    return row + count, True
 
 
 @jit

@@ -11,6 +11,7 @@ from zlib import crc32
 import numpy as np
 import pytest
 
+from chainbuild.ik.branches.compiled.constants import COLUMNS, ROWS
 from chainbuild.ik.branches.compiled.entries import FORMS
 from chainbuild.ik.branches.compiled.general import constants, eigen
 from chainbuild.ik.branches.compiled.general.constants import general_constants
@@ -45,7 +46,7 @@ EIGENVALUES = _kept(crc32(b"".join(Path(str(m.__file__)).read_bytes() for m in (
 
 def compiled(packed: np.ndarray, targets: np.ndarray) -> list[tuple[Rows, bool]]:
     """Return the joint values (k, 6) of poses (N, 4, 4), and whether the form is sure of them."""
-    values, counts = np.full((len(targets), 32, 7), np.nan), np.empty(len(targets), np.int64)
+    values, counts = np.full((len(targets), ROWS, COLUMNS), np.nan), np.empty(len(targets), np.int64)
     FORMS["general"](packed, np.ascontiguousarray(targets), ROTATION_MATRIX, np.zeros(6), values, counts)
     rows = [found[np.isfinite(found).all(axis=1), :6] for found in values]
     return [(found, bool(count >= 0)) for found, count in zip(rows, counts, strict=True)]

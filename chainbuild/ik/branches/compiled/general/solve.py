@@ -137,7 +137,7 @@ def add_solutions(constants, part, room, half, angle, size, noise, values, found
     """
     G, T, J, q = room.G, room.T, room.J, room.q
     z, complex_T, complex_J = room.z, room.complex_T, room.complex_J
-    perhaps, aside = 0, 0
+    perhaps, aside, regular = 0, 0, True
     for k in range(size):
         a, b = room.real[k], room.imaginary[k]
         far = b > _BESIDE * (1.0 + a * a + b * b)
@@ -161,9 +161,8 @@ def add_solutions(constants, part, room, half, angle, size, noise, values, found
             for n in range(JOINTS):
                 values[found, n] = q[n]
             found += 1
-            if gauss(J, len(q), len(q)) < REGULAR:
-                return found, -1
-    return found, perhaps
+            regular = regular and gauss(J, len(q), len(q)) > REGULAR
+    return found, perhaps if regular else -1
 
 
 @jit_within
