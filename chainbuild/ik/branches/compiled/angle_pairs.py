@@ -26,6 +26,7 @@ _EIGHTHS: Final = np.array(
 _DEPENDENT: Final = 1e-5
 # Share of its parts below which a discriminant is in doubt: where roots nearly meet, the cubic has half of the digits.
 _MEETING: Final = 1e-7
+_SYMMETRIC: Final = 3.0  # times the coefficient that is not symmetric: more than it moves a squared root
 _CLOSE: Final = 1e-8  # squared distance of points of the unit circle that may be one
 VANISHED: Final = 1e-7  # share of its parts below which what they leave has lost too many digits
 MERGED: Final = 1e-14  # squared sine of half the difference of two angles: less is what rounding makes of one
@@ -164,7 +165,7 @@ def _quartic_roots(k3, k2, k1, k0, roots):
     # Not less than 1: where all roots nearly meet, the digits of the given numbers count, not those of p, q and r.
     doubtful = _MEETING * max(1.0, abs(p), math.sqrt(abs(r)), U)
     if not doubtful < U:
-        return 0, False
+        return _symmetric_roots(p, r, shift, doubtful + _SYMMETRIC * abs(q), roots)
     u = math.sqrt(U)
     ratio = q / u
     count, sure = 0, True
@@ -177,6 +178,25 @@ def _quartic_roots(k3, k2, k1, k0, roots):
             wide = math.sqrt(left)
             roots[count, 0] = 0.5 * (wide - sign * u) - shift
             roots[count + 1, 0] = 0.5 * (-wide - sign * u) - shift
+            count += 2
+    return count, sure
+
+
+@jit
+def _symmetric_roots(p, r, shift, doubtful, roots):
+    """Write the real roots y - shift of y⁴ + p·y² + r, which Newton steps bring to those of a quartic nearly like it."""
+    left = p * p - 4.0 * r
+    if abs(left) <= doubtful:
+        return 0, False
+    if left < 0.0:
+        return 0, True
+    count, sure, wide = 0, True, math.sqrt(left)
+    for n in range(2):
+        square = 0.5 * ((1.0 - 2.0 * n) * wide - p)
+        if not abs(square) > doubtful:
+            sure = False
+        if square > 0.0:
+            roots[count, 0], roots[count + 1, 0] = math.sqrt(square) - shift, -math.sqrt(square) - shift
             count += 2
     return count, sure
 

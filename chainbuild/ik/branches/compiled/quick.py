@@ -99,7 +99,8 @@ def write_branches_of(form: QuickForm, targets: Matrix, x0: Vector, found: Matri
             places, isolated_ones = form.places_at(targets[n], x0)
             if isolated_ones and 0 < len(places) <= ROWS:
                 counts[n], _, rows, _, _ = form.finished(targets[n], x0, places)
-                found[n] = rows[0]
+                found[n] = np.nan
+                found[n, : max(counts[n], 0)] = rows[0, : max(counts[n], 0)]
 
     parts = [slice(n, min(n + _PART, len(targets))) for n in range(0, len(targets), _PART)]
     if len(parts) == 1:
