@@ -50,11 +50,8 @@ def missing(name: str, q: np.ndarray) -> tuple[int, int, int]:
     T = np.array([arm.pose(row) for row in q])
     rows = [np.radians(robot(name).ik_all(pose).axes) for pose in T]
     judged = truths(arm, T, q, [rows], np.random.default_rng(42))
-    return (
-        sum(len(one.branches) for one in judged),
-        sum(len(one.missed[0]) for one in judged),
-        sum(one.wrong[0] for one in judged),
-    )
+    known, missed = sum(len(one.branches) for one in judged), sum(len(one.missed[0]) for one in judged)
+    return known, missed, sum(one.wrong[0] for one in judged)
 
 
 QUICK = ("jaco", "crx", "gofa calibrated", "ur5 calibrated", "kr6 calibrated")
@@ -91,7 +88,6 @@ def doubtful_poses(name: str, beside: float, count: int) -> list[tuple[np.ndarra
 
 
 def test_a_branch_beside_a_fold_is_found_from_the_other_one() -> None:
-    """With the poses beside left out but for the pose itself, its branch is brought there by a step past the fold."""
     arm, found = arms()["ur5 calibrated"], 0
     for q, T in doubtful_poses("ur5 calibrated", 1e-3, 60):
         form, x0 = quick_form(robot("ur5 calibrated"), None, None)
@@ -117,7 +113,7 @@ def test_many_poses_have_the_branches_of_each() -> None:
 
 
 def test_solutions_on_a_curve_are_left_to_the_plain_path_which_tells_their_direction() -> None:
-    """Axes 4 and 6 of a CRX in line, and parallel to axis 1 through them: turning the three leaves the tool in place."""
+    """A stretched wrist, whose axes 4 and 6 turn against one another; calibrated, they no longer do."""
     arm = arms()["kr6 calibrated"]
     straight = arms()["kr6"]
     q = np.array([0.3, -1.0, 0.7, 0.4, 0.0, -0.8])
