@@ -184,7 +184,7 @@ def _quartic_roots(k3, k2, k1, k0, roots):
 
 @jit
 def _symmetric_roots(p, r, shift, doubtful, roots):
-    """Write the real roots y - shift of y⁴ + p·y² + r, which Newton steps bring to those of a quartic nearly like it."""
+    """Write the real roots y - shift of y⁴ + p·y² + r; Newton steps bring them to those of a quartic nearly like it."""
     left = p * p - 4.0 * r
     if abs(left) <= doubtful:
         return 0, False
