@@ -75,8 +75,8 @@ def every_branch(query: BranchQuery, places: Matrix | None = None) -> Solutions:
 
 def _every_solution(query: BranchQuery, plan: SolverPlan, places: Matrix | None = None) -> Solutions:
     """Return the solutions of a query by its plan, several of one family among them."""
-    known: list[Candidate] = [] if places is None or plan.name != "elimination" else [(x, ()) for x in places]
-    if known:
+    known: list[Candidate] = [] if places is None else [(x, ()) for x in places]
+    if known and plan.name == "elimination":
         found = collect(query, known)
         if found.beyond is None:  # else a family may have members inside the limits
             return found
@@ -85,7 +85,9 @@ def _every_solution(query: BranchQuery, plan: SolverPlan, places: Matrix | None 
     elif plan.name == "struts":
         found = find_closed(query, lambda opened: _every_solution(opened, plan_for(opened)))
     elif plan.solver is not None:
-        found = collect(query, [*with_free_axes_inside(query, solutions_of(plan.solver)), *known])
+        found = collect(query, with_free_axes_inside(query, solutions_of(plan.solver)))
+        if not len(found.branches) and found.beyond is None:
+            found = collect(query, known)
     else:
         _refuse_redundant(query)
         found = collect(query, ((x, ()) for x in multistart_branches(query)))

@@ -19,7 +19,6 @@ from chainbuild.ik.search.compiled.kernels import damped_step, jit, solve_in_pla
 _STEPS: Final = 30  # damped Newton steps: a start near a branch takes five, where branches meet twenty
 _EXACT: Final = 1e-15  # m and rad: rounding
 _SLOW_BELOW: Final = 1e-11  # m and rad: below, steps that gain less than half have come to rounding
-_REACHED: Final = 1e-9  # m and rad: what is left at a solution at most
 _HOPELESS_AFTER: Final = 14  # steps: what is not near by then is given up
 _HOPELESS: Final = 0.05  # m and rad
 _DAMPING: Final = 0.1  # times the squared error
@@ -50,7 +49,7 @@ def _stepped(axes, room, damping):
 
 
 @jit
-def _descended(axes, room, target, origin, near):
+def _descended(axes, room, target, reached, origin, near):
     """Bring room.x to the target; return whether it is a solution then, and farther than near from an origin (n,)."""
     left = math.inf
     for step in range(_STEPS + 1):
@@ -66,7 +65,7 @@ def _descended(axes, room, target, origin, near):
             away = max(away, abs(room.x[axes.free[m]] - origin[axes.free[m]]))
         if away < near:
             return False
-    return left < _REACHED
+    return left < reached
 
 
 @jit
@@ -94,14 +93,14 @@ def _is_place(axes, room, target, places, count):
 
 
 @jit
-def _with_place(axes, room, target, places, count, origin, near):
+def _with_place(axes, room, target, reached, places, count, origin, near):
     """Bring room.x to the target and write it behind the first places if it is none of them; return how many then.
 
     What comes back to an origin (n,) nearer than `near` is given up.
     """
     if (
         count < len(places)
-        and _descended(axes, room, target, origin, near)
+        and _descended(axes, room, target, reached, origin, near)
         and not _is_place(axes, room, target, places, count)
     ):
         for m in range(len(room.x)):
@@ -166,7 +165,7 @@ def _goes_on(axes, room, target, place, direction):
 
 
 @jit
-def _around(axes, room, target, places, count, at):
+def _around(axes, room, target, reached, places, count, at):
     """Add the solutions next to a place; return how many there are then, and whether the place is on a curve."""
     n, place = len(axes.free), places[at]
     v, w, along = room.x.copy(), room.x.copy(), room.x.copy()
@@ -188,12 +187,12 @@ def _around(axes, room, target, places, count, at):
         for step in _AWAY:
             for side in range(2):
                 _put(axes, room, place, step * (1.0 - 2.0 * side), along)
-                count = _with_place(axes, room, target, places, count, place, _BACK * step)
+                count = _with_place(axes, room, target, reached, places, count, place, _BACK * step)
     return count, False
 
 
 @jit
-def places_beside(axes, room, target, x0, values, counts, places, count):
+def places_beside(axes, room, target, x0, values, counts, reached, places, count):
     """Add the solutions that those of poses beside a target lead to, and these to others.
 
     Args:
@@ -203,6 +202,7 @@ def places_beside(axes, room, target, x0, values, counts, places, count):
         x0: (n,) start in SI; held axes have their values.
         values: (K, ·, 7) joint values of poses beside the target, see `finished`.
         counts: (K,) how many, as forms tell.
+        reached: What is left at a solution at most [m, rad].
         places: (·, n) out: solutions in SI, whatever the limits; those found before stand there.
         count: How many these are.
 
@@ -214,10 +214,10 @@ def places_beside(axes, room, target, x0, values, counts, places, count):
         rows = counts[k] if counts[k] >= 0 else UNSURE - counts[k]
         for i in range(rows):
             write_axis_values(axes, x0, values[k, i], room.x)
-            count = _with_place(axes, room, target, places, count, x0, -1.0)
+            count = _with_place(axes, room, target, reached, places, count, x0, -1.0)
     curved = False
     while looked_at < count:
-        count, goes_on = _around(axes, room, target, places, count, looked_at)
+        count, goes_on = _around(axes, room, target, reached, places, count, looked_at)
         looked_at += 1
         curved |= goes_on
     return count, curved

@@ -78,10 +78,12 @@ def _finish(fingerprint: int) -> Any:
 
 def _beside(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
-    def beside_pose(data, sizes, target, x0, values, counts, places, count):
+    def beside_pose(data, sizes, target, x0, values, counts, reached, places, count):
         """Add solutions of a pose to places; see `places_beside`, whose axes are packed here."""
         axes = axes_of(data, sizes)
-        return places_beside(axes, finish_room(axes), target, x0, values, counts, places, count + 0 * fingerprint)
+        return places_beside(
+            axes, finish_room(axes), target, x0, values, counts, reached, places, count + 0 * fingerprint
+        )
 
     return beside_pose
 

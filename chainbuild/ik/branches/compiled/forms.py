@@ -15,7 +15,14 @@ from chainbuild.chain.axismap import AffineMap
 from chainbuild.frames import transform
 from chainbuild.ik.branches.arms.parallel_axes import three_parallel_constants
 from chainbuild.ik.branches.arms.virtual_joints import common_rotary_axis, with_spin_joint
-from chainbuild.ik.branches.compiled.constants import COLUMNS, ROWS, TOLD, direct_constants, spherical_constants
+from chainbuild.ik.branches.compiled.constants import (
+    COLUMNS,
+    ROWS,
+    TOLD,
+    UNSURE,
+    direct_constants,
+    spherical_constants,
+)
 from chainbuild.ik.branches.compiled.general.constants import general_constants
 from chainbuild.ik.branches.core.axis_values import block_of
 from chainbuild.ik.branches.core.branches import isolated
@@ -32,12 +39,14 @@ from chainbuild.kinematics.product import product_of
 
 _MAX_PREPARED: Final = 64  # every value of a held axis makes another chain
 # Distances of poses beside a doubtful one [arm lengths, rad]: where one loses digits, another does not.
-_DISTANCES: Final = (1e-3, 1e-2, 1e-4, 1e-3, 3e-3, 3e-2)
+_DISTANCES: Final = (1e-3, 1e-2, 1e-4, 1e-3, 3e-3, 1e-1, 1e-3, 3e-2, 3e-3, 1e-3)
 # Where poses beside a doubtful one tell more than the plain path: other closed forms know themselves what is free.
 _SEARCHED: Final = ("general", "three parallel axes")
 _SHARE: Final = 0.2  # of the sum of a machine's lengths: what moves the tool about as far as a turn of 1 rad
 _IDLE: Final = 2  # pairs of poses that bring nothing new
 _ANYWHERE: Final = np.random.default_rng(20240229).uniform(-math.pi, math.pi, (ROWS, 6))  # the last resort
+_REACHED: Final = 1e-9  # m and rad: what is left at a solution at most
+_NEARLY: Final = 3e-7  # the same where solutions are singular several times over, within the tolerance of `ik`
 _MOST_PLACES: Final = 64  # more than that are on curves
 _NOWHERE: Final = np.empty(0)
 
@@ -105,15 +114,16 @@ class QuickForm:
             values, counts = np.empty((len(moves), ROWS, COLUMNS)), np.empty(len(moves), np.int64)
             entries.FORMS[self.form](self.constants, targets, tolerances.ROTATION_MATRIX, keep, values, counts)
             known = count
-            count, goes_on = entries.beside_pose(*self.axes, target, x0, values, counts, places, count)
+            count, goes_on = entries.beside_pose(*self.axes, target, x0, values, counts, _REACHED, places, count)
             curved |= goes_on
-            idle = idle + 1 if count == known else 0
+            told = bool(((counts > 0) | (counts < UNSURE)).any())  # else these poses say nothing
+            idle = 0 if count > known else idle + told
             if (count and idle >= _IDLE) or (curved and self.form != "general"):
                 break
         if not count:
             values, counts = np.full((1, ROWS, COLUMNS), -1.0), np.array([ROWS])
             values[0, :, :6] = _ANYWHERE
-            count, curved = entries.beside_pose(*self.axes, target, x0, values, counts, places, 0)
+            count, curved = entries.beside_pose(*self.axes, target, x0, values, counts, _NEARLY, places[:1], 0)
         return places[:count], not curved
 
     def finished(self, target: Matrix, x0: Vector, places: Matrix) -> tuple[int, bool, Matrix, Matrix, Matrix]:
