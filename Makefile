@@ -7,7 +7,7 @@ INSTALLED_TEST := $(VENV)/.installed-test
 INSTALLED_BENCH := $(VENV)/.installed-bench
 INSTALLED_LAB := $(VENV)/.installed-lab
 
-.PHONY: demo test lint types test-slow bench bench-arms mutants mutants-all docs chromium clean
+.PHONY: demo test lint types test-slow bench bench-arms mutants mutants-all docs notebooks chromium clean
 
 demo: $(INSTALLED)
 	$(BIN)/chainbuild demo
@@ -47,6 +47,10 @@ mutants-all: $(INSTALLED_TEST)
 
 docs: $(INSTALLED)
 	$(BIN)/python docs/generate.py
+
+# Runs the scripts in notebooks/ and writes the notebooks beside them, with their outputs.
+notebooks: $(INSTALLED_TEST)
+	$(BIN)/python notebooks/execute.py
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit("chainbuild needs Python 3.11 or newer") if sys.version_info < (3, 11) else None'
