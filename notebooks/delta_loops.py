@@ -157,17 +157,20 @@ SIDEWAYS = np.column_stack([-np.sin(OUTWARDS), np.cos(OUTWARDS), np.zeros(3)])
 
 
 def rods(axes, tool):
-    """Unit vectors from levers' ends to the plate's pins, and the velocity of the ends in mm/rad."""
-    t = np.radians(axes)
+    """Unit vectors from levers' ends to the plate's pins, and the velocities of the ends in mm/rad: (…, 3, 3), a row each."""
+    t = np.radians(axes)[..., None]
     out = np.column_stack([np.cos(OUTWARDS), np.sin(OUTWARDS), np.zeros(3)])
-    ends = out * (HD5 - HD4 + HD7 * np.cos(t))[:, None] - [0, 0, 1] * (HD7 * np.sin(t))[:, None]
-    swing = -out * (HD7 * np.sin(t))[:, None] - [0, 0, 1] * (HD7 * np.cos(t))[:, None]
-    return (tool + np.array([0, 0, HD1]) - ends) / HD6, swing
+    up = np.array([0, 0, 1])
+    ends = out * (HD5 - HD4 + HD7 * np.cos(t)) - up * HD7 * np.sin(t)
+    swing = -out * HD7 * np.sin(t) - up * HD7 * np.cos(t)
+    return (np.asarray(tool)[..., None, :] + HD1 * up - ends) / HD6, swing
 
 
-spans = [abs(np.linalg.det(np.cross(SIDEWAYS, rods(row, tool)[0]))) for row, tool in zip(rows, hand, strict=True)]
-print(f"smallest determinant: {min(spans):.3f}")
-assert min(spans) > 0.1
+directions, _ = rods(rows, hand)
+assert np.allclose(np.linalg.norm(directions, axis=-1), 1, atol=1e-9)  # the rods have their length
+spans = np.abs(np.linalg.det(np.cross(SIDEWAYS, directions)))
+print(f"smallest determinant: {spans.min():.3f}")
+assert spans.min() > 0.1
 assert np.abs(poses[:, :3, :3] - np.eye(3)).max() < 1e-12
 
 # %% [markdown]
@@ -195,13 +198,14 @@ assert np.allclose(inside[0].axes, AXES, atol=1e-6)
 
 # %%
 def jacobian(axes, tool):
-    """mm per degree, (3, 3)."""
+    """mm per degree, (…, 3, 3)."""
     d, swing = rods(axes, tool)
-    return np.linalg.solve(d, np.diag((d * swing).sum(axis=1))) * np.pi / 180
+    along = (d * swing).sum(axis=-1)
+    return np.linalg.solve(d, np.eye(3) * along[..., None, :]) * np.pi / 180
 
 
-for row, tool in zip(rows[:50], hand, strict=False):
-    assert np.allclose(jacobian(row, tool), 1000 * robot.jacobian(row)[:3] * np.pi / 180, atol=1e-9)
+ours = np.array([1000 * robot.jacobian(row)[:3] * np.pi / 180 for row in rows[:50]])
+assert np.allclose(jacobian(rows[:50], hand[:50]), ours, atol=1e-9)
 print("by hand and by chainbuild the same at 50 positions")
 
 # %% [markdown]
@@ -232,11 +236,7 @@ assert np.allclose(levers(*(1000 * robot.fk([25, 40, 40]).translation[1:])), [25
 Y, Z = np.meshgrid(np.linspace(-450, 450, 181), np.linspace(-780, -280, 101))
 angles = levers(Y, Z)
 margin = np.minimum(angles + 30, 80 - angles).min(axis=0)
-reach = np.full(Y.shape, np.nan)
-for n in np.argwhere(margin > -8):
-    at = tuple(n)
-    reach[at] = np.linalg.svd(jacobian(angles[(slice(None), *at)], [0, Y[at], Z[at]]), compute_uv=False)[0]
-
+reach = np.linalg.svd(jacobian(np.moveaxis(angles, 0, -1), np.stack([0 * Y, Y, Z], axis=-1)), compute_uv=False)[..., 0]
 inside = np.where(margin >= 0, reach, np.nan)
 middle = np.nanmin(inside)
 assert middle < 3

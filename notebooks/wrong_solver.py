@@ -100,7 +100,7 @@ assert round_trip() < 1e-9
 # data, which nobody derived by hand. First the forward half:
 
 # %%
-options = chainbuild.CheckOptions(count=30)
+options = chainbuild.CheckOptions(count=15)
 check = chainbuild.crosscheck(robot, forward, options=options, machine=machine)
 print(f"{check.forward.agrees.sum()} of {len(check.forward.agrees)} poses agree")
 miss = 1000 * check.forward.position_error
