@@ -251,6 +251,7 @@ left.annotate("unit", (1000, -1075), ha="right")
 left.set(
     xlabel="x of the box in mm", ylabel="y of the box in mm", aspect="equal", xlim=(-1050, 1050), ylim=(-1200, 700)
 )
+left.set_xticks([-1000, -500, 0, 500, 1000])
 left.legend(loc="lower left", bbox_to_anchor=(0.0, 0.12), fontsize=9, frameon=False, handletextpad=0.2)
 left.set_title("Who is needed where")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from itertools import groupby
 
 from nbformat import NotebookNode
 
@@ -13,11 +14,13 @@ PIXEL = 0.02  # in the units of a picture, which are points, tenths of a pixel o
 
 
 def texts(cell: NotebookNode) -> Iterator[tuple[str, str]]:
-    """Yield what a cell shows: the kind of each output, and its text."""
-    for output in cell.get("outputs", []):
-        if output.output_type == "stream":
-            yield output.name, output.text
-        else:
+    """Yield what a cell shows: the kind of each output, and its text; what a kernel printed in pieces as one."""
+    outputs = cell.get("outputs", [])
+    for name, group in groupby(outputs, key=lambda output: output.get("name", "")):
+        if name:
+            yield name, "".join(output.text for output in group)
+            continue
+        for output in group:
             yield from sorted(output.data.items())
 
 
