@@ -27,7 +27,8 @@ FOLDER: Final = Path(__file__).parent
 TOOLS: Final = ("execute", "figures")  # what is no notebook
 # What only a running kernel can show: without one, a note that it cannot would hide the picture beside it.
 _LIVE: Final = "application/vnd.jupyter.widget-view+json"
-_ONCE: Final = "chainbuild: compiling"  # said on a machine's first use, and no more
+# Said on a machine's first use, and no more.
+_ONCE: Final = ("chainbuild: compiling", "Matplotlib is building the font cache")
 _METADATA: Final = {
     "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
     "language_info": {"name": "python"},

@@ -10,6 +10,7 @@ import tempfile
 from pathlib import Path
 from types import ModuleType
 
+import matplotlib
 import nbformat
 import pytest
 from nbclient import NotebookClient
@@ -55,9 +56,9 @@ def test_the_pair_is_in_step(source: Path) -> None:
 
 @BY_NAME
 def test_what_is_committed_is_what_a_run_shows(source: Path, compiled_solver: None) -> None:
-    before = list(sys.path), Path.cwd()
+    before = list(sys.path), Path.cwd(), dict(matplotlib.rcParams)
     differences = stale(committed(source), EXECUTE.executed(source))
-    assert (list(sys.path), Path.cwd()) == before
+    assert (list(sys.path), Path.cwd(), dict(matplotlib.rcParams)) == before
     assert not differences, "run `make notebooks`, and look at it:\n" + "\n".join(differences)
 
 
