@@ -157,7 +157,7 @@ SIDEWAYS = np.column_stack([-np.sin(OUTWARDS), np.cos(OUTWARDS), np.zeros(3)])
 
 
 def rods(axes, tool):
-    """Unit vectors from levers' ends to the plate's pins, and the velocities of the ends in mm/rad: (…, 3, 3), a row each."""
+    """Unit vectors from levers' ends to the plate's pins, and the velocities of the ends in mm/rad, (…, 3, 3)."""
     t = np.radians(axes)[..., None]
     out = np.column_stack([np.cos(OUTWARDS), np.sin(OUTWARDS), np.zeros(3)])
     up = np.array([0, 0, 1])
@@ -220,7 +220,7 @@ from figures import BLUE, GREY, INK, ORANGE, plot, svg
 
 
 def levers(y, z):
-    """Lever angles in degrees at tool positions in the section, (3, …); beyond what the rods reach, far outside the limits."""
+    """Lever angles in degrees at tool positions in the section, (3, …); beyond reach far outside the limits."""
     found = []
     for outwards in OUTWARDS:
         along, across = y * np.sin(outwards) + HD4 - HD5, y * np.cos(outwards)

@@ -62,8 +62,20 @@ trafo[3].rtcp 1
 """
 OVERLAY = """
 name = "Welding cell"
-limits = {X = [1000, 3000], C1 = [-170, 170], B1 = [-190, 45], B2 = [-120, 156], A1 = [-185, 185], B3 = [-120, 120], A2 = [-350, 350], C = [-400, 400]}
-geometry = {table_mm = 900, part_mm = [1200, 500, 100]}
+
+[limits]
+X = [1000, 3000]
+C1 = [-170, 170]
+B1 = [-190, 45]
+B2 = [-120, 156]
+A1 = [-185, 185]
+B3 = [-120, 120]
+A2 = [-350, 350]
+C = [-400, 400]
+
+[geometry]
+table_mm = 900
+part_mm = [1200, 500, 100]
 """
 with tempfile.TemporaryDirectory() as folder:
     path = Path(folder) / "cell.lis"

@@ -12,8 +12,8 @@ from figures import drawing
 import chainbuild
 
 robot = chainbuild.Robot.load("kr6r900")
-ABOVE = [0, -90, 90, 0, 0, 0]
-drawing(robot, ABOVE, view="front")
+LEVEL = [0, -90, 90, 0, 0, 0]
+drawing(robot, LEVEL, view="front")
 
 # %% [markdown]
 # ## Two axes in one line
@@ -49,12 +49,12 @@ for a5 in (0, 10, -40):
 # So where A5 = 0 the two undo each other, by any angle. One axis of six does nothing new: five are left for six freedoms.
 
 # %%
-still = robot.fk(ABOVE).homogeneous
+still = robot.fk(LEVEL).homogeneous
 for angle in (15, 80, 170):
     assert np.allclose(robot.fk([0, -90, 90, angle, 0, -angle]).homogeneous, still, atol=1e-12)
 print("A4 = α, A6 = −α: the tool stays where it is")
 
-values = np.linalg.svd(robot.jacobian(ABOVE), compute_uv=False)
+values = np.linalg.svd(robot.jacobian(LEVEL), compute_uv=False)
 print("rank of the Jacobian:", (values > 1e-9).sum())
 assert (values > 1e-9).sum() == 5
 

@@ -148,9 +148,8 @@ def inverse_mended(T):
 
 check = chainbuild.crosscheck(robot, inverse_mended, options=options)
 inside = check.inverse
-print(
-    f"answers {inside.theirs}, wrong {inside.wrong}; branches inside the limits {inside.ours}, missing {inside.missing}; without any answer {inside.unanswered}"
-)
+print(f"answers {inside.theirs}, wrong {inside.wrong}, poses without any answer {inside.unanswered}")
+print(f"branches inside the limits {inside.ours}, missing {inside.missing}")
 assert inside.wrong == 0
 assert inside.missing > 0
 
@@ -167,9 +166,8 @@ for branch in every:
     known = bool((np.abs(turned).max(axis=1) < 1e-6).any())
     A1, A2, A3 = np.radians(branch.axes[:3])
     ahead = 0.025 + 0.455 * np.cos(A2) + 0.420 * np.cos(A2 + A3) + 0.035 * np.sin(A2 + A3)
-    print(
-        f"A1 {branch.axes[0]:7.2f}  A2 {branch.axes[1]:8.2f}  A3 {branch.axes[2]:7.2f}   wrist {1000 * ahead:7.1f} mm ahead: {'found' if known else 'MISSED'}"
-    )
+    shoulder = "  ".join(f"{axis.name} {value:7.2f}" for axis, value in zip(robot.axes[:3], branch.axes, strict=False))
+    print(f"{shoulder}   wrist {1000 * ahead:7.1f} mm ahead: {'found' if known else 'MISSED'}")
     assert known == (ahead > 0)
 
 # %% [markdown]
