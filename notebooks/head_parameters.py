@@ -80,9 +80,9 @@ for hd in HDS:
 #
 # | part | numbers | the tip moves by |
 # |---|---|---|
-# | slide, turns with nothing | HD7, HD8 | *e*x, *e*y |
-# | fork, turns with C | HD5, HD6, HD2 | *R*(−*e*y), *R*(−*e*x), −*e*z |
-# | spindle, turns with C and A | HD9, HD1 | *RQ*(−*e*y), *RQ*(−*e*z) |
+# | slide, turns with nothing | HD7, HD8 | *e*<sub>x</sub>, *e*<sub>y</sub> |
+# | fork, turns with C | HD5, HD6, HD2 | *R*(−*e*<sub>y</sub>), *R*(−*e*<sub>x</sub>), −*e*<sub>z</sub> |
+# | spindle, turns with C and A | HD9, HD1 | *RQ*(−*e*<sub>y</sub>), *RQ*(−*e*<sub>z</sub>) |
 #
 # HD2 lies along C itself, so that turning does not show it. The table is what the model does, in every position:
 
