@@ -12,7 +12,7 @@ INSTALLED_LAB := $(VENV)/.installed-lab
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 # $(call install,EXTRAS): where a version of the constraints is not to be had for this Python or platform, the newest ones.
 define install
-$(if $(CONSTRAINTS),$(PIP) --constraint $(CONSTRAINTS) -e '.$(1)' || \
+@$(if $(CONSTRAINTS),$(PIP) --constraint $(CONSTRAINTS) -e '.$(1)' || \
   { echo '$(CONSTRAINTS) cannot be met here: installing the newest versions'; $(PIP) -e '.$(1)'; },$(PIP) -e '.$(1)')
 endef
 
