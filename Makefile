@@ -2,12 +2,21 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# The versions that the tests were green with; `make test CONSTRAINTS=` takes the newest of everything.
+CONSTRAINTS ?= constraints.txt
 INSTALLED := $(VENV)/.installed
 INSTALLED_TEST := $(VENV)/.installed-test
 INSTALLED_BENCH := $(VENV)/.installed-bench
 INSTALLED_LAB := $(VENV)/.installed-lab
 
-.PHONY: demo test lint types test-slow bench bench-arms mutants mutants-all docs chromium clean
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+# $(call install,EXTRAS): where a version of the constraints is not to be had for this Python or platform, the newest ones.
+define install
+@$(if $(CONSTRAINTS),$(PIP) --constraint $(CONSTRAINTS) -e '.$(1)' || \
+  { echo '$(CONSTRAINTS) cannot be met here: installing the newest versions'; $(PIP) -e '.$(1)'; },$(PIP) -e '.$(1)')
+endef
+
+.PHONY: demo test lint types test-slow bench bench-arms mutants mutants-all docs notebooks constraints chromium clean
 
 demo: $(INSTALLED)
 	$(BIN)/chainbuild demo
@@ -48,24 +57,35 @@ mutants-all: $(INSTALLED_TEST)
 docs: $(INSTALLED)
 	$(BIN)/python docs/generate.py
 
+# Runs the scripts in notebooks/ and writes the notebooks beside them, with their outputs.
+notebooks: $(INSTALLED_TEST)
+	$(BIN)/python notebooks/execute.py
+
+# Takes the newest version of everything, runs the tests, and notes what they were green with.
+constraints: $(INSTALLED_TEST)
+	$(PIP) --upgrade --upgrade-strategy eager -e '.[test]'
+	$(MAKE) test
+	$(BIN)/python -m tests.project.constraints
+	touch $(INSTALLED) $(INSTALLED_TEST)
+
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit("chainbuild needs Python 3.11 or newer") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv $(VENV)
 
-$(INSTALLED): pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
+$(INSTALLED): pyproject.toml $(CONSTRAINTS) | $(VENV)/bin/python
+	$(call install,)
 	touch $@
 
-$(INSTALLED_TEST): pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[test]'
+$(INSTALLED_TEST): pyproject.toml $(CONSTRAINTS) | $(VENV)/bin/python
+	$(call install,[test])
 	touch $@ $(INSTALLED)
 
 $(INSTALLED_BENCH): pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench]'
+	$(PIP) -e '.[bench]'
 	touch $@ $(INSTALLED)
 
 $(INSTALLED_LAB): pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[lab]'
+	$(PIP) -e '.[lab]'
 	touch $@ $(INSTALLED)
 
 # The page that `inspect` exports is tested in a real browser.

@@ -13,9 +13,11 @@ import chainbuild
 from chainbuild.chain.elements import Chain
 from chainbuild.cli import main
 from tests.kit.command_line import Outcome, Run
+from tests.kit.platforms import stand_in, without
 
 # Tests that run side by side are told the width of a terminal; the output of a command is as wide as without one.
 os.environ.pop("COLUMNS", None)
+stand_in(without())  # on a Python for which a library has no wheels
 
 
 @pytest.fixture(scope="session")

@@ -12,7 +12,9 @@ import json
 import sys
 import tempfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import reduce
+from operator import add
 from pathlib import Path
 from typing import Any
 
@@ -224,12 +226,17 @@ def record(name: str, chain: Chain, bodies: bool) -> dict[str, Any]:
         found["nearest"] = [round(float(model.distances(axes).min(initial=9.0)), 7) for axes in values]
     else:
         found["drawn"] = micro(sum(general_point(places, body) for body in drawn))
-        found["thick"] = round(sum(sum(body.dimensions) for body in drawn), 5)
+        found["thick"] = round(added(added(body.dimensions) for body in drawn), 5)
     if has_rods(chain):
         found["rods"] = [micro(places[frame].translation) for frame in (ROD_PIN, ROD_END)]
     if has_status(robot):
         found["status"] = [[*status_turn(robot, axes)] for axes in axis_values(name, chain, 40)]
     return found
+
+
+def added(values: Iterable[float]) -> float:
+    """Return a sum, one value after the other: `sum` rounds less from Python 3.12 on, which the last digit tells."""
+    return reduce(add, values, 0.0)
 
 
 def general_point(places: dict[str, Any], body: Any) -> np.ndarray:

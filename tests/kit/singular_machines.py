@@ -93,7 +93,7 @@ def mill(name: str, rng: np.random.Generator) -> tuple[Robot, int]:
     def offset() -> Element:
         return shift(*rng.uniform(-200, 200, 3))
 
-    slides = [linear(axis, axis.lower()) for axis in "XYZ"]
+    slides = [linear(letter, letter.lower()) for letter in "XYZ"]
     turns: list[Element] = []
     for letter in order:
         turns += [offset(), rotary(letter, {"A": "x", "B": "y", "C": "z"}[letter])]
