@@ -16,7 +16,7 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 # From the ground up. A room may import rooms below it and its own. The longest name that fits a file is its room.
 ORDER = [
     "arrays", "errors", "tolerances", "closest", "units", "shown", "html", "findings", "frames", "convention", "files",
-    "progress", "meshes",
+    "filekinds", "progress", "meshes",
     "chain",
     "drawing",
     "kinematics",
