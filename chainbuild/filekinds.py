@@ -7,9 +7,7 @@ from typing import Final
 
 _AS_CSV: Final = "save its sheet as CSV UTF-8 (Excel: Save As, CSV UTF-8) and give that file"
 _NO_TABLE: Final = "give a table of text: column names in the first line"
-_NO_DATA: Final = (
-    "give the machine data themselves: a SINUMERIK archive as text, a TwinCAT list, DH parameters or a URDF"
-)
+_NO_DATA: Final = "give machine data as text: a SINUMERIK archive, a TwinCAT list, DH parameters or a URDF"
 _UNPACK: Final = "unpack it, and give the file inside"
 _BODIES: Final = (
     "it holds shapes and no joints: give the machine data, and name this file as a body in [geometry] of the overlay"

@@ -74,8 +74,9 @@ _COMMANDS = (
 )
 _HELP = """Build kinematic models from CNC machine data.
 
-Reads SINUMERIK ROBX machine data and TwinCAT CNC parameter lists. FILE is a path, or the name of a machine shipped
-with chainbuild. `chainbuild COMMAND --help` shows the options of a command and an example.
+Reads SINUMERIK ROBX machine data, TwinCAT CNC parameter lists, Denavit-Hartenberg tables (CSV) and URDF. FILE is a
+path, or the name of a machine shipped with chainbuild. `chainbuild COMMAND --help` shows the options of a command and
+an example.
 
 Example: `chainbuild fk kr6r900 --at 0,-90,90,0,0,0`
 """

@@ -53,6 +53,7 @@ class MachineOptions:
         convention: NAME=CHOICE: decides a point that the manuals leave open; may be repeated. `chainbuild info` lists
             those of a machine.
         overlay: Overlay file (TOML), instead of NAME.chainbuild.toml next to the machine file.
+        tool: URDF: link whose frame is the tool. Default: the only link without children.
     """
 
     kinematic: str | None = None
@@ -60,11 +61,12 @@ class MachineOptions:
     tool_length: float = 0.0
     convention: Annotated[tuple[str, ...], Parameter(negative="", show_default=False)] = ()
     overlay: Path | None = None
+    tool: str | None = None
 
     @property
     def selects(self) -> bool:
-        """Whether any option except the overlay is given."""
-        return self != MachineOptions(overlay=self.overlay)
+        """Whether any option is given that is not for reading the file: except overlay and tool link."""
+        return self != MachineOptions(overlay=self.overlay, tool=self.tool)
 
     def choices(self) -> dict[str, str]:
         """Return the conventions chosen.
@@ -111,7 +113,7 @@ class MachineOptions:
         from chainbuild.formats.load import load
 
         self.choices()
-        return load(file, overlay=self.overlay)
+        return load(file, overlay=self.overlay, tool=self.tool)
 
     def chain(self, machine: Machine) -> Chain:
         """Translate the kinematic that the options select."""
@@ -146,6 +148,7 @@ class MachineOptions:
         words += [] if self.channel is None else ["--channel", str(self.channel)]
         words += ["--tool-length", f"{self.tool_length:g}"] if self.tool_length else []
         words += [word for choice in self.convention for word in ("--convention", choice)]
+        words += [] if self.tool is None else ["--tool", self.tool]
         return words + ([] if self.overlay is None else ["--overlay", str(self.overlay)])
 
 

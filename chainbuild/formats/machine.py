@@ -51,7 +51,7 @@ class Machine(ABC):
     Attributes:
         file: Name of the machine file for messages.
         path: The machine file.
-        dialect: "SINUMERIK ROBX" or "TwinCAT CNC".
+        dialect: "SINUMERIK ROBX", "TwinCAT CNC", "URDF" or "Denavit-Hartenberg".
         overlay: What the file beside it adds.
     """
 

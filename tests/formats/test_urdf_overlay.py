@@ -163,7 +163,7 @@ base_link = [{box = [100, 100, 50]}]
 @pytest.mark.parametrize(
     ("overlay", "line", "message", "permitted"),
     [
-        ("kinematic = 1", 1, "a URDF has no use for 'kinematic'", "[limits.sums]"),
+        ("kinematic = 1", 1, "the kinematic of a URDF is its tool link", "the name of a link"),
         ("tool_length_mm = 5", 1, "no use for 'tool_length_mm'", "[coupling]"),
         ("\n[tool]\nnumber = 1", 2, "no use for 'tool'", "name, source"),
         ('axis_lists = ["a.lis"]', 1, "no use for 'axis_lists'", "[poses]"),

@@ -12,6 +12,7 @@ from chainbuild.errors import ParseError, Span
 
 _MAX_DEPTH: Final = 50  # of XML elements: URDF has five levels
 _XACRO: Final = "the file is xacro, a template of URDF"
+_OF_SRDF: Final = ("group", "group_state", "disable_collisions", "virtual_joint", "end_effector")
 _EXPAND: Final = "expand it first: xacro FILE > robot.urdf"
 
 
@@ -98,4 +99,6 @@ def parse(text: str, file: str) -> Node:
     robot = root.child("robot")
     if robot is None:
         raise ParseError("no <robot> element: this is not a URDF file", span=Span(file))
+    if not robot.child("joint") and any(robot.child(name) for name in _OF_SRDF):
+        raise ParseError("this is SRDF, which says more of a URDF", span=robot.span, hint="give the URDF")
     return robot
