@@ -20,7 +20,7 @@ from chainbuild.findings import Collector, Findings
 from chainbuild.formats.beside import as_path, find_overlay
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.neighbours import no_machine_data, refuse_other_xml
-from chainbuild.formats.text import COUPLED, SUMS, URDF, is_dh, is_sinumerik, is_twincat, is_urdf, read_source
+from chainbuild.formats.text import COUPLED, URDF, is_dh, is_sinumerik, is_twincat, is_urdf, read_source
 from chainbuild.machines import shipped, shipped_path
 
 
@@ -148,9 +148,9 @@ def _read(
 
         return read_dh(file, beside, collector)
     refuse_other_xml(source.text, file)
-    if beside.sums or beside.coupling:
-        keys = ("limits", SUMS) if beside.sums else (COUPLED,)
-        raise beside.error("the table is for a URDF alone", keys, "limits of axes and of drives; couplings of the file")
+    if beside.coupling:
+        text = "the table is for a URDF and for DH parameters: machine data say how axes are coupled"
+        raise beside.error(text, (COUPLED,), "limits of axes, sums and drives")
     # TwinCAT comes first: its container is XML, whose text could hold anything.
     if is_twincat(source.text):
         from chainbuild.formats.twincat.files import read_machine as read_twincat
