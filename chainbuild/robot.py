@@ -74,7 +74,7 @@ class Robot(DisplayedMechanism):
         Raises:
             ChainbuildError: the file is not a URDF, there is no such link, or the overlay does not fit.
         """
-        from chainbuild.formats.urdf.robot import from_urdf
+        from chainbuild.formats.load import from_urdf
 
         return cls(from_urdf(path, tool=tool, overlay=overlay))
 

@@ -17,10 +17,10 @@ from chainbuild.errors import (
     UnsupportedKinematicError,
 )
 from chainbuild.findings import Collector, Findings
-from chainbuild.formats.beside import as_path, find_overlay
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.neighbours import no_machine_data, refuse_other_xml
-from chainbuild.formats.text import COUPLED, URDF, is_dh, is_sinumerik, is_twincat, is_urdf, read_source
+from chainbuild.formats.overlay import Overlay, overlay_path, read_overlay
+from chainbuild.formats.text import COUPLED, URDF, is_dh, is_sinumerik, is_twincat, is_urdf, is_xml, read_source
 from chainbuild.machines import shipped, shipped_path
 
 
@@ -64,6 +64,33 @@ def check(
     except ChainbuildError as error:
         collector.add_error(error)
     return Findings(dict.fromkeys(collector.findings))
+
+
+def from_urdf(
+    path: str | os.PathLike[str], *, tool: str | None = None, overlay: str | os.PathLike[str] | None = None
+) -> Chain:
+    """Read a URDF file into a chain from its root link to a tool link.
+
+    Args:
+        path: The file (plain URDF, not xacro).
+        tool: Name of the link whose frame is the tool; None: the one that the overlay names as `kinematic`, else the
+            only link without children.
+        overlay: An overlay file in place of the one beside the URDF.
+
+    Raises:
+        FileAccessError: the file or its overlay cannot be read.
+        OverlayError: the overlay says what a URDF has no use for, or what does not fit the chain.
+        ParseError: no URDF, a bad number, a link with two parents, limits that leave nothing, or a joint type other
+            than revolute, continuous, prismatic, fixed.
+        ChainbuildError: the tool link does not exist or is not the only candidate, or no joint on the way moves.
+    """
+    from chainbuild.formats.urdf.robot import named_tool, urdf_chain
+    from chainbuild.formats.urdf.xml import parse
+
+    file = Path(path)
+    robot = parse(read_source(file).text, str(path))
+    beside = find_overlay(file, None if overlay is None else Path(overlay))
+    return urdf_chain(robot, file, named_tool(tool, beside), beside, Collector())
 
 
 def _check_kinematics(machine: Machine, collector: Collector) -> None:
@@ -133,21 +160,22 @@ def _read(
 ) -> Machine:
     file = find_machine(path)
     source = read_source(file)
-    beside = find_overlay(file, as_path(overlay) if overlay is not None else None)
+    beside = find_overlay(file, _as_path(overlay) if overlay is not None else None)
     urdf = is_urdf(source.text)
     if tool is not None and not urdf:
         text = f"tool link '{tool}': {file} is no URDF, its tool is part of its data"
         raise ChainbuildError(text, span=Span(str(file)), parameter="tool", permitted="None")
     # A dialect is imported when it is needed: most users have one.
     if urdf:
-        from chainbuild.formats.urdf.machine import read_machine as read_urdf
+        from chainbuild.formats.urdf.machine import read_urdf
 
         return read_urdf(source, file, beside, collector, tool)
     if is_dh(source.text):
-        from chainbuild.formats.dh.machine import read_machine as read_dh
+        from chainbuild.formats.dh.machine import read_dh
 
         return read_dh(file, beside, collector)
-    refuse_other_xml(source.text, file)
+    if is_xml(source.text):
+        refuse_other_xml(source.text, file)
     if beside.coupling:
         text = "the table is for a URDF and for DH parameters: machine data say how axes are coupled"
         raise beside.error(text, (COUPLED,), "limits of axes, sums and drives")
@@ -169,7 +197,7 @@ def find_machine(path: str | os.PathLike[str]) -> Path:
     Raises:
         FileAccessError: there is neither.
     """
-    file = as_path(path)
+    file = _as_path(path)
     try:
         exists = file.exists()
     except (ValueError, OSError) as error:
@@ -197,3 +225,27 @@ def _no_machine(file: Path, given: str) -> FileAccessError:
     near = closest(file.name, [one.name for one in entries if one.suffix == file.suffix or one.stem == file.stem])
     hint = f"did you mean {file.parent / near}?" if near else None
     return FileAccessError("no such file", span=Span(given), hint=hint)
+
+
+def _as_path(path: str | os.PathLike[str]) -> Path:
+    """Return a path.
+
+    Raises:
+        FileAccessError: it is none.
+    """
+    try:
+        return Path(path)
+    except TypeError as error:
+        raise FileAccessError(f"not a path: {error}") from None
+
+
+def find_overlay(machine_file: Path, named: Path | None = None) -> Overlay:
+    """Return the overlay named, else the one beside the machine file, else an empty one."""
+    if named is not None:
+        return read_overlay(named)
+    beside = overlay_path(machine_file)
+    try:
+        present = beside.is_file()
+    except OSError as error:
+        raise FileAccessError(f"cannot look for the overlay: {error}", span=Span(str(beside))) from None
+    return read_overlay(beside) if present else Overlay()

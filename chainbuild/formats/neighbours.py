@@ -27,8 +27,9 @@ _XML_KINDS: Final = {
     "html": ("a web page", _MACHINE_DATA),
     "plist": ("a property list", _MACHINE_DATA),
 }
+_HEAD_CHARACTERS: Final = 20_000  # enough to tell what a text is
 _DRAWING: Final = "it holds shapes and no joints: give the machine data, and a mesh of it in [geometry] of the overlay"
-_BLOCK: Final = r"(?:N\d+\s*)?(?:G\d{1,3}\b.*|[XYZ]-?\d[\d.]*\s+[XYZ]-?\d.*|TRAORI\b.*|#(?:TRAFO|KIN ID)\b.*)"
+_BLOCK: Final = r"(?:N\d+ ?)?(?:G\d{1,3}\b|[XYZ]-?\d[\d.]* +[XYZ]-?\d|TRAORI\b|#(?:TRAFO|KIN ID)\b)"
 # First match counts: how a text begins, or what it has → what it is, what could be done.
 _KINDS: Final = (
     (r"ISO-10303-21;", "a drawing (STEP)", _DRAWING),
@@ -37,11 +38,11 @@ _KINDS: Final = (
     (r"\s*(?:&ACCESS|DEFDAT\b|DEF\s+\w+\()", "KUKA data", "enter the lengths of the arm as a Denavit-Hartenberg table"),
     (r"(?:%%%|\s)*MODULE\s+\w+", "a RAPID module", "enter the lengths of the arm as a Denavit-Hartenberg table"),
     (
-        rf"(?:[^\n]*\n){{0,60}}?\s*{_BLOCK}[^\n]*\n(?:[^\n]*\n){{0,20}}?\s*{_BLOCK}",
+        rf"(?:[^\n]*\n){{0,60}}?[ \t]*{_BLOCK}[^\n]*\n(?:[^\n]*\n){{0,20}}?[ \t]*{_BLOCK}",
         "an NC program",
         f"{_MACHINE_DATA}; axis values or poses as a CSV table (--axes, --poses)",
     ),
-    (r"\s*[\[{]\s*(?:[\"{\[]|-?\d)[\s\S]*[\]}]\s*\Z", "JSON", _MACHINE_DATA),
+    (r"\s*[\[{]\s*(?:[\"{\[]|-?\d)", "JSON", _MACHINE_DATA),
 )
 _TABLE: Final = re.compile(r"\s*(?:#[^\n]*\n)*[A-Za-z_]\w*(?: *[\[(][^\])]*[\])])?\s*[,;\t][^\n]*\n\s*[-+\d.\"]")
 
@@ -75,9 +76,10 @@ def _known(text: str, file: Path) -> tuple[str, str]:
     """Return what a text is and what could be done; two empty strings where it is unknown."""
     if file.name.endswith(SUFFIX):
         return "an overlay", f"give the machine file beside it: {file.name.removesuffix(SUFFIX)} with its own ending"
+    head = text[:_HEAD_CHARACTERS].lstrip()
     for pattern, what, hint in _KINDS:
-        if re.match(pattern, text):
+        if re.match(pattern, head):
             return what, hint
-    if _TABLE.match(text) and not is_dh(text):
+    if _TABLE.match(head) and not is_dh(text):
         return "a table", "options read tables (--axes, --poses); one of DH parameters has the header a,d,alpha,theta"
     return "", ""

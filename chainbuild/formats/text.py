@@ -65,7 +65,8 @@ def read_source(path: Path, *, may_be_empty: bool = False) -> SourceText:
     raw = _read_bytes(path)
     if not raw.strip() and not may_be_empty:
         raise FileContentError("the file is empty", span=Span(name))
-    kind = binary_kind(raw[:_HEAD_BYTES], len(raw))
+    head = raw[:_HEAD_BYTES]
+    kind = binary_kind(head, len(raw)) if b"\0" in head or not head.isascii() else None
     if kind is not None:
         raise FileContentError(f"this is {kind.name}, not a text file", span=Span(name), hint=kind.machine)
     text, encoding = _decode(raw)

@@ -32,8 +32,8 @@ from chainbuild.ik.solve import solve
 from chainbuild.kinematics.displayed import plane_angle, vector_of_angles
 from chainbuild.kinematics.inputs import real_numbers
 from chainbuild.kinematics.mechanism import Mechanism
-from chainbuild.tables.columns import canonical_columns
 from chainbuild.tables.form import C_COLUMN, PoseColumns, PoseForm
+from chainbuild.tables.reader import canonical_columns
 from chainbuild.units import M_PER_MM, m_from_mm
 
 _ABOUT_Z: Final = 5  # row of a Jacobian in the workpiece frame: the angular velocity about z

@@ -5,7 +5,7 @@ decimals, unit vectors with 15, which is all that double precision keeps of a ma
 read (`sheet`), not written. The orientation is what the controller displays (`form`): on RTCP kinematics the rotary
 axes, else pose angles; a full orientation may replace it.
 
-In reading order: `sheet`, `columns`, `reader`, `axes`, `form`, `poses`, `recording`.
+In reading order: `sheet`, `reader`, `axes`, `form`, `poses`, `recording`.
 """
 
 from __future__ import annotations

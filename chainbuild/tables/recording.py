@@ -18,9 +18,8 @@ from chainbuild.errors import Span, TableError
 from chainbuild.kinematics.displayed import plane_angle, raised_and_turned
 from chainbuild.shown import fields_shown
 from chainbuild.tables.axes import RESULT_COLUMNS, VIOLATIONS_COLUMN
-from chainbuild.tables.columns import canonical_columns
 from chainbuild.tables.form import OrientationSource, PoseColumns, PoseForm
-from chainbuild.tables.reader import Choice, Table
+from chainbuild.tables.reader import Choice, Table, canonical_columns
 from chainbuild.units import m_from_mm
 
 

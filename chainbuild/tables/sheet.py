@@ -34,7 +34,7 @@ class _Peekable(Protocol):
     def peek(self, size: int = 0, /) -> bytes: ...
 
 
-class Sheet:
+class TableText:
     """An open table: its column names at once, its rows on demand.
 
     Args:
@@ -132,7 +132,7 @@ class Sheet:
             head = cast("_Peekable", self._bytes).peek(_HEAD_BYTES)[:_HEAD_BYTES]
         except OSError as error:
             raise unreadable_table(error, Span(self.file)) from None
-        kind = binary_kind(head)
+        kind = binary_kind(head) if b"\0" in head or not head.isascii() else None
         if kind is not None:
             raise TableError(f"this is {kind.name}, no table", span=Span(self.file), permitted="CSV", hint=kind.table)
         encoding = _encoding(head)

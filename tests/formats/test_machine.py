@@ -19,7 +19,7 @@ from chainbuild.errors import (
     UnsupportedKinematicError,
 )
 from chainbuild.findings import Collector
-from chainbuild.formats.beside import find_overlay
+from chainbuild.formats.load import find_overlay
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.sinumerik import machine as robx_machine
 from chainbuild.formats.text import read_source

@@ -24,7 +24,7 @@ ORDER = [
     "machines",
     "tables",
     "formats.text", "formats.overlay", "formats.overlay_poses", "formats.overlay_sums", "formats.entries",
-    "formats.machine", "formats.beside",
+    "formats.machine", "formats.overlay_useless",
     "formats.sinumerik.reading", "formats.sinumerik.geometry", "formats.sinumerik.rules", "formats.sinumerik",
     "formats.twincat.lists", "formats.twincat.maps", "formats.twincat.recipes", "formats.twincat.families",
     "formats.twincat.types", "formats.twincat.universal", "formats.twincat.coupling", "formats.twincat",

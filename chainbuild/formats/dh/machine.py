@@ -14,13 +14,13 @@ from chainbuild.chain.elements import Axis, Chain
 from chainbuild.convention import Choices
 from chainbuild.errors import MachineDataError, Span
 from chainbuild.findings import Collector
-from chainbuild.formats.beside import OF_CONTROLS, refuse_useless
-from chainbuild.formats.dh.rows import FORMULAS, DhRow, DhTable, read_table
+from chainbuild.formats.dh.rows import FORMULAS, DhJoint, DhTable, read_table
 from chainbuild.formats.entries import Datum, KinematicEntry, ParameterRow, Selected, changed_overlay
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.overlay_poses import with_named_poses
 from chainbuild.formats.overlay_sums import with_coupling, with_sums
+from chainbuild.formats.overlay_useless import OF_CONTROLS, refuse_useless
 from chainbuild.frames import rot_x, rot_z, translation
 
 _CHANNEL: Final = 1  # a table has none
@@ -135,7 +135,7 @@ class DhMachine(Machine):
         return with_named_poses(chain, overlay, collector)
 
 
-def read_machine(path: Path, overlay: Overlay, collector: Collector) -> DhMachine:
+def read_dh(path: Path, overlay: Overlay, collector: Collector) -> DhMachine:
     """Read a table of Denavit-Hartenberg parameters.
 
     Args:
@@ -149,14 +149,14 @@ def read_machine(path: Path, overlay: Overlay, collector: Collector) -> DhMachin
     return DhMachine(path, overlay, collector, read_table(path))
 
 
-def _axis(row: DhRow) -> Axis:
+def _axis(row: DhJoint) -> Axis:
     axis = Axis.unlimited(row.name, "linear" if row.kind == "prismatic" else "rotary")
     if row.limits is None:
         return axis
     return replace(axis, lower=row.limits[0], upper=row.limits[1], assumed=False)
 
 
-def _elements(row: DhRow, standard: bool) -> Iterator[Element]:
+def _elements(row: DhJoint, standard: bool) -> Iterator[Element]:
     """Yield what a row is from one frame to the next: about and along z with its joint, about and along x."""
     x = Fixed(_shifted(row.values["a"], 0.0) @ turn(rot_x(row.values["alpha"])).T)
     theta, d = turn(rot_z(row.values["theta"])), Fixed(_shifted(0.0, row.values["d"]))
@@ -176,7 +176,7 @@ def _shifted(x: float, z: float) -> Matrix:
     return translation(x, 0.0, z)
 
 
-def _warn_of_radians(rows: Sequence[DhRow], collector: Collector) -> None:
+def _warn_of_radians(rows: Sequence[DhJoint], collector: Collector) -> None:
     """Warn where no angle is larger than a turn in radians and some are right angles in them."""
     angles = [(row, name, abs(row.values[name])) for row in rows for name in ("alpha", "theta")]
     right = [one for one in angles if any(abs(one[2] - turned) < _ROUNDED for turned in _RIGHT_ANGLES)]

@@ -18,15 +18,15 @@ from chainbuild.chain.elements import JointKind
 from chainbuild.chain.names import name_fault
 from chainbuild.closest import closest
 from chainbuild.errors import ParseError, Span
-from chainbuild.tables.sheet import Sheet, is_number, spot
+from chainbuild.tables.sheet import TableText, is_number, spot
 
-Convention = Literal["standard", "modified"]
+DhConvention = Literal["standard", "modified"]
 
-FORMULAS: Final[Mapping[Convention, str]] = {
+FORMULAS: Final[Mapping[DhConvention, str]] = {
     "standard": "T = Rz(theta) Tz(d) Tx(a) Rx(alpha)",
     "modified": "T = Rx(alpha) Tx(a) Rz(theta) Tz(d)",
 }
-_WORDS: Final[Mapping[str, Convention]] = {
+_WORDS: Final[Mapping[str, DhConvention]] = {
     "standard": "standard", "classic": "standard", "distal": "standard",
     "modified": "modified", "craig": "modified", "proximal": "modified",
 }  # fmt: skip
@@ -49,7 +49,7 @@ _KINDS: Final[Mapping[str, JointKind | Literal["fixed"]]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class DhRow:
+class DhJoint:
     """One row: a joint, or a constant transform.
 
     Attributes:
@@ -77,8 +77,8 @@ class DhTable:
         span: Where the convention is given.
     """
 
-    convention: Convention
-    rows: tuple[DhRow, ...]
+    convention: DhConvention
+    rows: tuple[DhJoint, ...]
     span: Span
 
 
@@ -90,7 +90,7 @@ def read_table(path: Path) -> DhTable:
         TableError: it is no table.
         ParseError: it does not say its convention, a column is missing or unknown, or a row makes no sense.
     """
-    sheet = Sheet(path)
+    sheet = TableText(path)
     try:
         convention, place = _convention(sheet)
         columns = _columns(sheet)
@@ -103,13 +103,13 @@ def read_table(path: Path) -> DhTable:
     return DhTable(convention, rows, place)
 
 
-def _convention(sheet: Sheet) -> tuple[Convention, Span]:
+def _convention(sheet: TableText) -> tuple[DhConvention, Span]:
     """Return the convention that the comments before the header name, and where.
 
     Raises:
         ParseError: none, or both.
     """
-    found: dict[Convention, Span] = {}
+    found: dict[DhConvention, Span] = {}
     for number, line in sheet.comments:
         for word in re.findall(r"[a-z]+", line.casefold()):
             if word in _WORDS:
@@ -122,7 +122,7 @@ def _convention(sheet: Sheet) -> tuple[Convention, Span]:
     return next(iter(found.items()))
 
 
-def _columns(sheet: Sheet) -> dict[str, int]:
+def _columns(sheet: TableText) -> dict[str, int]:
     """Return where each column is.
 
     Raises:
@@ -163,7 +163,7 @@ def _named(written: str) -> tuple[str, str]:
 class _Line:
     """A row of the file while it is read."""
 
-    def __init__(self, sheet: Sheet, columns: Mapping[str, int], number: int, text: str, fields: list[str]) -> None:
+    def __init__(self, sheet: TableText, columns: Mapping[str, int], number: int, text: str, fields: list[str]) -> None:
         self.span = Span(sheet.file, number, 1, text)
         fields += [""] * (len(sheet.header) - len(fields))
         if len(fields) > len(sheet.header):
@@ -231,7 +231,7 @@ class _Line:
         return lower, upper
 
 
-def _rows(lines: Sequence[_Line]) -> Iterator[DhRow]:
+def _rows(lines: Sequence[_Line]) -> Iterator[DhJoint]:
     """Yield the rows; joints without a name are A1, A2, … .
 
     Raises:
@@ -245,7 +245,7 @@ def _rows(lines: Sequence[_Line]) -> Iterator[DhRow]:
         if kind == "fixed":
             if line.text("name") or line.limits():
                 raise ParseError("a fixed row has no axis: it has no name and no limits", span=line.span)
-            yield DhRow("", kind, values, None, spans)
+            yield DhJoint("", kind, values, None, spans)
             continue
         name = line.text("name") or f"A{len(names) + 1}"
         fault = name_fault(name)
@@ -255,4 +255,4 @@ def _rows(lines: Sequence[_Line]) -> Iterator[DhRow]:
             text = f"two axes are called {name}"
             raise ParseError(text, span=line.spot("name"), parameter="name", permitted="a name of its own for each")
         names[name.casefold()] = line.span
-        yield DhRow(name, kind, values, line.limits(), spans)
+        yield DhJoint(name, kind, values, line.limits(), spans)

@@ -298,7 +298,8 @@ def _build(
         singularity_watch=singularity_watch(robx, choose),
         display=_DISPLAYS.get(robx.num_axes, POSE_ANGLES),
     )
-    return with_sums(renamed(chain, [axis.name for axis in named]), machine.overlay)
+    chain = renamed(chain, [axis.name for axis in named])
+    return with_sums(chain, machine.overlay) if machine.overlay.sums else chain
 
 
 def _chain_name(machine: RobxMachine, robx: Robx, gripper: bool) -> str:

@@ -59,7 +59,7 @@ def translate(source: Source, name: str, title: str, choose: Choices, collector:
         axes = (*axes, *above.axes)
     _tell_table_sense(axes, source, choose, collector)
     chain = replace(_limited(chain, ahead, source, collector), name=name, title=title)
-    chain = with_sums(chain, source.overlay, main=source.main)
+    chain = with_sums(chain, source.overlay, main=source.main) if source.overlay.sums else chain
     return with_named_poses(chain, source.overlay, collector) if source.main and source.overlay.poses else chain
 
 

@@ -126,7 +126,7 @@ class UrdfMachine(Machine):
             collector.add("CB528", f"a URDF leaves nothing open: convention {name} has no effect", span=Span(self.file))
 
 
-def read_machine(
+def read_urdf(
     source: SourceText, path: Path, overlay: Overlay, collector: Collector, tool: str | None = None
 ) -> UrdfMachine:
     """Read a URDF file.

@@ -9,7 +9,6 @@ drives are held.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -22,15 +21,14 @@ from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint, JointKind, 
 from chainbuild.chain.names import DRIVE_SUFFIX, RESERVED_COLUMNS, free_name
 from chainbuild.errors import ChainbuildError, ParseError, Span
 from chainbuild.findings import Collector, Findings
-from chainbuild.formats.beside import OF_CONTROLS, find_overlay, refuse_useless
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.overlay_poses import with_named_poses
 from chainbuild.formats.overlay_sums import with_coupling, with_sums
-from chainbuild.formats.text import read_source
+from chainbuild.formats.overlay_useless import OF_CONTROLS, refuse_useless
 from chainbuild.formats.urdf.bodies import urdf_bodies
 from chainbuild.formats.urdf.joints import Joints, UrdfJoint, shown
 from chainbuild.formats.urdf.tree import RESERVED, Tree, link_places
-from chainbuild.formats.urdf.xml import Node, parse
+from chainbuild.formats.urdf.xml import Node
 from chainbuild.frames import unit
 from chainbuild.units import AxisKind
 
@@ -38,30 +36,6 @@ from chainbuild.units import AxisKind
 _USELESS: Final = {**OF_CONTROLS, "tool_length_mm": ("tool_length_mm",)}
 _USEFUL: Final = "name, source, kinematic, endless, [limits], [limits.sums], [speeds], [poses], [geometry], [coupling]"
 _KINDS: Final[Mapping[AxisKind, JointKind]] = {"rotary": "revolute", "linear": "prismatic"}
-
-
-def from_urdf(
-    path: str | os.PathLike[str], *, tool: str | None = None, overlay: str | os.PathLike[str] | None = None
-) -> Chain:
-    """Read a URDF file into a chain from its root link to a tool link.
-
-    Args:
-        path: The file (plain URDF, not xacro).
-        tool: Name of the link whose frame is the tool; None: the one that the overlay names as `kinematic`, else the
-            only link without children.
-        overlay: An overlay file in place of the one beside the URDF.
-
-    Raises:
-        FileAccessError: the file or its overlay cannot be read.
-        OverlayError: the overlay says what a URDF has no use for, or what does not fit the chain.
-        ParseError: no URDF, a bad number, a link with two parents, limits that leave nothing, or a joint type other
-            than revolute, continuous, prismatic, fixed.
-        ChainbuildError: the tool link does not exist or is not the only candidate, or no joint on the way moves.
-    """
-    file = Path(path)
-    robot = parse(read_source(file).text, str(path))
-    beside = find_overlay(file, None if overlay is None else Path(overlay))
-    return urdf_chain(robot, file, named_tool(tool, beside), beside, Collector())
 
 
 def urdf_chain(robot: Node, file: Path, tool: str | None, overlay: Overlay, collector: Collector) -> Chain:
@@ -75,7 +49,7 @@ def urdf_chain(robot: Node, file: Path, tool: str | None, overlay: Overlay, coll
         collector: Takes the findings.
 
     Raises:
-        ChainbuildError: as `from_urdf`.
+        ChainbuildError: as `chainbuild.from_urdf`.
     """
     joints = Joints(robot)
     way = way_to(tool, joints.all, Span(str(file)))
