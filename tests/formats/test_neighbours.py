@@ -65,7 +65,7 @@ FILES: dict[str, tuple[str, bytes | str, str, str]] = {
         "arm.xacro",
         '<robot name="a"><xacro:macro name="b"/></robot>',
         "xacro, a template",
-        "xacro FILE >",
+        "arm.xacro > robot.urdf",
     ),
     "nc_program": ("part.mpf", "%\nN10 G0 X0 Y0\nN20 G1 Z-5 F500\nM30\n", "an NC program", "--axes, --poses"),
     "nc_with_transformation": ("part.nc", "; part\nTRAORI\nG1 X10 Y10 A3=0 B3=0 C3=1\n", "an NC program", "--poses"),

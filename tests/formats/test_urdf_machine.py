@@ -112,7 +112,7 @@ def test_files_that_are_no_robot(hand: Path, text: str, line: int, said: str) ->
 
 def test_xacro_tells_the_command_that_makes_a_urdf(hand: Path) -> None:
     hand.write_text(FILES["xacro"][0], "utf-8")
-    with pytest.raises(ChainbuildError, match=r"expand it first: xacro FILE > robot\.urdf"):
+    with pytest.raises(ChainbuildError, match=r"expand it first: xacro .*hand\.urdf > robot\.urdf"):
         chainbuild.load(hand)
 
 
@@ -141,3 +141,17 @@ def test_a_chain_written_as_urdf_is_the_same_machine(tmp_path: Path) -> None:
     values = np.array([10.0, -80.0, 70.0, 20.0, 40.0, -30.0])
     assert np.abs(back.fk(values).homogeneous - arm.fk(values).homogeneous).max() < 1e-12
     assert back.ik(arm.fk(values), start=values + 2).axes == pytest.approx(values, abs=1e-6)
+
+
+def test_a_gantry_is_written_as_the_universal_kinematic(tmp_path: Path) -> None:
+    rows = "0,0,90,0,P\n0,0,90,90,P\n0,0,0,0,P\n0,0,90,0,R\n0,100,0,0,R\n"
+    table = tmp_path / "gantry.csv"
+    table.write_text(f"# standard\na,d,alpha,theta,kind\n{rows}", "utf-8")
+    values = [10.0, 20.0, 30.0, 40.0, 50.0]
+    T = Robot.load(table).fk(values).homogeneous
+    path = chainbuild.write_urdf(Robot.load(table), tmp_path)
+    for machine in (chainbuild.load(table), chainbuild.load(path, tool="tool")):
+        written = tmp_path / "universal.lis"
+        written.write_text(chainbuild.as_universal(machine), "utf-8")
+        found = Robot.load(written).fk(values).homogeneous
+        assert np.abs(found[:3, [2, 3]] - T[:3, [2, 3]]).max() < 1e-7

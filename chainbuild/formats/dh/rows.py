@@ -38,7 +38,15 @@ _EXPLAINED: Final = (
 _UNITS: Final = {"a": "mm", "d": "mm", "alpha": "deg", "theta": "deg"}
 _ENDS: Final = ("lower", "upper")
 _COLUMNS: Final = (*_UNITS, "kind", *_ENDS, "name")
-_SPELLINGS: Final = {"α": "alpha", "θ": "theta", "type": "kind", "min": "lower", "max": "upper"}
+_SPELLINGS: Final = {
+    "α": "alpha",
+    "θ": "theta",
+    "type": "kind",
+    "min": "lower",
+    "max": "upper",
+    "joint": "name",
+    "i": "name",
+}
 _UNIT_NAMES: Final = {"mm": "mm", "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg"}
 _HEADING: Final = re.compile(r"([^\[\]()]*?)\s*(?:[\[(]([^\])]*)[\])]|_(mm|deg))?")
 _KINDS: Final[Mapping[str, JointKind | Literal["fixed"]]] = {
@@ -238,16 +246,19 @@ def _rows(lines: Sequence[_Line]) -> Iterator[DhJoint]:
         ParseError: a row that makes no sense, or a name that another has.
     """
     names: dict[str, Span] = {}
-    for line in lines:
+    for number, line in enumerate(lines, start=1):
         kind = line.kind()
         values = {name: line.number(name) for name in _UNITS}
         spans = {name: line.spot(name) for name in _UNITS}
+        given = line.text("name")
+        if given == str(number):  # a column that counts the rows
+            given = ""
         if kind == "fixed":
-            if line.text("name") or line.limits():
+            if given or line.limits():
                 raise ParseError("a fixed row has no axis: it has no name and no limits", span=line.span)
             yield DhJoint("", kind, values, None, spans)
             continue
-        name = line.text("name") or f"A{len(names) + 1}"
+        name = given or f"A{len(names) + 1}"
         fault = name_fault(name)
         if fault is not None:
             raise ParseError(fault[0], span=line.spot("name"), parameter="name", permitted=fault[1])

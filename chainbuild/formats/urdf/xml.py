@@ -13,7 +13,6 @@ from chainbuild.errors import ParseError, Span
 _MAX_DEPTH: Final = 50  # of XML elements: URDF has five levels
 _XACRO: Final = "the file is xacro, a template of URDF"
 _OF_SRDF: Final = ("group", "group_state", "disable_collisions", "virtual_joint", "end_effector")
-_EXPAND: Final = "expand it first: xacro FILE > robot.urdf"
 
 
 @dataclass(slots=True)
@@ -80,7 +79,9 @@ def parse(text: str, file: str) -> Node:
             raise ParseError("elements nest too deep for a URDF", span=Span(file, parser.CurrentLineNumber))
         node = Node(name, attributes, Span(file, parser.CurrentLineNumber))
         if name.startswith("xacro:") or any("${" in value for value in attributes.values()):
-            raise ParseError(_XACRO, span=node.span, permitted="plain URDF", hint=_EXPAND)
+            target = "expanded.urdf" if file.endswith("robot.urdf") else "robot.urdf"
+            expand = f"expand it first: xacro {file} > {target}"
+            raise ParseError(_XACRO, span=node.span, permitted="plain URDF", hint=expand)
         opened[-1].children.append(node)
         opened.append(node)
 

@@ -55,6 +55,7 @@ HABITS = {
         for line in PLAIN.splitlines()
     ),
     "letters": PLAIN.replace("revolute", "R"),
+    "counted": "\n".join(["# standard", f"joint,{HEAD}", *(f"{n},{row}" for n, row in enumerate(ARM, start=1))]),
     "german": GERMAN,
     "german_excel": f"sep=;\r\n{GERMAN}".replace("# standard", "# standard;;;").replace("\n", ";;\r\n") + ";;;;;;\r\n",
     "tabs": PLAIN.replace(",", "\t"),
@@ -107,6 +108,7 @@ MISTAKES = {
     "only_fixed": (f"# standard\n{HEAD}\n1,2,3,4,fixed,,\n", 0, "the table has no joints"),
     "fixed_with_limits": (f"# standard\n{HEAD}\n1,2,3,4,fixed,-1,1\n", 3, "a fixed row has no axis"),
     "same_names": ("# modified\na,d,alpha,theta,name\n0,0,0,0,J\n0,0,90,0,j\n", 4, "two axes are called j"),
+    "miscounted": (f"# modified\ni,{HEAD}\n2,0,0,0,0,R,,\n", 3, "the axis is called '2'"),
     "reserved": ("# modified\na,d,alpha,theta,name\n0,0,0,0,x_mm\n", 3, "the axis is called 'x_mm' like a column"),
     "name_of_a_frame": ("# modified\na,d,alpha,theta,name\n0,0,0,0,tool\n", 3, "like a frame of the model"),
 }
