@@ -174,7 +174,7 @@ TWINCAT_ROOTS: Final = frozenset(
         "ori",
     }
 )  # fmt: skip
-_UNIT: Final = re.compile(r"[\[(][^\])\n]*[\])]")
+_UNIT: Final = re.compile(r"[\[(][^\[\]()\n]*[\])]")
 _HEADER_CHARACTERS: Final = 20_000  # comments before a header are shorter
 _DH_NAMES: Final = 3  # of a, d, alpha, theta: a header that lacks one is told so
 _XML_ROOT: Final = re.compile(r"(?:\s|<\?[^>]*>|<!--.*?-->|<!DOCTYPE[^>]*>)*<([A-Za-z_][\w.:-]*)", re.DOTALL)

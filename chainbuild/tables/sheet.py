@@ -23,7 +23,7 @@ _HEAD_BYTES: Final = 4096  # enough to tell what a file is
 _SEPARATORS: Final = {",": "commas", ";": "semicolons", "\t": "tabs"}
 _PERMITTED: Final = "commas, semicolons or tabs"
 _EXCEL_LINE: Final = re.compile(r'"?sep=(.)"?[,;]*', re.IGNORECASE)  # tells Excel the separator of the file
-_IN_BRACKETS: Final = re.compile(r"[\[(][^\])]*[\])]")
+_IN_BRACKETS: Final = re.compile(r"[\[(][^\[\]()]*[\])]")
 _EXCEL_ERROR: Final = re.compile(r"\s*#(?:[A-ZÄÖÜ/0]+[!?]|N/A|NV\b)")  # a value that could not be computed, no comment
 _BLANK: Final = re.compile(r'[\s;,"]*')
 _BYTES_KEPT: Final = re.compile("[\udc80-\udcff]")  # what `surrogateescape` makes of bytes that are no UTF-8
