@@ -88,6 +88,14 @@ def test_other_commands(run: Run, machine: str, words: tuple[str, ...], code: in
         assert Path(written[name]).stat().st_size > 1000
 
 
+def test_the_live_page_has_the_machine(machine: str) -> None:
+    from chainbuild.comparison.convention_trials import Selection
+    from chainbuild.inspect.live.session import Session
+
+    page = Session(chainbuild.load(machine), Selection(None, None, 0.0)).page("")
+    assert ("joint_a3" if machine.endswith("urdf") else "theta6") in page
+
+
 def test_what_cannot_be_done_is_one_sentence(run: Run, machine: str) -> None:
     for words in (("as-universal", machine), ("types", machine)):
         found = run(*words)
