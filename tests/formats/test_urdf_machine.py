@@ -155,3 +155,34 @@ def test_a_gantry_is_written_as_the_universal_kinematic(tmp_path: Path) -> None:
         written.write_text(chainbuild.as_universal(machine), "utf-8")
         found = Robot.load(written).fk(values).homogeneous
         assert np.abs(found[:3, [2, 3]] - T[:3, [2, 3]]).max() < 1e-7
+
+
+def test_origins_are_data_that_can_be_changed(hand: Path) -> None:
+    machine = chainbuild.load(hand, tool="left")
+    data = {datum.name: datum for datum in machine.geometry()}
+    assert list(data) == [
+        f"{joint}.{part}" for joint in ("J1", "J2") for part in ("x", "y", "z", "roll", "pitch", "yaw")
+    ]
+    assert (data["J2.x"].value, data["J2.x"].unit) == (400.0, "mm")
+    changed = machine.with_values({data["J2.x"]: 450.0, data["J1.roll"]: 30.0, data["J2.yaw"]: -20.0})
+    text = HAND.replace("0.4 0 0", "0.45 0 0").replace('xyz="0 0 0.5"', f'xyz="0 0 0.5" rpy="{np.deg2rad(30)} 0 0"')
+    hand.write_text(text.replace('0.45 0 0"', f'0.45 0 0" rpy="0 0 {np.deg2rad(-20)}"'), "utf-8")
+    expected = Robot.load(hand, tool="left")
+    for values in ([0, 0], [30, -50]):
+        T = Robot(changed.chain()).fk(values).homogeneous
+        assert np.abs(T - expected.fk(values).homogeneous).max() < 1e-15
+        assert np.abs(Robot(machine.chain()).fk(values).homogeneous - T).max() > 0.01
+
+
+def test_a_wrong_origin_is_found_by_poses(hand: Path) -> None:
+    right = HAND.replace('name="J3" type="prismatic"', 'name="J3" type="revolute"')
+    right = right.replace('parent link="arm"/><child link="right"', 'parent link="left"/><child link="right"')
+    hand.write_text(right, "utf-8")
+    true, rows = Robot.load(hand, tool="right"), np.random.default_rng(0).uniform(-100, 100, (6, 3)).round(3)
+    recording = chainbuild.Recording(rows, np.array([true.fk(row).homogeneous for row in rows]))
+    hand.write_text(right.replace("0.4 0 0", "0.43 0 0"), "utf-8")
+    machine = chainbuild.load(hand, tool="right")
+    found = chainbuild.crosscheck(Robot(machine.chain()), recording, machine=machine)
+    assert not found.agrees
+    assert found.data[0].agrees
+    assert [(datum.name, round(value, 6)) for datum, value in found.data[0].values.items()] == [("J2.x", 400.0)]

@@ -11,10 +11,18 @@ from chainbuild.chain.elements import Chain
 from chainbuild.convention import Choices
 from chainbuild.errors import MachineDataError, Span
 from chainbuild.findings import Collector
-from chainbuild.formats.entries import Datum, KinematicEntry, ParameterRow, Selected
+from chainbuild.formats.entries import (
+    Datum,
+    KinematicEntry,
+    ParameterRow,
+    Selected,
+    checked_channel,
+    checked_kinematic,
+)
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.text import SourceText
+from chainbuild.formats.urdf.data import origin_data, origin_rows, with_origins
 from chainbuild.formats.urdf.joints import Joints, UrdfJoint
 from chainbuild.formats.urdf.robot import named_tool, urdf_chain, way_to
 from chainbuild.formats.urdf.xml import Node, parse
@@ -54,14 +62,15 @@ class UrdfMachine(Machine):
     def parameters(
         self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
     ) -> tuple[ParameterRow, ...]:
-        """Return no parameters: a URDF has joints, which the chain shows."""
-        return ()
+        """Return the origins of the joints on the way to a tool link, with their meaning."""
+        return origin_rows(self.geometry(kinematic, channel))
 
     def geometry(
         self, kinematic: int | str | tuple[int | str, int | str] | None = None, channel: int | None = None
     ) -> tuple[Datum, ...]:
-        """Return nothing: no number of a URDF is tried with another value."""
-        return ()
+        """Return the origins of the joints on the way to a tool link: six numbers each, mm and degrees."""
+        selected = self._select(checked_kinematic(kinematic), checked_channel(channel), Collector(strict=False))
+        return origin_data(self._way(selected.entry.name), _CHANNEL)
 
     def tool_data(
         self,
@@ -77,8 +86,23 @@ class UrdfMachine(Machine):
         return ()
 
     def with_values(self, values: Mapping[Datum, float]) -> UrdfMachine:
-        """Return the machine itself: it has no such data."""
-        return self
+        """Return the machine with other origins of joints."""
+        if not values:
+            return self
+        collector = Collector(self._collector.strict, list(self._reading))
+        return UrdfMachine(self.path, self.overlay, collector, with_origins(self._robot, values), self._tool)
+
+    def trial_chain(
+        self,
+        kinematic: int | str | tuple[int | str, int | str] | None = None,
+        channel: int | None = None,
+        tool_length_mm: float = 0.0,
+        conventions: Mapping[str, str] | None = None,
+    ) -> Chain:
+        """Translate a kinematic as `chain` does, without bodies: meshes would be read each time."""
+        collector = Collector(strict=False)
+        selected = self._select(checked_kinematic(kinematic), checked_channel(channel), collector)
+        return urdf_chain(self._robot, self.path, selected.entry.name, self.overlay, collector, bodies=False)
 
     def _listed(self) -> Iterator[KinematicEntry]:
         joints = self._joints.all

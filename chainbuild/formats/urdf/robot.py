@@ -17,6 +17,7 @@ from typing import Final
 import numpy as np
 
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.bodies.geometry import NO_GEOMETRY
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint, JointKind, Link
 from chainbuild.chain.names import DRIVE_SUFFIX, RESERVED_COLUMNS, free_name
 from chainbuild.errors import ChainbuildError, ParseError, Span
@@ -38,7 +39,9 @@ _USEFUL: Final = "name, source, kinematic, endless, [limits], [limits.sums], [sp
 _KINDS: Final[Mapping[AxisKind, JointKind]] = {"rotary": "revolute", "linear": "prismatic"}
 
 
-def urdf_chain(robot: Node, file: Path, tool: str | None, overlay: Overlay, collector: Collector) -> Chain:
+def urdf_chain(
+    robot: Node, file: Path, tool: str | None, overlay: Overlay, collector: Collector, *, bodies: bool = True
+) -> Chain:
     """Return the chain of a URDF from its root link to a tool link, with its findings.
 
     Args:
@@ -47,6 +50,7 @@ def urdf_chain(robot: Node, file: Path, tool: str | None, overlay: Overlay, coll
         tool: Name of the link whose frame is the tool; None: the only link without children.
         overlay: What it adds.
         collector: Takes the findings.
+        bodies: False: without shapes and meshes.
 
     Raises:
         ChainbuildError: as `chainbuild.from_urdf`.
@@ -66,8 +70,8 @@ def urdf_chain(robot: Node, file: Path, tool: str | None, overlay: Overlay, coll
     moving = tuple(_joint(joint, tree, names[joint.name]) for joint in tree.moving)
     links = (Link(BASE_LINK), *(Link(joint.child) for joint in moving))
     body = (links, moving, tree.frames, axes, _axis_map(tree, joints, axes))
-    bodies = urdf_bodies(robot, link_places(tree), file, collector)
-    geometry = replace(bodies, inertias=tree.inertias(), source=file)
+    shapes = urdf_bodies(robot, link_places(tree), file, collector) if bodies else NO_GEOMETRY
+    geometry = replace(shapes, inertias=tree.inertias(), source=file)
     chain = Chain(name, title, "URDF", "URDF", *body, "orirpy", geometry=geometry)
     chain = _with_overlay(chain, overlay, tree, collector)
     return replace(chain, findings=Findings(collector.findings))

@@ -92,9 +92,6 @@ def data_chapter(robot: Mechanism, source: DataSource | None) -> Chapter:
     title = "What the file says"
     if source is None:
         return Chapter(title, [Paragraph.of("The report was made from the model alone, without the data of its file.")])
-    if robot.chain.dialect == "URDF":
-        text = "A URDF gives the joints themselves: the rows and screws below are its data, seen from the base."
-        return Chapter(title, [Paragraph.of(text)])
     return Chapter(title, list(_data_blocks(robot, source)))
 
 
