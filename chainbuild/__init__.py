@@ -116,6 +116,7 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.formats.entries import KinematicEntry as KinematicEntry
     from chainbuild.formats.entries import ParameterRow as ParameterRow
     from chainbuild.formats.load import check as check
+    from chainbuild.formats.load import from_urdf as from_urdf
     from chainbuild.formats.load import load as load
     from chainbuild.formats.machine import Machine as Machine
     from chainbuild.formats.twincat.lists.hdtable import AxisRow as AxisRow
@@ -124,7 +125,6 @@ if TYPE_CHECKING:  # what the table below says, for type checkers; a test holds 
     from chainbuild.formats.twincat.types.catalogue import KinType as KinType
     from chainbuild.formats.twincat.types.catalogue import catalogue as catalogue
     from chainbuild.formats.twincat.universal.as_universal import as_universal as as_universal
-    from chainbuild.formats.urdf.robot import from_urdf as from_urdf
     from chainbuild.ik.branches.core.branches import Branch as Branch
     from chainbuild.ik.branches.core.branches import Branches as Branches
     from chainbuild.ik.branches.many import ik_all_batch as ik_all_batch
@@ -214,13 +214,12 @@ _HOMES = {
         " OverlayError OverwriteError ParseError Span TableError UnsupportedKinematicError"
     ),
     "chainbuild.findings": "Finding Findings Severity",
-    "chainbuild.formats.load": "check load",
+    "chainbuild.formats.load": "check from_urdf load",
     "chainbuild.formats.machine": "Machine",
     "chainbuild.formats.entries": "Datum KinematicEntry ParameterRow",
     "chainbuild.formats.twincat.lists.hdtable": "AxisRow HdRow TypeData",
     "chainbuild.formats.twincat.types.catalogue": "KinType catalogue",
     "chainbuild.formats.twincat.universal.as_universal": "as_universal",
-    "chainbuild.formats.urdf.robot": "from_urdf",
     "chainbuild.ik.branches.core.branches": "Branch Branches",
     "chainbuild.ik.branches.many": "ik_all_batch",
     "chainbuild.ik.request": "IkOptions",

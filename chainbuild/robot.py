@@ -45,6 +45,7 @@ class Robot(DisplayedMechanism):
         conventions: Mapping[str, str] | None = None,
         *,
         overlay: str | os.PathLike[str] | None = None,
+        tool: str | None = None,
     ) -> Self:
         """Read a machine file, or a shipped machine by name, and build one of its kinematics.
 
@@ -55,13 +56,14 @@ class Robot(DisplayedMechanism):
             tool_length_mm: Length added to the active tool's length [mm].
             conventions: Convention name → choice.
             overlay: An overlay file instead of the one next to the machine file.
+            tool: Of a URDF: link whose frame is the tool; see `chainbuild.load`.
 
         Raises:
             ChainbuildError: the file cannot be read, or describes no machine that can be built.
         """
         from chainbuild.formats.load import load
 
-        return cls(load(path, overlay=overlay).chain(kinematic, channel, tool_length_mm, conventions))
+        return cls(load(path, overlay=overlay, tool=tool).chain(kinematic, channel, tool_length_mm, conventions))
 
     @classmethod
     def from_urdf(
@@ -72,7 +74,7 @@ class Robot(DisplayedMechanism):
         Raises:
             ChainbuildError: the file is not a URDF, there is no such link, or the overlay does not fit.
         """
-        from chainbuild.formats.urdf.robot import from_urdf
+        from chainbuild.formats.load import from_urdf
 
         return cls(from_urdf(path, tool=tool, overlay=overlay))
 

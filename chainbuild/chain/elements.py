@@ -238,8 +238,8 @@ class Chain:
     Attributes:
         name: File-system-safe name, used for URDF.
         title: Name for people.
-        dialect: "SINUMERIK ROBX" or "TwinCAT CNC".
-        kinematic: "ROBX NR", "KIN_TYP 45", … .
+        dialect: "SINUMERIK ROBX", "TwinCAT CNC", "URDF" or "Denavit-Hartenberg".
+        kinematic: "ROBX NR", "KIN_TYP 45", "DH standard", … .
         links: All links, `base` first.
         joints: All joints, parents before children.
         frames: At least base, flange, tool and workpiece.

@@ -29,7 +29,7 @@ def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT
 
     chosen = options.choices()
     with refusal_as_json(file, json):
-        findings = check_file(file, overlay=options.overlay)
+        findings = check_file(file, overlay=options.overlay, tool=options.tool)
     # What an option chooses is not missing; the selection below is built with it.
     findings = Findings(one for one in findings if one.code != _UNCHOSEN or one.parameter not in chosen)
     refused = any(finding.severity == "error" for finding in findings)

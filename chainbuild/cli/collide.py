@@ -62,7 +62,7 @@ def collide(
     Args:
         file: A machine file, or the name of a shipped machine.
         at: Axis values in channel order, mm and degrees, separated by commas; may be repeated.
-        axes: CSV table of axis values: a path.
+        axes: CSV table of axis values: a path; - is standard input.
         between: What the machine does between the rows of --axes. ptp: all axes change evenly, no contact is missed;
             cp: the tip moves along a straight line, sampled; rows: only the rows are looked at.
         clearance: Smallest permitted distance between bodies in mm.

@@ -38,7 +38,7 @@ from chainbuild.cli.process import INTERRUPTED, signals, standard_streams
 from chainbuild.cli.singularity import singularity
 from chainbuild.cli.types import types
 from chainbuild.cli.urdf import urdf
-from chainbuild.cli.usage import UsageError, input_files, refuse_overwriting
+from chainbuild.cli.usage import UsageError, input_files, refuse_overwriting, with_standard_input
 from chainbuild.cli.warm import warm
 from chainbuild.cli.workspace import workspace
 from chainbuild.errors import ChainbuildError, OverwriteError
@@ -74,8 +74,9 @@ _COMMANDS = (
 )
 _HELP = """Build kinematic models from CNC machine data.
 
-Reads SINUMERIK ROBX machine data and TwinCAT CNC parameter lists. FILE is a path, or the name of a machine shipped
-with chainbuild. `chainbuild COMMAND --help` shows the options of a command and an example.
+Reads SINUMERIK ROBX machine data, TwinCAT CNC parameter lists, Denavit-Hartenberg tables (CSV) and URDF. FILE is a
+path, or the name of a machine shipped with chainbuild. `chainbuild COMMAND --help` shows the options of a command and
+an example.
 
 Example: `chainbuild fk kr6r900 --at 0,-90,90,0,0,0`
 """
@@ -129,7 +130,7 @@ def main(tokens: Sequence[str] | None = None) -> int:
 def _run(words: list[str]) -> int:
     _accept_any_text()
     try:
-        code = build_app()(words)
+        code = build_app()(with_standard_input(words))
         sys.stdout.flush()
     except (CycloptsError, UsageError) as error:
         usage = f"chainbuild {_command_of(words)}--help shows the usage"

@@ -53,7 +53,7 @@ def fk(
 
     Args:
         file: A machine file, or the name of a shipped machine.
-        axes: CSV table of axis values.
+        axes: CSV table of axis values; - is standard input.
         at: Axis values in channel order, mm and degrees, separated by commas; may be repeated. They come before the
             rows of the table.
         quaternion: Also write qx, qy, qz, qw on RTCP kinematics.

@@ -192,7 +192,7 @@ def ik(
 
     Args:
         file: A machine file, or the name of a shipped machine.
-        poses: CSV table of poses.
+        poses: CSV table of poses; - is standard input.
         start: CSV table of axis values to start from: one row for all poses, or one row per pose. Default: the
             previous solution.
         follow: Treat the poses as a path: it begins at the single row of --start, and each pose is reached from the

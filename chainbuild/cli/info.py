@@ -100,7 +100,8 @@ def _print(machine: Machine, chain: Chain | None, options: MachineOptions, defau
             out.print(poses_table(chain))
     rows = _parameters(machine, options)
     chosen = [row for row in rows if row.given or defaults]
-    out.print(parameters_table(chosen, out.width))
+    if rows:
+        out.print(parameters_table(chosen, out.width))
     if len(chosen) < len(rows):
         out.print(f"{len(rows) - len(chosen)} more parameters have their default values: --defaults shows them.")
         out.print()

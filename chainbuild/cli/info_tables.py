@@ -34,7 +34,7 @@ def kinematics_table(entries: Sequence[KinematicEntry]) -> Table:
         # Kinematics that share an id are selected by name.
         id_shown = "" if key in taken and entry.name else str(entry.id)
         taken.add(key)
-        chosen = f"--kinematic {id_shown or entry.name}"
+        chosen = f"--tool {entry.name}" if entry.type == "URDF" else f"--kinematic {id_shown or entry.name}"
         if default is not None and entry.channel != default.channel:
             chosen += f" --channel {entry.channel}"
         kind = f"{entry.type}, step {entry.step}" if entry.step else entry.type

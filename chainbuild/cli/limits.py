@@ -33,7 +33,8 @@ def limits(
 ) -> int:
     """Find the collision-free interval of one axis over another, to a hundredth of a degree.
 
-    Without --axis: check the limit angles of a ROBX parallelogram (MD62964) in the file and propose values.
+    Limits on sums of axes, [limits.sums] of the overlay among them, end it, too. Without --axis: check the limit angles
+    of a ROBX parallelogram (MD62964) in the file and propose values.
 
     Example: `chainbuild limits kr6r900 --axis A3 --over A2`
 
@@ -124,8 +125,11 @@ def _print(intervals: Sequence[FreeInterval], title: str, labels: tuple[str, str
     shown = empty_table(title, labels[0], "From", "To", "Below", "Above")
     for one in intervals:
         if one.lower is None or one.upper is None:
-            shown.add_row(f"{one.over:.6g}", "–", "–", "no free position", "")
+            limit = one.lower_limit or one.upper_limit
+            shown.add_row(f"{one.over:.6g}", "–", "–", f"limit {limit}" if limit else "no free position", "")
             continue
-        ends = [" – ".join(pair) if pair else "end of the range" for pair in (one.lower_pair, one.upper_pair)]
+        sides = (one.lower_pair, one.lower_limit), (one.upper_pair, one.upper_limit)
+        limited = [f"limit {limit}" if limit else "end of the range" for _, limit in sides]
+        ends = [" – ".join(pair) if pair else end for (pair, _), end in zip(sides, limited, strict=True)]
         shown.add_row(f"{one.over:.6g}", f"{one.lower:.2f}", f"{one.upper:.2f}", *ends)
     console().print(shown)

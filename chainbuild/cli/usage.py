@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
@@ -28,6 +28,8 @@ REJECTED: Final = 3
 # Parameters that name a file to write, and those that name a folder to write to, of any command.
 _OUTPUTS: Final = frozenset({"output_file", "export", "html", "picture"})
 _FOLDERS: Final = frozenset({"folder", "srdf"})
+_STDIN: Final = "-"  # of a table to read
+_TABLES: Final = frozenset({"--axes", "--poses", "--start", "--recording"})
 
 Json = Annotated[bool, Parameter(negative="")]
 BetweenRows = Literal["ptp", "cp", "rows"]
@@ -51,6 +53,7 @@ class MachineOptions:
         convention: NAME=CHOICE: decides a point that the manuals leave open; may be repeated. `chainbuild info` lists
             those of a machine.
         overlay: Overlay file (TOML), instead of NAME.chainbuild.toml next to the machine file.
+        tool: URDF: link whose frame is the tool. Default: the only link without children.
     """
 
     kinematic: str | None = None
@@ -58,11 +61,12 @@ class MachineOptions:
     tool_length: float = 0.0
     convention: Annotated[tuple[str, ...], Parameter(negative="", show_default=False)] = ()
     overlay: Path | None = None
+    tool: str | None = None
 
     @property
     def selects(self) -> bool:
-        """Whether any option except the overlay is given."""
-        return self != MachineOptions(overlay=self.overlay)
+        """Whether any option is given that is not for reading the file: except overlay and tool link."""
+        return self != MachineOptions(overlay=self.overlay, tool=self.tool)
 
     def choices(self) -> dict[str, str]:
         """Return the conventions chosen.
@@ -109,7 +113,7 @@ class MachineOptions:
         from chainbuild.formats.load import load
 
         self.choices()
-        return load(file, overlay=self.overlay)
+        return load(file, overlay=self.overlay, tool=self.tool)
 
     def chain(self, machine: Machine) -> Chain:
         """Translate the kinematic that the options select."""
@@ -144,6 +148,7 @@ class MachineOptions:
         words += [] if self.channel is None else ["--channel", str(self.channel)]
         words += ["--tool-length", f"{self.tool_length:g}"] if self.tool_length else []
         words += [word for choice in self.convention for word in ("--convention", choice)]
+        words += [] if self.tool is None else ["--tool", self.tool]
         return words + ([] if self.overlay is None else ["--overlay", str(self.overlay)])
 
 
@@ -164,6 +169,21 @@ def _unique(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     return tuple(dict.fromkeys(findings))
 
 
+def with_standard_input(words: Sequence[str]) -> list[str]:
+    """Return the words of a command line with `--axes=-` for `--axes -`, which the parser takes for an option.
+
+    >>> with_standard_input(["fk", "arm.lis", "--axes", "-"])
+    ['fk', 'arm.lis', '--axes=-']
+    """
+    found: list[str] = []
+    for word in words:
+        if word == _STDIN and found and found[-1] in _TABLES:
+            found[-1] = f"{found[-1]}={word}"
+        else:
+            found.append(word)
+    return found
+
+
 def refuse_overwriting(arguments: Mapping[str, object]) -> None:
     """Refuse a command line that would write over a file it reads, or write two results to one file.
 
@@ -171,8 +191,11 @@ def refuse_overwriting(arguments: Mapping[str, object]) -> None:
         arguments: The values of a command's parameters by name; options in dataclasses are found there.
 
     Raises:
-        UsageError: an output is also the machine file, its overlay or a table to read, or another output.
+        UsageError: an output is also the machine file, its overlay or a table to read, or another output; or several
+            tables come from standard input.
     """
+    if sum(name not in _OUTPUTS | _FOLDERS and str(path) == _STDIN for name, path in _named_files(arguments)) > 1:
+        raise UsageError("- is standard input, which holds one table: give the others as files")
     used = {place_of(path): f"{path} is also the input" for path in input_files(arguments)}
     for name, path in _named_files(arguments):
         if name not in _OUTPUTS or (path.exists() and not path.is_file()):
@@ -186,7 +209,8 @@ def refuse_overwriting(arguments: Mapping[str, object]) -> None:
 
 def input_files(arguments: Mapping[str, object]) -> tuple[Path, ...]:
     """Return the files that a command reads: those of its options, and those that an overlay names."""
-    return tuple(path for name, path in _named_files(arguments) if name not in _OUTPUTS | _FOLDERS)
+    named = _named_files(arguments)
+    return tuple(path for name, path in named if name not in _OUTPUTS | _FOLDERS and str(path) != _STDIN)
 
 
 def _named_files(arguments: Mapping[str, object]) -> Iterator[tuple[str, Path]]:

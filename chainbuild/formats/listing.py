@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
+
+_WITHOUT_CONTROL: Final = ("URDF", "Denavit-Hartenberg")  # dialects
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain
@@ -16,8 +18,8 @@ if TYPE_CHECKING:
 def limits_source(machine: Machine, chain: Chain, n: int) -> str:
     """Return where the limits of the n-th axis come from.
 
-    "machine data", "overlay", "assumed", or "limits together": what limits of the axis and its drive, or the reach of
-    a head, leave together.
+    "machine data", of a URDF and of DH parameters "file"; "overlay", "assumed", or "limits together": what limits of
+    the axis and its drive, or the reach of a head, leave together.
     """
     axis, overlay = chain.axes[n], machine.overlay
     if axis.assumed:
@@ -25,7 +27,8 @@ def limits_source(machine: Machine, chain: Chain, n: int) -> str:
     given = [overlay.limits_of(chain.axes, n), overlay.limits_of(chain.axes, n, drives=True)]
     if (axis.lower, axis.upper) in given:
         return "overlay"
-    return "limits together" if any(given) else "machine data"
+    own = "file" if chain.dialect in _WITHOUT_CONTROL else "machine data"
+    return "limits together" if any(given) else own
 
 
 def axis_meanings(chain: Chain) -> list[str]:

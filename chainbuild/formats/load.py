@@ -13,42 +13,50 @@ from chainbuild.errors import (
     ConventionError,
     FileAccessError,
     FileContentError,
-    ParseError,
     Span,
     UnsupportedKinematicError,
 )
 from chainbuild.findings import Collector, Findings
 from chainbuild.formats.machine import Machine
+from chainbuild.formats.neighbours import no_machine_data, refuse_other_xml
 from chainbuild.formats.overlay import Overlay, overlay_path, read_overlay
-from chainbuild.formats.text import COUPLED, SUMS, SourceText, is_sinumerik, is_twincat, read_source
+from chainbuild.formats.text import COUPLED, URDF, is_dh, is_sinumerik, is_twincat, is_urdf, is_xml, read_source
 from chainbuild.machines import shipped, shipped_path
 
 
-def load(path: str | os.PathLike[str], *, overlay: str | os.PathLike[str] | None = None) -> Machine:
-    """Read a machine file of either dialect; the dialect is detected by its content.
+def load(
+    path: str | os.PathLike[str], *, overlay: str | os.PathLike[str] | None = None, tool: str | None = None
+) -> Machine:
+    """Read a machine file: SINUMERIK or TwinCAT data, a Denavit-Hartenberg table or a URDF, told by its content.
 
     Args:
         path: A file, or the name of a shipped machine; an existing path wins.
         overlay: An overlay file in place of the one beside the machine file.
+        tool: Of a URDF: name of the link whose frame is the tool; None: the overlay's `kinematic`, else the only link
+            without children.
 
     Raises:
-        ChainbuildError: the file cannot be read, or holds a syntax or range error.
+        ChainbuildError: the file cannot be read, or holds a syntax or range error; or a tool link is named for what is
+            no URDF.
     """
-    return _read(path, overlay, Collector(strict=True))
+    return _read(path, overlay, Collector(strict=True), tool)
 
 
-def check(path: str | os.PathLike[str], *, overlay: str | os.PathLike[str] | None = None) -> Findings:
+def check(
+    path: str | os.PathLike[str], *, overlay: str | os.PathLike[str] | None = None, tool: str | None = None
+) -> Findings:
     """Return every finding of a machine file, errors included; never raises on content.
 
     The file is read to its end and every kinematic it configures is translated. A type that is not built, or whose
     convention must be chosen, is an error if it is the default kinematic, else a warning: the file does without it.
+    Arguments are those of `load`.
 
     Raises:
         FileAccessError: the file is missing, a folder, or may not be read.
     """
     collector = Collector(strict=False)
     try:
-        _check_kinematics(_read(path, overlay, collector), collector)
+        _check_kinematics(_read(path, overlay, collector, tool), collector)
     except FileContentError as error:
         collector.add_error(error)
     except FileAccessError:
@@ -58,10 +66,40 @@ def check(path: str | os.PathLike[str], *, overlay: str | os.PathLike[str] | Non
     return Findings(dict.fromkeys(collector.findings))
 
 
+def from_urdf(
+    path: str | os.PathLike[str], *, tool: str | None = None, overlay: str | os.PathLike[str] | None = None
+) -> Chain:
+    """Read a URDF file into a chain from its root link to a tool link.
+
+    Args:
+        path: The file (plain URDF, not xacro).
+        tool: Name of the link whose frame is the tool; None: the one that the overlay names as `kinematic`, else the
+            only link without children.
+        overlay: An overlay file in place of the one beside the URDF.
+
+    Raises:
+        FileAccessError: the file or its overlay cannot be read.
+        OverlayError: the overlay says what a URDF has no use for, or what does not fit the chain.
+        ParseError: no URDF, a bad number, a link with two parents, limits that leave nothing, or a joint type other
+            than revolute, continuous, prismatic, fixed.
+        ChainbuildError: the tool link does not exist or is not the only candidate, or no joint on the way moves.
+    """
+    from chainbuild.formats.urdf.robot import named_tool, urdf_chain
+    from chainbuild.formats.urdf.xml import parse
+
+    file = Path(path)
+    robot = parse(read_source(file).text, str(path))
+    beside = find_overlay(file, None if overlay is None else Path(overlay))
+    return urdf_chain(robot, file, named_tool(tool, beside), beside, Collector())
+
+
 def _check_kinematics(machine: Machine, collector: Collector) -> None:
     """Translate every kinematic of a file, the default as `Machine.chain` without arguments takes it."""
     named = machine.overlay.kinematic is not None
     entries = machine.kinematics()
+    if machine.dialect == URDF:  # ways to several links through the same joints
+        _note_assumed(machine, _try_chain(machine, None, None, collector), collector)
+        return
     if named and entries:
         _note_assumed(machine, _try_chain(machine, None, None, collector), collector)
     ids = Counter((entry.channel, entry.id) for entry in entries)
@@ -117,15 +155,31 @@ def _try_chain(
     return None
 
 
-def _read(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None, collector: Collector) -> Machine:
+def _read(
+    path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None, collector: Collector, tool: str | None
+) -> Machine:
     file = find_machine(path)
     source = read_source(file)
-    beside: Overlay = find_overlay(file, _as_path(overlay) if overlay is not None else None)
-    if beside.sums or beside.coupling:
-        keys = ("limits", SUMS) if beside.sums else (COUPLED,)
-        raise beside.error("the table is for a URDF alone", keys, "limits of axes and of drives; couplings of the file")
-    # A dialect is imported when it is needed: most users have one. TwinCAT comes first: its container is XML, whose
-    # text could hold anything.
+    beside = find_overlay(file, _as_path(overlay) if overlay is not None else None)
+    urdf = is_urdf(source.text)
+    if tool is not None and not urdf:
+        text = f"tool link '{tool}': {file} is no URDF, its tool is part of its data"
+        raise ChainbuildError(text, span=Span(str(file)), parameter="tool", permitted="None")
+    # A dialect is imported when it is needed: most users have one.
+    if urdf:
+        from chainbuild.formats.urdf.machine import read_urdf
+
+        return read_urdf(source, file, beside, collector, tool)
+    if is_dh(source.text):
+        from chainbuild.formats.dh.machine import read_dh
+
+        return read_dh(file, beside, collector)
+    if is_xml(source.text):
+        refuse_other_xml(source.text, file)
+    if beside.coupling:
+        text = "the table is for a URDF and for DH parameters: machine data say how axes are coupled"
+        raise beside.error(text, (COUPLED,), "limits of axes, sums and drives")
+    # TwinCAT comes first: its container is XML, whose text could hold anything.
     if is_twincat(source.text):
         from chainbuild.formats.twincat.files import read_machine as read_twincat
 
@@ -134,25 +188,7 @@ def _read(path: str | os.PathLike[str], overlay: str | os.PathLike[str] | None, 
         from chainbuild.formats.sinumerik.machine import read_machine as read_sinumerik
 
         return read_sinumerik(source, file, beside, collector)
-    raise ParseError(
-        "the file holds neither SINUMERIK machine data nor a TwinCAT channel list",
-        span=_first_line(source),
-        permitted="lines like '$MC_ROBX_…=…' or 'trafo[0].param[6] 8300000'",
-    )
-
-
-def _first_line(source: SourceText) -> Span:
-    for number, line in enumerate(source.lines(), start=1):
-        if line.strip():
-            return Span(source.file, number, 1, line)
-    return Span(source.file)
-
-
-def _as_path(path: str | os.PathLike[str]) -> Path:
-    try:
-        return Path(path)
-    except TypeError as error:
-        raise FileAccessError(f"not a path: {error}") from None
+    raise no_machine_data(source, file)
 
 
 def find_machine(path: str | os.PathLike[str]) -> Path:
@@ -189,6 +225,18 @@ def _no_machine(file: Path, given: str) -> FileAccessError:
     near = closest(file.name, [one.name for one in entries if one.suffix == file.suffix or one.stem == file.stem])
     hint = f"did you mean {file.parent / near}?" if near else None
     return FileAccessError("no such file", span=Span(given), hint=hint)
+
+
+def _as_path(path: str | os.PathLike[str]) -> Path:
+    """Return a path.
+
+    Raises:
+        FileAccessError: it is none.
+    """
+    try:
+        return Path(path)
+    except TypeError as error:
+        raise FileAccessError(f"not a path: {error}") from None
 
 
 def find_overlay(machine_file: Path, named: Path | None = None) -> Overlay:

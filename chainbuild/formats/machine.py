@@ -51,7 +51,7 @@ class Machine(ABC):
     Attributes:
         file: Name of the machine file for messages.
         path: The machine file.
-        dialect: "SINUMERIK ROBX" or "TwinCAT CNC".
+        dialect: "SINUMERIK ROBX", "TwinCAT CNC", "URDF" or "Denavit-Hartenberg".
         overlay: What the file beside it adds.
     """
 
@@ -179,8 +179,8 @@ class Machine(ABC):
 
         Args:
             kinematic: Configured id or name; for ROBX the transformation number, or "gripper" for gripper-referred
-                motion. A pair of ids or names: the transformation steps 0 (next to the machine) and 1, as #KIN ID[9,58]
-                chooses them. None: the file's default.
+                motion; of a URDF the tool link. A pair of ids or names: the transformation steps 0 (next to the
+                machine) and 1, as #KIN ID[9,58] chooses them. None: the file's default.
             channel: Channel; None with several: the first that has a transformation, and a finding.
             tool_length_mm: Added to the active tool's length, along minus the tool vector.
             conventions: Convention name → choice; wins over the overlay.

@@ -22,12 +22,13 @@ from chainbuild.formats.text import COUPLED, SUMS
 _ROUNDED: Final = 1e-12  # shares below this are rounding of an inverse
 
 
-def with_sums(chain: Chain, overlay: Overlay) -> Chain:
+def with_sums(chain: Chain, overlay: Overlay, *, main: bool = True) -> Chain:
     """Return a chain with the overlay's limits on sums of axes (`[limits.sums]`).
 
     Args:
         chain: The chain.
         overlay: What has them.
+        main: False: the overlay is not written for this kinematic of its file; sums of axes that it lacks are left out.
 
     Raises:
         OverlayError: a sum of what are no axes, of one axis alone, or of linear and rotary ones; or limits that no
@@ -36,6 +37,8 @@ def with_sums(chain: Chain, overlay: Overlay) -> Chain:
     found = []
     for text, (lower, upper) in overlay.sums.items():
         coefficients = _coefficients(chain.axes, text)
+        if not main and not any(coefficients):
+            continue
         kinds = {axis.kind for axis, one in zip(chain.axes, coefficients, strict=True) if one}
         if np.count_nonzero(coefficients) < 2 or len(kinds) > 1:
             known = ", ".join(axis.name for axis in chain.axes)
@@ -70,7 +73,7 @@ def _bounds(axes: Sequence[Axis], coefficients: Sequence[float]) -> tuple[float,
     pairs = [(axis, one) for axis, one in zip(axes, coefficients, strict=True) if one]
     if any(axis.endless for axis, _ in pairs):
         return -math.inf, math.inf
-    ends = [sorted((one * axis.lower, one * axis.upper)) for axis, one in pairs]
+    ends = [sorted(one * end for end in axis.range) for axis, one in pairs]
     return sum(low for low, _ in ends), sum(high for _, high in ends)
 
 

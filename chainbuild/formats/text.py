@@ -1,8 +1,8 @@
-"""Text of machine files: encodings, bounds and line ends, the same for both dialects; and which dialect it is.
+"""Text of machine files: encodings, bounds and line ends, the same for all dialects; and which dialect it is.
 
 Also the values of TOML files beside them, with errors that point at their line.
 
-The dialect is detected by content alone, without the code of either one.
+The dialect is detected by content alone, without the code of any one.
 """
 
 from __future__ import annotations
@@ -16,14 +16,18 @@ from typing import Any, Final
 
 from chainbuild import tolerances
 from chainbuild.errors import FileAccessError, FileContentError, OverlayError, Span
+from chainbuild.filekinds import binary_kind
 
 DRIVES: Final = "drives"  # the table within [limits] and [speeds] of an overlay
 SUMS: Final = "sums"  # the table within [limits] of an overlay
 COUPLED: Final = "coupling"  # the overlay's table of axes that others move along
 POSES: Final = "poses"  # the overlay's table of named poses, which may be tables
+URDF: Final = "URDF"  # the dialect
 _TOML_HEADER = re.compile(r"\s*\[\[?([^\[\]]+)\]")
 _DEEP_KEY = re.compile(r"""(?:\.[ \t]*["']?[\w-]+["']?[ \t]*){50}""")
 _TOML_NAME = re.compile(r'"[^"]*"|\'[^\']*\'|[^.\s"\']+')
+_LISTED: Final = 8  # files of a folder that a message names
+_HEAD_BYTES: Final = 4096  # enough to tell what a file is
 _BOMS = ((b"\xef\xbb\xbf", "utf-8"), (b"\xff\xfe", "utf-16-le"), (b"\xfe\xff", "utf-16-be"))
 
 
@@ -61,6 +65,10 @@ def read_source(path: Path, *, may_be_empty: bool = False) -> SourceText:
     raw = _read_bytes(path)
     if not raw.strip() and not may_be_empty:
         raise FileContentError("the file is empty", span=Span(name))
+    head = raw[:_HEAD_BYTES]
+    kind = binary_kind(head, len(raw)) if b"\0" in head or not head.isascii() else None
+    if kind is not None:
+        raise FileContentError(f"this is {kind.name}, not a text file", span=Span(name), hint=kind.machine)
     text, encoding = _decode(raw)
     if "\0" in text:
         line = text[: text.index("\0")].count("\n") + 1
@@ -118,7 +126,7 @@ def _toml_names(text: str) -> list[str]:
 def _read_bytes(path: Path) -> bytes:
     name = str(path)
     if path.is_dir():
-        raise FileAccessError("this is a folder, not a machine file", span=Span(name))
+        raise FileAccessError("this is a folder, not a machine file", span=Span(name), hint=_inside(path))
     try:
         with path.open("rb") as stream:
             # The bytes read decide, not the size on the file system: a device or a pipe has size 0 and may never end.
@@ -136,6 +144,16 @@ def _read_bytes(path: Path) -> bytes:
         raise FileAccessError("the file may not be read (permission denied)", span=Span(name)) from None
     except (OSError, ValueError) as error:
         raise FileAccessError(f"the file cannot be read: {error}", span=Span(name)) from None
+
+
+def _inside(folder: Path) -> str | None:
+    """Return a hint at the files of a folder, by name."""
+    try:
+        files = sorted(one.name for one in folder.iterdir() if one.is_file() and not one.name.startswith("."))
+    except OSError:
+        return None
+    more = "" if len(files) <= _LISTED else f" and {len(files) - _LISTED} more"
+    return f"name one of its files: {', '.join(files[:_LISTED])}{more}" if files else None
 
 
 def _decode(raw: bytes) -> tuple[str, str]:
@@ -156,6 +174,10 @@ TWINCAT_ROOTS: Final = frozenset(
         "ori",
     }
 )  # fmt: skip
+_UNIT: Final = re.compile(r"[\[(][^\[\]()\n]*[\])]")
+_HEADER_CHARACTERS: Final = 20_000  # comments before a header are shorter
+_DH_NAMES: Final = 3  # of a, d, alpha, theta: a header that lacks one is told so
+_XML_ROOT: Final = re.compile(r"(?:\s|<\?[^>]*>|<!--.*?-->|<!DOCTYPE[^>]*>)*<([A-Za-z_][\w.:-]*)", re.DOTALL)
 _XML: Final = re.compile(r"\s*<(\?xml|!--|!DOCTYPE|TcSm|[A-Za-z])")
 _TWINCAT: Final = re.compile(
     rf"^[ \t]*(?:{'|'.join(sorted(TWINCAT_ROOTS - {'ori'}))})(?=[ \t\[.]|$)", re.MULTILINE | re.IGNORECASE
@@ -175,6 +197,33 @@ def is_xml(text: str) -> bool:
 def is_twincat(text: str) -> bool:
     """Return True where a text is a TwinCAT CNC parameter list, or XML: a project that may hold one."""
     return is_xml(text) or _TWINCAT.search(text) is not None
+
+
+def xml_root(text: str) -> str:
+    """Return the name of the outermost element of an XML text; an empty string where it is none.
+
+    >>> xml_root("<?xml version='1.0'?><!-- an arm --><robot name='arm'>"), xml_root("A1,A2")
+    ('robot', '')
+    """
+    found = _XML_ROOT.match(text) if is_xml(text) else None
+    return found[1] if found is not None else ""
+
+
+def is_urdf(text: str) -> bool:
+    """Return True where a text is URDF, or a template of it."""
+    return xml_root(text) == "robot"
+
+
+def is_dh(text: str) -> bool:
+    r"""Return True where a text is a table of Denavit-Hartenberg parameters: its header has three of their four names.
+
+    >>> is_dh("# modified\n a [mm]; D; alpha [deg]; theta"), is_dh("A1,A2,A3")
+    (True, False)
+    """
+    rows = (line.strip().strip('"') for line in text[:_HEADER_CHARACTERS].split("\n"))
+    header = next((row for row in rows if row.strip(",;\t ") and not row.startswith(("#", "sep="))), "")
+    names = {name.strip(' "').split("_")[0].casefold() for name in re.split(r"[,;\t]", _UNIT.sub("", header))}
+    return len(names & {"a", "d"}) + bool(names & {"alpha", "α"}) + bool(names & {"theta", "θ"}) >= _DH_NAMES
 
 
 def is_sinumerik(text: str) -> bool:

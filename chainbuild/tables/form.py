@@ -12,6 +12,7 @@ import numpy as np
 from chainbuild import frames, tolerances
 from chainbuild.arrays import Matrix
 from chainbuild.chain.elements import Axis, Chain, Task
+from chainbuild.chain.names import axis_index
 from chainbuild.chain.programmed.display import (
     ANGLE_COLUMNS,
     POSE_ANGLES,
@@ -153,6 +154,9 @@ class PoseForm:
 
     def hint(self, name: str) -> str | None:
         """Return what to say of a column that is not permitted, where there is more to say than its name."""
+        n = axis_index(self.axes, name.partition("[")[0].partition("(")[0].strip())
+        if n is not None and self.axes[n].kind == "linear":
+            return f"{self.axes[n].name} is an axis: the position of the tool is {', '.join(POSITION_COLUMNS)}"
         return self.programmed_by() if self.display.rtcp or name in ANGLE_COLUMNS else None
 
     def length_fault(self, orientation: PoseColumns, values: Sequence[float]) -> tuple[str, str] | None:

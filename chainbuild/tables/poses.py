@@ -197,7 +197,7 @@ class PoseTable(Table):
             try:
                 bits = parse(fields[place])
             except ChainbuildError as error:
-                error.span = Span(self.file, number, 1, ",".join(fields))
+                error.span = Span(self.file, number)
                 raise
             translated[place] = _NOT_GIVEN if bits is None else str(bits)
         return translated

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import re
 from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -20,17 +17,24 @@ from chainbuild import tolerances
 from chainbuild.chain.elements import Axis
 from chainbuild.chain.names import DRIVE_SUFFIX, RESERVED_COLUMNS, axis_index
 from chainbuild.closest import closest
-from chainbuild.errors import FileAccessError, Span, TableError
+from chainbuild.errors import Span, TableError
+from chainbuild.tables.sheet import TableText, is_number, spot
 
 _CHUNK_ROWS: Final = 1024  # arrays of so many rows cost less than the rows' text
-_SEPARATORS: Final = {";": "semicolons", "\t": "tabs"}
+_GROUPED: Final = re.compile(r"[+-]?\d{1,3}(?:[.,'’\s]\d{3})+(?:[.,]\d*)?")
+_MEASURE: Final = re.compile(r"[+-]?[\d.,]+ *(?:mm|m|deg|rad|°)", re.IGNORECASE)
 
-# From the column names of a header: the required columns in order, and all that are permitted.
-Choice = tuple[Sequence[str], Sequence[str]]
-_WITH_UNIT: Final = re.compile(r"([^\[\]]*)\[([^\[\]]*)\]")
+_WITH_UNIT: Final = re.compile(r"([^\[\]()]*)(?:\[([^\[\]()]*)\]|\(([^\[\]()]*)\))")
 _SPELLINGS: Final = {"mm": "mm", "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg"}
+# Other units that people have, of axes of each unit: what one of them is there.
+_OTHER_UNITS: Final = {
+    "mm": {"m": "1000", "cm": "10", "µm": "0.001", "um": "0.001", "in": "25.4", "inch": "25.4"},
+    "deg": {"rad": "57.29577951308232", "radian": "57.29577951308232", "radians": "57.29577951308232"},
+}
 # From the place of a column, what is wrong with it and what is permitted, to an error.
 Fault = Callable[[int, str, str], TableError]
+# From the column names of a header: the required columns in order, and all that are permitted.
+Choice = tuple[Sequence[str], Sequence[str]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +55,7 @@ class Table:
     """An open CSV table: the header is checked at once, rows are read on demand.
 
     Args:
-        path: The file.
+        path: The file; "-" is standard input.
         choose: Takes the column names of the header and returns the wanted and the permitted ones.
         axes: Axes whose columns may go by another of their names, with a unit, or in another case.
 
@@ -70,27 +74,16 @@ class Table:
     """
 
     def __init__(self, path: Path | str, choose: Callable[[Sequence[str]], Choice], axes: Sequence[Axis] = ()) -> None:
-        path = Path(path)
-        self.file = str(path)
+        self._sheet = TableText(path, lambda: f"a table whose first line is {','.join(choose(())[0])}")
+        self.file, self.size = self._sheet.file, self._sheet.size
         try:
-            self._bytes = path.open("rb")
-            self.size = path.stat().st_size
-        except FileNotFoundError as error:
-            # Shows a user without a table what one looks like.
-            expected = f"a table whose first line is {','.join(choose(())[0])}"
-            raise _unreadable(error, Span(self.file), expected) from None
-        except (OSError, ValueError) as error:
-            raise _unreadable(error, Span(self.file)) from None
-        self._stream = io.TextIOWrapper(self._bytes, encoding="utf-8-sig")
-        self._lines = self._numbered_lines()
-        try:
-            self.written, self.header_span = self._header()
+            self.written, self.header_span = self._sheet.header, self._sheet.header_span
             self.names = canonical_columns(self.written, axes, self._header_fault)
             self.wanted, permitted = choose(self.names)
             self.beside = self._beside_columns()
             self._check_header(permitted, {f"{axis.name}{DRIVE_SUFFIX}" for axis in axes})
         except BaseException:
-            self._stream.close()
+            self._sheet.close()
             raise
         self._places = [self.names.index(name) for name in self.wanted]
         self._beside_places = [self.names.index(name) for name in self.beside]
@@ -101,12 +94,12 @@ class Table:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._stream.close()
+        self._sheet.close()
 
     @property
     def position(self) -> int:
         """Bytes read so far; 0 where the file is a pipe."""
-        return self._bytes.tell() if self.size else 0
+        return self._sheet.position
 
     def chunks(self) -> Iterator[Chunk]:
         """Read the rows that are left.
@@ -116,10 +109,9 @@ class Table:
         """
         lines: list[int] = []
         rows: list[list[float]] = []
-        for number, line in self._lines:
-            if line.strip():
-                lines.append(number)
-                rows.append(self._row(number, line))
+        for number, line, fields in self._sheet.rows():
+            lines.append(number)
+            rows.append(self._row(number, line, fields))
             if len(rows) == _CHUNK_ROWS:
                 yield Chunk(tuple(lines), np.array(rows))
                 lines, rows = [], []
@@ -129,36 +121,6 @@ class Table:
     def error_at(self, number: int, text: str, permitted: str | None = None) -> TableError:
         """Return an error that points at a line by its number."""
         return TableError(text, span=Span(self.file, number), permitted=permitted)
-
-    def _numbered_lines(self) -> Iterator[tuple[int, str]]:
-        limit, number = tolerances.MAX_LINE_CHARACTERS, 0
-        while True:
-            number += 1
-            try:
-                # With a bound, so that a file without line ends cannot fill the memory.
-                line = self._stream.readline(limit + 1)
-            except UnicodeDecodeError:
-                place = max(number, _first_undecodable_line(self.file)) if self.size else number
-                raise TableError("the table is not UTF-8 text: save it as UTF-8", span=Span(self.file, place)) from None
-            except OSError as error:
-                raise _unreadable(error, Span(self.file, number)) from None
-            if not line:
-                return
-            if len(line) > limit:
-                span = Span(self.file, number, 1, line[:80])
-                raise TableError("the line is too long", span=span, permitted=f"at most {limit} characters a line")
-            yield number, line.rstrip("\n")
-
-    def _header(self) -> tuple[tuple[str, ...], Span]:
-        for number, line in self._lines:
-            if not line.strip():
-                continue
-            span = Span(self.file, number, 1, line)
-            for separator, words in _SEPARATORS.items():
-                if separator in line:
-                    raise TableError(f"the columns are separated by {words}", span=span, permitted="commas")
-            return tuple(name.strip() for name in _quoted_fields(line, span)), span
-        raise TableError("the table is empty: its first line must name the columns", span=Span(self.file))
 
     def _beside_columns(self) -> tuple[str, ...]:
         """Return the columns of the header that are read although nothing depends on them."""
@@ -185,7 +147,7 @@ class Table:
                 text = f"unknown column '{name}'" if name else f"column {place + 1} has no name"
                 near = closest(name, shown)
                 hint = f"did you mean {near}?" if near else None
-                hint = hint if _field_fault(name) else "the first line must name the columns"
+                hint = hint if _field_fault(name.replace(",", "."), "") else "the first line must name the columns"
                 hint = self._hint(name) or hint
                 raise TableError(text, span=self._header_spot(place), parameter=name, permitted=listed, hint=hint)
             if known in self.names[:place]:
@@ -201,12 +163,13 @@ class Table:
         return TableError(text, span=self._header_spot(place), parameter=name, permitted=permitted)
 
     def _header_spot(self, place: int) -> Span:
-        return _spot(self.header_span, self.header_span.text.split(","), place)
+        return spot(self.header_span, self.header_span.text.split(self._sheet.separator), place)
 
-    def _row(self, number: int, line: str) -> list[float]:
-        fields = line.split(",") if '"' not in line else _quoted_fields(line, Span(self.file, number, 1, line))
+    def _row(self, number: int, line: str, fields: list[str]) -> list[float]:
         if len(fields) != len(self.names):
             raise self._wrong_count(Span(self.file, number, 1, line), len(fields))
+        if self._sheet.separator != ",":
+            fields = self._sheet.with_points(fields, Span(self.file, number, 1, line), self.written)
         fields = self._translated(number, fields)
         try:
             values = [float(fields[place]) for place in self._places]
@@ -223,60 +186,48 @@ class Table:
 
     def _refuse_faults(self, span: Span, fields: Sequence[str]) -> None:
         for place in sorted(self._places):
-            fault = _field_fault(fields[place])
+            fault = _field_fault(fields[place], self._sheet.separator)
             if fault:
                 raise TableError(
                     f"column {self.written[place]}: {fault}",
-                    span=_spot(span, fields, place),
+                    span=spot(span, fields, place),
                     parameter=self.written[place],
-                    permitted=f"numbers with a decimal point, below {tolerances.HUGE_AXIS_VALUE:.0e}",
+                    permitted=f"{self._numbers}, below {tolerances.HUGE_AXIS_VALUE:.0e}",
                 )
 
+    @property
+    def _numbers(self) -> str:
+        return "numbers with a decimal point" if self._sheet.separator == "," else "numbers with one decimal mark"
+
     def _wrong_count(self, span: Span, count: int) -> TableError:
-        many = count > len(self.names)
+        many = count > len(self.names) and self._sheet.separator == ","
         return TableError(
             f"the row has {count} value{'s' * (count != 1)}, the header {len(self.names)} columns",
             span=span,
             permitted=f"one value each for {', '.join(self.written)}",
-            hint="decimals are written with a point, not with a comma" if many else None,
+            hint="where columns are separated by commas, decimals are written with a point" if many else None,
         )
 
 
-def _first_undecodable_line(file: str) -> int:
-    """Return the line that is not UTF-8; the decoder works ahead of the lines and does not report it."""
-    number = 0
-    with Path(file).open("rb") as stream, suppress(UnicodeDecodeError):
-        while line := stream.readline(tolerances.MAX_LINE_CHARACTERS):
-            number += 1
-            line.decode("utf-8")
-    return number
-
-
-def _quoted_fields(line: str, span: Span) -> list[str]:
-    try:
-        return next(csv.reader([line], strict=True))
-    except csv.Error as error:
-        raise TableError(f"the line is not valid CSV: {error}", span=span) from None
-
-
-def _field_fault(field: str) -> str:
+def _field_fault(field: str, separator: str = ",") -> str:
     """Return what is wrong with a field that should hold a number, or an empty string."""
     text = field.strip()
     if not text:
         return "no value"
-    if "," in text or ";" in text:
-        return f"'{text[:40]}' is not a number: decimals are written with a point, columns are separated by commas"
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-        if not text.isascii() or text.lower().lstrip("+-") != "nan":
-            return f"'{text[:40]}' is not a number"
-    if "_" in text or not text.isascii():
-        return f"'{text[:40]}' is not a number"
-    if not math.isfinite(value):
-        return f"'{text[:40]}' is not finite"
-    return "" if abs(value) < tolerances.HUGE_AXIS_VALUE else f"{text[:40]} is too large"
+    named, value = f"'{text[:40]}'", float(text) if is_number(text) else math.nan
+    known = text.isascii() and "_" not in text and is_number(text)
+    wrong = (
+        (_GROUPED.fullmatch(text) and not known, f"{named} has thousands separators: numbers are written without them"),
+        (_MEASURE.fullmatch(text), f"{named} is no bare number: units stand in the header, as in X [mm]"),
+        (
+            separator == "," and ("," in text or ";" in text),
+            f"{named} is not a number: decimals are written with a point, columns are separated by commas",
+        ),
+        (not known, f"{named} is not a number"),
+        (not math.isfinite(value), f"{named} is not finite"),
+        (abs(value) >= tolerances.HUGE_AXIS_VALUE, f"{text[:40]} is too large"),
+    )
+    return next((words for holds, words in wrong if holds), "")
 
 
 def _number_or_nan(field: str) -> float:
@@ -286,22 +237,12 @@ def _number_or_nan(field: str) -> float:
         return math.nan
 
 
-def _spot(span: Span, fields: Sequence[str], place: int) -> Span:
-    """Return the span of one field of a line."""
-    return Span(span.file, span.line, 1 + sum(len(field) + 1 for field in fields[:place]), span.text)
-
-
-def _unreadable(error: OSError | ValueError, span: Span, permitted: str | None = None) -> FileAccessError:
-    reason = error.strerror if isinstance(error, OSError) else None
-    return FileAccessError(f"the table cannot be read: {reason or error}", span=span, permitted=permitted)
-
-
 def canonical_columns(written: Sequence[str], axes: Sequence[Axis], fault: Fault) -> tuple[str, ...]:
     """Return the names by which tables know the columns of a header.
 
     An axis' column goes by its name, or by its generic one, in any case and with its unit in brackets, as far as that
-    means one axis alone. Columns of drives follow the axes; other columns are known in any case. What is unknown stays
-    as it is.
+    means one axis alone. Columns of drives follow the axes; other columns are known in any case, x_mm also as `x [mm]`.
+    What is unknown stays as it is. Another unit is refused, not converted: a table would have two.
 
     Args:
         written: The names as they are in the file.
@@ -329,12 +270,35 @@ def _known(written: str, place: int, axes: Sequence[Axis], fault: Fault) -> str:
     if folded in RESERVED_COLUMNS:
         return folded
     with_unit = _WITH_UNIT.fullmatch(written)
-    if with_unit is not None and (n := axis_index(axes, with_unit[1].strip())) is not None:
-        axis, unit = axes[n], with_unit[2].strip()
-        if _SPELLINGS.get(unit.casefold()) != axis.unit:
-            text = f"column '{written}': the values of axis {axis.name} are in {axis.unit}"
-            raise fault(place, text, f"{axis.name} or {axis.name} [{axis.unit}]")
-        return axis.name
+    if with_unit is not None:
+        return _with_unit(
+            written, with_unit[1].strip(), (with_unit[2] or with_unit[3] or "").strip(), place, axes, fault
+        )
     if folded.endswith(DRIVE_SUFFIX) and (n := axis_index(axes, written[: -len(DRIVE_SUFFIX)])) is not None:
         return f"{axes[n].name}{DRIVE_SUFFIX}"
     return written
+
+
+def _with_unit(written: str, name: str, given: str, place: int, axes: Sequence[Axis], fault: Fault) -> str:
+    """Return the column of a name with a unit behind it: that of an axis, else one whose name ends with the unit."""
+    unit = _SPELLINGS.get(given.casefold())
+    n = axis_index(axes, name)
+    if n is not None:
+        axis, own = axes[n], axes[n].unit
+        if unit == own:
+            return axis.name
+        text = f"column '{written}': the values of axis {axis.name} are in {own}{_factor(given, own)}"
+        raise fault(place, text, f"{axis.name} or {axis.name} [{own}]")
+    for ending in _OTHER_UNITS:
+        if (column := f"{name.casefold()}_{ending}") in RESERVED_COLUMNS:
+            if unit == ending:
+                return column
+            text = f"column '{written}': {column} is in {ending}{_factor(given, ending)}"
+            raise fault(place, text, f"{column} or {name} [{ending}]")
+    return written
+
+
+def _factor(given: str, own: str) -> str:
+    """Return what one of another unit is in an axis' own, in brackets; an empty string where it is none."""
+    factor = _OTHER_UNITS[own].get(given.casefold())
+    return f" (1 {given} is {factor} {own})" if factor else ""

@@ -192,7 +192,7 @@ def test_start_values_must_match_the_poses(run: Run, start: str, message: str) -
     [
         (AXES + HOME + "1,2,3,4,5,nan\n", "axes.csv:3: column A2: 'nan' is not finite"),
         (AXES + HOME + "0,5,2,3,4,5,6\n", "axes.csv:3: the row has 7 values, the header 6 columns"),
-        ("C1;B1\n", "axes.csv:1: the columns are separated by semicolons"),
+        ("C1 B1\n", "axes.csv:1: the columns are separated by blanks"),
         ("C1,B1,B2,A1,B3,A2,A7\n", "axes.csv:1: unknown column 'A7'"),
     ],
 )

@@ -16,7 +16,7 @@ from chainbuild.chain.bodies.geometry import Geometry, Shape
 from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.chain.elements import BASE_LINK, Chain
 from chainbuild.collision.model import CollisionModel
-from chainbuild.formats.urdf.robot import from_urdf
+from chainbuild.formats.load import from_urdf
 from chainbuild.robot import Robot
 
 DATA = Path(sys.prefix) / "lib" / f"python{sys.version_info.major}.{sys.version_info.minor}" / "site-packages"

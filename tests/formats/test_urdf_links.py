@@ -12,7 +12,7 @@ import chainbuild
 from chainbuild.arrays import Vector
 from chainbuild.errors import ChainbuildError, ParseError
 from chainbuild.formats.urdf.joints import Joints
-from chainbuild.formats.urdf.robot import _way_to
+from chainbuild.formats.urdf.robot import way_to
 from chainbuild.formats.urdf.tree import Tree, link_places
 from chainbuild.formats.urdf.xml import parse
 from tests.kit.urdf_files import deepest_link, example_files, few_files, joint, link, written
@@ -110,7 +110,7 @@ def test_places_of_all_links(tmp_path: Path) -> None:
     path = written(tmp_path, *ARM)
     robot = parse(path.read_text(), str(path))
     joints = Joints(robot)
-    places = link_places(Tree(robot, joints, _way_to("tcp", joints.all, robot.span)))
+    places = link_places(Tree(robot, joints, way_to("tcp", joints.all, robot.span)))
     assert {name: place[0] for name, place in places.items()} == {
         "world": "base", "pedestal": "base", "upper": "upper", "camera": "upper", "hand": "hand", "pad": "hand",
         "claw": "claw", "tcp": "hand",
@@ -311,7 +311,7 @@ def held_values(path: Path, tool: str, robot: chainbuild.Robot, model: pin.Model
     """Return joint values of Pinocchio's model with every joint that the chain does not have where it is held."""
     root = parse(path.read_text("utf-8", "replace"), str(path))
     joints = Joints(root)
-    way = _way_to(tool, joints.all, root.span)
+    way = way_to(tool, joints.all, root.span)
     tree = Tree(root, joints, way)
     q: np.ndarray = pin.neutral(model)
     own = {one.name for one in robot.chain.joints}

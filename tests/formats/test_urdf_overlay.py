@@ -163,7 +163,7 @@ base_link = [{box = [100, 100, 50]}]
 @pytest.mark.parametrize(
     ("overlay", "line", "message", "permitted"),
     [
-        ("kinematic = 1", 1, "a URDF has no use for 'kinematic'", "[limits.sums]"),
+        ("kinematic = 1", 1, "the kinematic of a URDF is its tool link", "the name of a link"),
         ("tool_length_mm = 5", 1, "no use for 'tool_length_mm'", "[coupling]"),
         ("\n[tool]\nnumber = 1", 2, "no use for 'tool'", "name, source"),
         ('axis_lists = ["a.lis"]', 1, "no use for 'axis_lists'", "[poses]"),
@@ -215,13 +215,12 @@ def test_an_overlay_of_another_name_is_taken_where_it_is_named(tmp_path: Path) -
         chainbuild.from_urdf(path, tool="tcp", overlay=tmp_path / "none.toml")
 
 
-@pytest.mark.parametrize("table", ['[limits.sums]\n"A2+A3" = [0, 1]', "[coupling]\nA3 = {A2 = 1}"])
-def test_machine_data_take_no_sums_and_couplings(tmp_path: Path, table: str) -> None:
+def test_machine_data_take_no_couplings(tmp_path: Path) -> None:
     overlay = tmp_path / "o.toml"
-    overlay.write_text(table)
+    overlay.write_text("[coupling]\nA3 = {A2 = 1}")
     machine = shipped_path("kr6r900")
     assert machine is not None
-    with pytest.raises(OverlayError, match="the table is for a URDF alone") as caught:
+    with pytest.raises(OverlayError, match="the table is for a URDF and for DH parameters") as caught:
         chainbuild.load(machine, overlay=overlay)
     assert caught.value.line == 1
     (finding,) = chainbuild.check(machine, overlay=overlay)

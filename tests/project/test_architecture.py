@@ -16,7 +16,7 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 # From the ground up. A room may import rooms below it and its own. The longest name that fits a file is its room.
 ORDER = [
     "arrays", "errors", "tolerances", "closest", "units", "shown", "html", "findings", "frames", "convention", "files",
-    "progress", "meshes",
+    "filekinds", "progress", "meshes",
     "chain",
     "drawing",
     "kinematics",
@@ -24,7 +24,7 @@ ORDER = [
     "machines",
     "tables",
     "formats.text", "formats.overlay", "formats.overlay_poses", "formats.overlay_sums", "formats.entries",
-    "formats.machine",
+    "formats.machine", "formats.overlay_useless",
     "formats.sinumerik.reading", "formats.sinumerik.geometry", "formats.sinumerik.rules", "formats.sinumerik",
     "formats.twincat.lists", "formats.twincat.maps", "formats.twincat.recipes", "formats.twincat.families",
     "formats.twincat.types", "formats.twincat.universal", "formats.twincat.coupling", "formats.twincat",

@@ -80,7 +80,14 @@ def serves_until_interrupted(arguments: list[str]) -> None:
 
 @pytest.mark.parametrize(
     ("page", "least"),
-    [("README.md", 4), ("docs/tables.md", 3), ("docs/paths.md", 4), ("docs/export.md", 1), ("docs/report.md", 1)],
+    [
+        ("README.md", 4),
+        ("docs/tables.md", 3),
+        ("docs/paths.md", 4),
+        ("docs/export.md", 1),
+        ("docs/report.md", 1),
+        ("docs/dh.md", 3),
+    ],
 )
 def test_the_commands_of_the_pages_run(page: str, least: int, tmp_path: Path) -> None:
     commands = commands_of(page)

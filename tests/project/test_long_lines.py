@@ -36,7 +36,9 @@ def test_machine_files(suffix: str, head: str, tmp_path: Path) -> None:
     assert time.perf_counter() - begin < SECONDS
 
 
-@pytest.mark.parametrize("content", ["\n" * 1_000_000, " \n" * 500_000 + "x", "<" * 90_000, "\n<\n" * 300_000])
+@pytest.mark.parametrize(
+    "content", ["\n" * 1_000_000, " \n" * 500_000 + "x", "<" * 90_000, "\n<\n" * 300_000, "[(" * 45_000]
+)
 def test_telling_the_dialect(content: str, tmp_path: Path) -> None:
     path = tmp_path / "blank.txt"
     path.write_text(content + "!", "utf-8")
@@ -67,7 +69,7 @@ def test_overlays(content: str, tmp_path: Path) -> None:
     assert time.perf_counter() - begin < SECONDS
 
 
-@pytest.mark.parametrize("filling", ["1", "1,", ",", '"', " ", "1.", "e", "_"])
+@pytest.mark.parametrize("filling", ["1", "1,", ",", '"', " ", "1.", "e", "_", "[(", "1;", "#", "1.000."])
 def test_tables(filling: str, tmp_path: Path) -> None:
     axes = chainbuild.load("irb2600").chain().axes
     path = tmp_path / "long.csv"

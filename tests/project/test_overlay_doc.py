@@ -15,7 +15,7 @@ from chainbuild.machines import shipped_path
 from tests.kit.paths import ROOT
 
 PAGE = (ROOT / "docs/overlay.md").read_text("utf-8")
-ROBX, TWINCAT, URDF = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+ROBX, TWINCAT, SUMS, URDF = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
 
 
 def copy_of(name: str, folder: Path, overlay: str) -> Path:
@@ -67,6 +67,14 @@ def test_the_twincat_example_loads(tmp_path: Path) -> None:
     tool = chainbuild.Robot(chain).fk([0] * 6).translation[0]
     bare = chainbuild.Robot(chainbuild.load(tmp_path / "cell.lis", overlay=_without_tool(tmp_path)).chain("ROBOT"))
     assert tool - bare.fk([0] * 6).translation[0] == pytest.approx(0.05)
+
+
+def test_the_sums_are_those_of_any_machine(tmp_path: Path) -> None:
+    chain = chainbuild.load(copy_of("kr6r900", tmp_path, SUMS)).chain()
+    assert [(one.name, one.lower, one.upper) for one in chain.constraints] == [
+        ("A2+A3", -60.0, 210.0),
+        ("A4 - 0.5*A6", -400.0, 400.0),
+    ]
 
 
 def _without_tool(folder: Path) -> Path:
@@ -121,7 +129,7 @@ def test_the_example_beside_a_urdf_loads(tmp_path: Path) -> None:
         for parent, child, n, axis in carried
     )
     (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{text}</robot>', "utf-8")
-    (tmp_path / "arm.chainbuild.toml").write_text(URDF, "utf-8")
+    (tmp_path / "arm.chainbuild.toml").write_text(f"{URDF}\n{SUMS}", "utf-8")
     chain = chainbuild.Robot.from_urdf(tmp_path / "arm.urdf").chain
     assert chain.title == "Handling arm, cell 3"
     assert [one.name for one in chain.constraints] == ["joint A3", "A2+A3", "A4 - 0.5*A6"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -17,6 +17,7 @@ from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
 from chainbuild.progress import Progress, counting
 from chainbuild.shown import fields_shown
+from chainbuild.tolerances import LIMIT_SLACK
 
 # Accuracy of interval ends (mm or degrees): a tenth of the promised one.
 END: Final = 1e-3
@@ -34,6 +35,8 @@ class FreeInterval:
         upper: Highest free value.
         lower_pair: Bodies that touch below; None: the range ends there.
         upper_pair: Bodies that touch above.
+        lower_limit: Name of the limit on a sum of axes or on a drive that ends the interval below, else None.
+        upper_limit: The same above.
     """
 
     __repr__ = fields_shown
@@ -43,6 +46,8 @@ class FreeInterval:
     upper: float | None
     lower_pair: LinkPair | None = None
     upper_pair: LinkPair | None = None
+    lower_limit: str | None = None
+    upper_limit: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +83,8 @@ def sweep(
 ) -> Sweep:
     """Return the free interval of an axis at values of another, with the remaining axes fixed.
 
-    The interval is the one that can be reached without contact: it is followed from value to value.
+    The interval is the one that can be reached without contact and within limits on sums of axes: it is followed from
+    value to value.
 
     Args:
         model: Bodies and pairs.
@@ -86,7 +92,7 @@ def sweep(
         over: Axis that is swept.
         at: (n_axes,) values of all axes at the start; None: the middle of the limits, or the free position next to it.
         values: Values of the swept axis; None: 41 over its limits.
-        bounds: Range of the moved axis; None: its limits.
+        bounds: Range of the moved axis; None: its limits, and what limits on sums of axes leave of them.
         progress: True: a bar on standard error; a function: called with the values done and all values.
 
     Raises:
@@ -110,7 +116,9 @@ def sweep(
             if order.step < 0 and start in found:
                 seed = _middle(found[start], seed)
             for n in order:
-                found[n] = free_interval(model, m, o, base, float(chosen[n]), seed, span)
+                value = float(chosen[n])
+                left = _within_sums(model, m, o, base, value, span) if bounds is None else _Span(*span)
+                found[n] = _within(model, m, o, base, value, seed, left)
                 seed = _middle(found[n], seed)
                 advance(1)
     axes = model.robot.axes
@@ -128,6 +136,45 @@ def swept_axis(model: CollisionModel, name: str) -> int:
         known = ", ".join(axis.name for axis in model.robot.axes)
         raise ChainbuildError(f"the kinematic has no axis '{name}'", parameter="axis", permitted=known)
     return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Span:
+    """What limits leave of the range of an axis, and the names of those on sums that end it."""
+
+    lower: float
+    upper: float
+    below: str | None = None
+    above: str | None = None
+
+
+def _within_sums(model: CollisionModel, m: int, o: int, base: Vector, over: float, span: tuple[float, float]) -> _Span:
+    """Return what limits on sums leave of the range of axis m where axis o is at `over` and the others at `base`."""
+    axes = base.copy()
+    axes[o], axes[m] = over, 0.0
+    found = _Span(*span)
+    for limit in model.robot.limits.sums:
+        factor, rest = limit.sum.coefficients[m], limit.sum.value(axes)
+        if factor == 0.0:
+            if limit.margin(axes) < -LIMIT_SLACK:
+                return _Span(span[1], span[0], limit.name, limit.name)
+            continue
+        lower, upper = sorted(((limit.lower - rest) / factor, (limit.upper - rest) / factor))
+        if lower > found.lower:
+            found = replace(found, lower=lower, below=limit.name)
+        if upper < found.upper:
+            found = replace(found, upper=upper, above=limit.name)
+    return found
+
+
+def _within(model: CollisionModel, m: int, o: int, base: Vector, over: float, seed: float, left: _Span) -> FreeInterval:
+    """Return the free interval within a span; its ends are named by the limits on sums where these end it."""
+    if left.lower > left.upper:
+        return FreeInterval(over, None, None, lower_limit=left.below, upper_limit=left.above)
+    found = free_interval(model, m, o, base, over, seed, (left.lower, left.upper))
+    below = left.below if found.lower == left.lower and found.lower_pair is None else None
+    above = left.above if found.upper == left.upper and found.upper_pair is None else None
+    return replace(found, lower_limit=below, upper_limit=above)
 
 
 def _middle(interval: FreeInterval, otherwise: float) -> float:

@@ -26,6 +26,7 @@ from chainbuild.formats.entries import (
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.overlay_poses import with_named_poses
+from chainbuild.formats.overlay_sums import with_sums
 from chainbuild.formats.sinumerik.geometry.robot_axes import basic_moves
 from chainbuild.formats.sinumerik.geometry.tool import Tool, active_data, tools_of_channels
 from chainbuild.formats.sinumerik.geometry.translate import translate
@@ -297,7 +298,8 @@ def _build(
         singularity_watch=singularity_watch(robx, choose),
         display=_DISPLAYS.get(robx.num_axes, POSE_ANGLES),
     )
-    return renamed(chain, [axis.name for axis in named])
+    chain = renamed(chain, [axis.name for axis in named])
+    return with_sums(chain, machine.overlay) if machine.overlay.sums else chain
 
 
 def _chain_name(machine: RobxMachine, robx: Robx, gripper: bool) -> str:

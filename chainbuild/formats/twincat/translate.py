@@ -13,6 +13,7 @@ from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, MachineDataError, UnsupportedKinematicError
 from chainbuild.findings import Collector
 from chainbuild.formats.overlay_poses import with_named_poses
+from chainbuild.formats.overlay_sums import with_sums
 from chainbuild.formats.twincat.axis_offsets import with_axis_offsets
 from chainbuild.formats.twincat.coupling.coupling import coupling_draft
 from chainbuild.formats.twincat.coupling.coupling_groups import (
@@ -58,6 +59,7 @@ def translate(source: Source, name: str, title: str, choose: Choices, collector:
         axes = (*axes, *above.axes)
     _tell_table_sense(axes, source, choose, collector)
     chain = replace(_limited(chain, ahead, source, collector), name=name, title=title)
+    chain = with_sums(chain, source.overlay, main=source.main) if source.overlay.sums else chain
     return with_named_poses(chain, source.overlay, collector) if source.main and source.overlay.poses else chain
 
 

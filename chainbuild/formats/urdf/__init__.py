@@ -1,4 +1,4 @@
 """Robots from URDF files.
 
-In reading order: `xml`, `joints`, `tree`, `bodies`, `robot`.
+In reading order: `xml`, `joints`, `tree`, `bodies`, `robot`, `data`, `machine`.
 """

@@ -9,7 +9,6 @@ drives are held.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -18,58 +17,46 @@ from typing import Final
 import numpy as np
 
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.bodies.geometry import NO_GEOMETRY
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint, JointKind, Link
 from chainbuild.chain.names import DRIVE_SUFFIX, RESERVED_COLUMNS, free_name
 from chainbuild.errors import ChainbuildError, ParseError, Span
 from chainbuild.findings import Collector, Findings
-from chainbuild.formats.load import find_overlay
-from chainbuild.formats.overlay import NO_OVERLAY, Overlay
+from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.overlay_poses import with_named_poses
 from chainbuild.formats.overlay_sums import with_coupling, with_sums
-from chainbuild.formats.text import DRIVES, read_source
+from chainbuild.formats.overlay_useless import OF_CONTROLS, refuse_useless
 from chainbuild.formats.urdf.bodies import urdf_bodies
 from chainbuild.formats.urdf.joints import Joints, UrdfJoint, shown
 from chainbuild.formats.urdf.tree import RESERVED, Tree, link_places
-from chainbuild.formats.urdf.xml import parse
+from chainbuild.formats.urdf.xml import Node
 from chainbuild.frames import unit
 from chainbuild.units import AxisKind
 
 # What an overlay says to machine data alone, and what to a URDF, too.
-_USELESS: Final = {
-    "conventions": ("conventions",),
-    "tool_length_mm": ("tool_length_mm",),
-    "tool": ("tool",),
-    "axis_lists": ("axis_lists",),
-    "kinematic": ("kinematic",),
-    "drive_limits": ("limits", DRIVES),
-    "drive_speeds": ("speeds", DRIVES),
-}
-_USEFUL: Final = "name, source, endless, [limits], [limits.sums], [speeds], [poses], [geometry], [coupling]"
+_USELESS: Final = {**OF_CONTROLS, "tool_length_mm": ("tool_length_mm",)}
+_USEFUL: Final = "name, source, kinematic, endless, [limits], [limits.sums], [speeds], [poses], [geometry], [coupling]"
 _KINDS: Final[Mapping[AxisKind, JointKind]] = {"rotary": "revolute", "linear": "prismatic"}
 
 
-def from_urdf(
-    path: str | os.PathLike[str], *, tool: str | None = None, overlay: str | os.PathLike[str] | None = None
+def urdf_chain(
+    robot: Node, file: Path, tool: str | None, overlay: Overlay, collector: Collector, *, bodies: bool = True
 ) -> Chain:
-    """Read a URDF file into a chain from its root link to a tool link.
+    """Return the chain of a URDF from its root link to a tool link, with its findings.
 
     Args:
-        path: The file (plain URDF, not xacro).
+        robot: The element <robot>.
+        file: The file: meshes are relative to it.
         tool: Name of the link whose frame is the tool; None: the only link without children.
-        overlay: An overlay file in place of the one beside the URDF.
+        overlay: What it adds.
+        collector: Takes the findings.
+        bodies: False: without shapes and meshes.
 
     Raises:
-        FileAccessError: the file or its overlay cannot be read.
-        OverlayError: the overlay says what a URDF has no use for, or what does not fit the chain.
-        ParseError: no URDF, a bad number, a link with two parents, limits that leave nothing, or a joint type other
-            than revolute, continuous, prismatic, fixed.
-        ChainbuildError: the tool link does not exist or is not the only candidate, or no joint on the way moves.
+        ChainbuildError: as `chainbuild.from_urdf`.
     """
-    file = Path(path)
-    robot = parse(read_source(file).text, str(path))
-    collector = Collector()
     joints = Joints(robot)
-    way = _way_to(tool, joints.all, Span(str(path)))
+    way = way_to(tool, joints.all, Span(str(file)))
     tree = Tree(robot, joints, way)
     joints.tell((*way, *(joint for joint in tree.moving if joint not in way)), collector)
     names = _names(joints, collector)
@@ -77,25 +64,34 @@ def from_urdf(
     axes = tuple(_axis(driver, joints, names) for driver in tree.drivers)
     if not axes:
         text = f"none of the joints on the way to link {way[-1].child} moves: {', '.join(joint.name for joint in way)}"
-        raise ChainbuildError(text, span=Span(str(path)), parameter="tool", permitted="a way with a moving joint")
+        raise ChainbuildError(text, span=Span(str(file)), parameter="tool", permitted="a way with a moving joint")
     title = robot.attributes.get("name", file.stem)
     name = "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in title) or "robot"
     moving = tuple(_joint(joint, tree, names[joint.name]) for joint in tree.moving)
     links = (Link(BASE_LINK), *(Link(joint.child) for joint in moving))
     body = (links, moving, tree.frames, axes, _axis_map(tree, joints, axes))
-    bodies = urdf_bodies(robot, link_places(tree), file, collector)
-    geometry = replace(bodies, inertias=tree.inertias(), source=file)
+    shapes = urdf_bodies(robot, link_places(tree), file, collector) if bodies else NO_GEOMETRY
+    geometry = replace(shapes, inertias=tree.inertias(), source=file)
     chain = Chain(name, title, "URDF", "URDF", *body, "orirpy", geometry=geometry)
-    chain = _with_overlay(chain, find_overlay(file, None if overlay is None else Path(overlay)), tree, collector)
+    chain = _with_overlay(chain, overlay, tree, collector)
     return replace(chain, findings=Findings(collector.findings))
+
+
+def named_tool(tool: str | None, overlay: Overlay) -> str | None:
+    """Return the tool link that is asked for, else the one that the overlay names as its `kinematic`, else None.
+
+    Raises:
+        OverlayError: its `kinematic` is no name.
+    """
+    given = overlay.kinematic
+    if given is not None and not isinstance(given, str):
+        raise overlay.error("the kinematic of a URDF is its tool link", ("kinematic",), "the name of a link")
+    return given if tool is None else tool
 
 
 def _with_overlay(chain: Chain, overlay: Overlay, tree: Tree, collector: Collector) -> Chain:
     """Return a chain with what an overlay says; links go by the file's names and by the chain's."""
-    for attribute, keys in _USELESS.items():
-        if getattr(overlay, attribute) != getattr(NO_OVERLAY, attribute):
-            text = f"a URDF has no use for '{'.'.join(keys)}'"
-            raise overlay.error(text, keys, _USEFUL)
+    refuse_useless(overlay, _USELESS, "a URDF", _USEFUL)
     for link in overlay.geometry.links:
         carrier, _ = tree.places.get(link, (link, None))
         if carrier != link:
@@ -107,8 +103,18 @@ def _with_overlay(chain: Chain, overlay: Overlay, tree: Tree, collector: Collect
     return with_named_poses(replace(chain, title=overlay.name or chain.title), overlay, collector)
 
 
-def _way_to(tool: str | None, joints: Sequence[UrdfJoint], file: Span) -> list[UrdfJoint]:
-    """Return the joints from the root link to the tool link."""
+def way_to(tool: str | None, joints: Sequence[UrdfJoint], file: Span) -> list[UrdfJoint]:
+    """Return the joints from the root link to the tool link.
+
+    Args:
+        tool: Name of the link; None: the only one without children.
+        joints: The joints of the file.
+        file: Its place, for errors.
+
+    Raises:
+        ChainbuildError: there is no such link, or several could be meant.
+        ParseError: a link is its own ancestor.
+    """
     by_child = {joint.child: joint for joint in joints}
     if not by_child:
         raise ChainbuildError("the file has no joints", span=file, permitted="a robot with at least one")
@@ -119,7 +125,7 @@ def _way_to(tool: str | None, joints: Sequence[UrdfJoint], file: Span) -> list[U
             span=file,
             parameter="tool",
             permitted=", ".join(leaves),
-            hint=f'name the link whose frame is the TCP, for instance tool="{leaves[-1]}"',
+            hint=f'name the link whose frame is the TCP, such as tool="{leaves[-1]}" (--tool {leaves[-1]})',
         )
     link = leaves[0] if tool is None else tool
     if link not in by_child:

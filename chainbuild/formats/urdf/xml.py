@@ -12,7 +12,7 @@ from chainbuild.errors import ParseError, Span
 
 _MAX_DEPTH: Final = 50  # of XML elements: URDF has five levels
 _XACRO: Final = "the file is xacro, a template of URDF"
-_EXPAND: Final = "expand it first: xacro FILE > robot.urdf"
+_OF_SRDF: Final = ("group", "group_state", "disable_collisions", "virtual_joint", "end_effector")
 
 
 @dataclass(slots=True)
@@ -79,7 +79,9 @@ def parse(text: str, file: str) -> Node:
             raise ParseError("elements nest too deep for a URDF", span=Span(file, parser.CurrentLineNumber))
         node = Node(name, attributes, Span(file, parser.CurrentLineNumber))
         if name.startswith("xacro:") or any("${" in value for value in attributes.values()):
-            raise ParseError(_XACRO, span=node.span, permitted="plain URDF", hint=_EXPAND)
+            target = "expanded.urdf" if file.endswith("robot.urdf") else "robot.urdf"
+            expand = f"expand it first: xacro {file} > {target}"
+            raise ParseError(_XACRO, span=node.span, permitted="plain URDF", hint=expand)
         opened[-1].children.append(node)
         opened.append(node)
 
@@ -98,4 +100,6 @@ def parse(text: str, file: str) -> Node:
     robot = root.child("robot")
     if robot is None:
         raise ParseError("no <robot> element: this is not a URDF file", span=Span(file))
+    if not robot.child("joint") and any(robot.child(name) for name in _OF_SRDF):
+        raise ParseError("this is SRDF, which says more of a URDF", span=robot.span, hint="give the URDF")
     return robot

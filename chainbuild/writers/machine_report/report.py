@@ -113,7 +113,7 @@ def _machine_chapter(robot: Mechanism, source: DataSource | None) -> Chapter:
     rows: list[Sequence[str]] = [
         ["Machine", chain.title],
         *([] if chain.kinematic == chain.dialect else [["Kinematic", chain.kinematic]]),
-        ["Source" if chain.dialect == "URDF" else "Controller", chain.dialect],
+        ["Source" if chain.dialect in ("URDF", "Denavit-Hartenberg") else "Controller", chain.dialect],
     ]
     if source is not None:
         rows.append(["Files read", Verbatim(file_name(source.machine))])

@@ -33,7 +33,10 @@ _CALLED: Final = {
 
 def _bodies(robot: Mechanism) -> str:
     said = f"Bodies are {bodies_in_words(robot.chain)}."
-    return said if robot.chain.dialect == "URDF" else f"{said} Machine data say nothing of castings."
+    if robot.chain.dialect == "URDF":
+        return said
+    data = "DH parameters" if robot.chain.dialect == "Denavit-Hartenberg" else "Machine data"
+    return f"{said} {data} say nothing of castings."
 
 
 def pictures_chapter(robot: Mechanism, lengths: Sequence[Dimension]) -> Chapter:

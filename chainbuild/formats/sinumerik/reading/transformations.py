@@ -59,15 +59,32 @@ class DatumReport:
 ROBX_TYPE: Final = 4100
 TE4_TYPE: Final = 4099
 _DATA_SETS = range(1, 21)
-# Transformations that the control has without a compile cycle.
-_OTHER_TYPES = {
+# Transformations that the control has without a compile cycle. Of orientation transformations: who is turned, by which
+# of its rotary axes (SINUMERIK function manual Transformations, MD24100).
+_CARDANIC: Final = 148  # no axes in its number
+_TRAORI: Final = {
+    **dict.fromkeys((16, 18, 20, 21), "the head turns the tool"),
+    **dict.fromkeys((32, 33, 34, 35), "the table turns the workpiece"),
+    **dict.fromkeys((48, 49, 50, 51), "the head turns the tool, the table the workpiece"),
+    24: "the head turns the tool, its axes in any directions",
+    40: "the table turns the workpiece, its axes in any directions",
+    56: "the head turns the tool, the table the workpiece, their axes in any directions",
+    _CARDANIC: "a cardanic head turns the tool",
+}
+_ORDERS: Final = {0: "A and B", 1: "A and C", 2: "B and A", 3: "B and C", 4: "C and A", 5: "C and B"}
+_OTHER_TYPES: Final = {
     range(16, 72): "an orientation transformation (TRAORI)",
     range(72, 73): "an orientation transformation (TRAORI) whose data stand in a tool carrier",
-    range(148, 149): "an orientation transformation (TRAORI) with a cardanic head",
+    range(148, 149): "an orientation transformation (TRAORI)",
     range(256, 259): "a polar transformation (TRANSMIT)",
     range(512, 516): "a cylinder transformation (TRACYL)",
     range(1024, 1025): "the transformation of an inclined axis (TRAANG)",
+    range(8192, 8193): "a chain of transformations (TRACON)",
 }
+_TRAORI_HINT: Final = (
+    "describe its axes as a TwinCAT list of a machine of this kind: `chainbuild types`; one with directions and "
+    "offsets as in $MC_TRAFO5_AXIS1, …JOINT_OFFSET, …PART_OFFSET and …BASE_TOOL is KIN_TYP 91: `chainbuild types 91`"
+)
 
 
 def find_transformations(table: DataTable, collector: Collector) -> tuple[Robx, ...]:
@@ -106,8 +123,8 @@ def _what_it_is(table: DataTable) -> tuple[str, Span, str | None]:
     kind = int(row.value) if row is not None and isinstance(row.value, float) else 0
     name = next((words for numbers, words in _OTHER_TYPES.items() if kind in numbers), None)
     if row is not None and name is not None:
-        text = f": TRAFO_TYPE {kind} is {name} of the control itself"
-        return text, row.span, "describe its axes as a TwinCAT list of a machine of this kind: `chainbuild types`"
+        turned = f": {_TRAORI[kind]}{_axes_of(kind)}" if kind in _TRAORI else ""
+        return f": TRAFO_TYPE {kind} is {name} of the control itself{turned}", row.span, _TRAORI_HINT
     if row is not None:
         return f": TRAFO_TYPE {kind} is another one", row.span, None
     if table.reading.kinematic_chain is not None:
@@ -115,6 +132,11 @@ def _what_it_is(table: DataTable) -> tuple[str, Span, str | None]:
         hint = "enter offsets and directions of its axes as a universal kinematic 91: `chainbuild types 91`"
         return text, table.reading.kinematic_chain, hint
     return "", Span(file), None
+
+
+def _axes_of(kind: int) -> str:
+    """Return the rotary axes that the number of an orientation transformation names: the fourth and the fifth."""
+    return f", by its axes {_ORDERS[kind % 16]}" if kind % 16 in _ORDERS and kind < _CARDANIC else ""
 
 
 def _refuse_inches(table: DataTable, collector: Collector) -> None:

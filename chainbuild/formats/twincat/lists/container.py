@@ -22,7 +22,6 @@ _CHANNEL: Final = re.compile(r"^[ \t]*(trafo(_pcs)?|kin_step|kinematik)[ \t]*\["
 _AXIS: Final = re.compile(r"^[ \t]*kenngr\.", re.MULTILINE | re.IGNORECASE)
 _TOOL: Final = re.compile(r"^[ \t]*wz[ \t]*\[", re.MULTILINE | re.IGNORECASE)
 _BY_NAME: Final[Mapping[str, SectionKind]] = {"sdamds": "channel", "achsmds": "axis", "werkzd": "tool"}
-_URDF: Final = re.compile(r"<robot[\s>]")
 _MAX_DEPTH: Final = 200  # far deeper than any project; a bomb of nested elements ends here
 _SHORT_TEXT: Final = 200  # characters of a name or number; longer text is a list
 
@@ -137,12 +136,6 @@ def read_container(source: SourceText) -> tuple[Section, ...]:
     except expat.ExpatError as error:
         raise _malformed(handler, error, source) from None
     sections = tuple(Section(kind, lines, _facts(node)) for kind, lines, node in handler.found)
-    if not sections and (robot := _URDF.search(source.text)) is not None:
-        raise ParseError(
-            "this is a robot description (URDF), not machine data", code="CB212",
-            span=Span(source.file, source.text.count("\n", 0, robot.start()) + 1),
-            hint="chainbuild.Robot.from_urdf(path, tool=LINK) reads it",
-        )  # fmt: skip
     if not sections:
         raise ParseError(
             "the XML holds no parameter list", span=Span(source.file, 1), code="CB212",

@@ -21,6 +21,7 @@ from chainbuild.chain.elements import Chain, Joint
 from chainbuild.chain.poses import frame_placement, link_placements, path_to
 from chainbuild.errors import UnsupportedKinematicError
 from chainbuild.formats.machine import Machine
+from chainbuild.formats.text import URDF
 from chainbuild.frames import urdf_rpy
 from chainbuild.units import AxisKind, deg_from_rad, m_from_mm, mm_from_m, raw_from_mm
 
@@ -81,6 +82,8 @@ def as_universal(
     """
     chain = machine.chain(kinematic, channel, 0.0, conventions)
     universal = universal_of(chain)
+    if machine.dialect == URDF:  # which takes no tool length
+        return list_text(chain, universal, False)
     longer = machine.chain(kinematic, channel, _TRIAL_LENGTH_MM, conventions)
     return list_text(chain, universal, _lengthens_alike(chain, longer, universal))
 

@@ -1,0 +1,4 @@
+"""Robots from tables of Denavit-Hartenberg parameters.
+
+In reading order: `rows`, `machine`.
+"""
