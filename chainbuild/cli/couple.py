@@ -60,7 +60,7 @@ def couple(
     )
     values = [float(value) for value in found.axes()] if axes else None
     if json:
-        print_json(_data(robot, found, values))
+        print_json("couple", _data(robot, found, values))
     else:
         _print(robot, found, values)
     return 0

@@ -33,7 +33,7 @@ def types(kin_typ: int | None = None, /, *, json: Json = False) -> int:
         return _one(kin_typ, json)
     entries = [_data(entry) for entry in catalogue().values()]
     if json:
-        print_json(entries)
+        print_json("types", entries)
         return 0
     shown = empty_table("KIN_TYP", "Type", "Title", "Family", "Axes", "Programmed", "Manual")
     for entry in entries:
@@ -56,7 +56,7 @@ def _one(kin_typ: int, json: bool) -> int:
 
     entry = _data(kin_type(kin_typ))
     if json:
-        print_json(entry)
+        print_json("types", entry)
         return 0
     out = console()
     out.print(f"KIN_TYP {kin_typ}: {entry['title']} ({entry['manual']})", style="bold")

@@ -13,7 +13,7 @@ from cyclopts import Parameter
 
 from chainbuild.errors import ChainbuildError
 from chainbuild.files import place_of
-from chainbuild.findings import Finding
+from chainbuild.findings import Findings, once, still_true
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain
@@ -36,6 +36,18 @@ Output = Annotated[Path | None, Parameter(name=["--output", "-o"])]
 
 class UsageError(Exception):
     """A wrong command line that the parser accepts."""
+
+
+class ShownError(Exception):
+    """An error that ends a command whose JSON tells it already.
+
+    Args:
+        error: The error.
+    """
+
+    def __init__(self, error: ChainbuildError) -> None:
+        super().__init__(str(error))
+        self.error = error
 
 
 @Parameter(name="*", group="Machine")
@@ -155,13 +167,12 @@ def held_axes(robot: Robot) -> dict[str, int]:
     return {axis.name: n for n, axis in enumerate(robot.axes) if axis.held}
 
 
-def all_findings(machine: Machine, chain: Chain | None) -> tuple[Finding, ...]:
-    """Return the findings of reading and of translation, each once, in order."""
-    return _unique((*machine.findings, *(chain.findings if chain else ())))
-
-
-def _unique(findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    return tuple(dict.fromkeys(findings))
+def all_findings(machine: Machine, chain: Chain | None, refusal: ChainbuildError | None = None) -> Findings:
+    """Return the findings of reading and of translation, each once, in order, without what the refusal says, too."""
+    if chain is None:
+        return once(machine.findings, refusal)
+    chosen = [used.convention.name for used in chain.conventions if used.by_user]
+    return once((*still_true(machine.findings, chosen), *chain.findings), refusal)
 
 
 def refuse_overwriting(arguments: Mapping[str, object]) -> None:

@@ -17,7 +17,7 @@ from chainbuild.errors import (
     Span,
     UnsupportedKinematicError,
 )
-from chainbuild.findings import Collector, Findings
+from chainbuild.findings import Collector, Findings, once
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay, overlay_path, read_overlay
 from chainbuild.formats.text import COUPLED, SUMS, SourceText, is_sinumerik, is_twincat, read_source
@@ -55,7 +55,7 @@ def check(path: str | os.PathLike[str], *, overlay: str | os.PathLike[str] | Non
         raise
     except ChainbuildError as error:
         collector.add_error(error)
-    return Findings(dict.fromkeys(collector.findings))
+    return once(collector.findings)
 
 
 def _check_kinematics(machine: Machine, collector: Collector) -> None:

@@ -173,7 +173,7 @@ def test_interrupt_ends_with_130(run: Run, monkeypatch: pytest.MonkeyPatch) -> N
     def interrupted(*words: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(entry, "build_app", lambda: interrupted)
+    monkeypatch.setattr(entry, "build_app", lambda *_: interrupted)
     outcome = run("types")
     assert (outcome.code, outcome.err) == (130, "chainbuild: interrupted\n")
 
@@ -241,6 +241,7 @@ def test_progress_is_shown_on_a_terminal_only(run: Run, tmp_path: Path, monkeypa
     assert run("fk", ARM, "--axes", axes, "-o", "poses.csv").err == ""
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr("chainbuild.progress._UNSEEN_S", 0.0)
     outcome = run("fk", ARM, "--axes", axes, "-o", "poses.csv")
     assert (outcome.code, outcome.out) == (0, "")
     assert "poses" in outcome.err
