@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from chainbuild.cli.axisvalues import At, given_rows
 from chainbuild.cli.show import console, empty_table, note, print_json, say
-from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, BetweenRows, Json, MachineOptions, UsageError
+from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, BetweenRows, Json, MachineOptions, UsageError, Whole
 from chainbuild.progress import bars_shown, counted
 from chainbuild.units import m_from_mm, mm_from_m
 
@@ -31,7 +31,7 @@ class PairOptions:
     """
 
     pairs: Annotated[bool, Parameter(negative="")] = False
-    samples: int = 10_000
+    samples: Whole = 10_000
     srdf: Path | None = None
 
 

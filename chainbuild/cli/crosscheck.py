@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, get_args
 from cyclopts import Parameter
 
 from chainbuild.cli.show import note, print_json, say
-from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, Json, MachineOptions, UsageError
+from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, Json, MachineOptions, UsageError, Whole
 from chainbuild.progress import bars_shown
 from chainbuild.units import m_from_mm, rad_from_deg
 
@@ -33,9 +33,9 @@ class PoseOptions:
         rotation_tolerance: Largest permitted angle in degrees. Default: 6e-5, for recordings 0.006.
     """
 
-    count: int = 300
+    count: Whole = 300
     samples: Annotated[tuple[SampleName, ...], Parameter(negative="", show_default=False)] = ()
-    seed: int = 0
+    seed: Whole = 0
     position_tolerance: float | None = None
     rotation_tolerance: float | None = None
 

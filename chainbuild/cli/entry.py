@@ -34,14 +34,14 @@ from chainbuild.cli.ik import ik
 from chainbuild.cli.info import info
 from chainbuild.cli.inspect import inspect
 from chainbuild.cli.limits import limits
-from chainbuild.cli.mistakes import usage_text
+from chainbuild.cli.mistakes import usage_text, with_standard_output
 from chainbuild.cli.picture import picture
 from chainbuild.cli.process import INTERRUPTED, signals, standard_streams
 from chainbuild.cli.show import help_console, print_json, refusal_data
 from chainbuild.cli.singularity import singularity
 from chainbuild.cli.types import types
 from chainbuild.cli.urdf import urdf
-from chainbuild.cli.usage import ShownError, UsageError, input_files, refuse_overwriting
+from chainbuild.cli.usage import ShownError, UsageError, input_files, refuse_overwriting, refuse_places
 from chainbuild.cli.warm import warm
 from chainbuild.cli.workspace import workspace
 from chainbuild.errors import ChainbuildError, OverwriteError
@@ -133,6 +133,7 @@ def _guarded(command: Callable[..., int], call: _Call) -> Callable[..., int]:
         arguments = signature(command).bind(*operands, **options).arguments
         call.file, call.json = arguments.get("file"), bool(arguments.get("json"))
         refuse_overwriting(arguments)
+        refuse_places(arguments)
         with protected(input_files(arguments)), working(f"chainbuild {command_name_of(command)}"):
             return command(*operands, **options)
 
@@ -158,7 +159,7 @@ def _run(words: list[str]) -> int:
     call = _Call(_command_of(words), json="--json" in words)
     app = build_app(call)
     try:
-        code = app(words)
+        code = app(with_standard_output(words))
         sys.stdout.flush()
     except (CycloptsError, UsageError) as error:
         return _wrong_usage(error, words, app, call)

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from chainbuild.cli.show import print_json, say
 from chainbuild.cli.urdf import Folder, NoInertia
-from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError, Whole
 from chainbuild.progress import bars_shown
 
 Formats = Annotated[str, Parameter(name=["--format", "-f"])]
@@ -21,7 +21,7 @@ def export(
     *,
     formats: Formats = "all",
     folder: Folder = Path("urdf_out"),
-    samples: int = 10_000,
+    samples: Whole = 10_000,
     no_inertia: NoInertia = False,
     json: Json = False,
     options: MachineOptions = DEFAULT_OPTIONS,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from chainbuild.cli.show import note, note_lighter, note_undrawn, say
-from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, UsageError
+from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, UsageError, Whole
 from chainbuild.progress import bars_shown, without_bars
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ class LiveOptions:
     """
 
     no_open: Annotated[bool, Parameter(negative="")] = False
-    port: int | None = None
+    port: Whole | None = None
     token: str | None = None
     beside: str | None = None
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from chainbuild.cli.axisvalues import At, values_of
 from chainbuild.cli.show import console, empty_table, note, print_json, say
-from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError, Whole
 from chainbuild.progress import bars_shown
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def limits(
     axis: str | None = None,
     over: str | None = None,
     at: At = (),
-    steps: int = 37,
+    steps: Whole = 37,
     picture: Path | None = None,
     json: Json = False,
     options: MachineOptions = DEFAULT_OPTIONS,

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain
     from chainbuild.tables.reader import Table
 
+STDOUT: Final = Path("-")  # of an output
 _WIDTH_WITHOUT_TERMINAL: Final = 200  # characters: rows of a log file are not folded
 _ROWS_BETWEEN_UPDATES: Final = 256  # to ask for the place in the file at every row would cost more than the row
 _NOT_FORCED: Final = ("", "0", "false", "no")  # values of FORCE_COLOR that force nothing
@@ -209,8 +210,8 @@ def note_lighter(chain: Chain) -> None:
 
 @contextmanager
 def output(path: Path | None) -> Iterator[TextIO]:
-    """Open the output of a command: a file that appears only on success, or stdout."""
-    if path is None:
+    """Open the output of a command: a file that appears only on success, or stdout (None, or "-")."""
+    if path is None or path == STDOUT:
         with without_bars() if sys.stdout.isatty() else nullcontext():
             yield sys.stdout
         return

@@ -9,7 +9,7 @@ from rich.padding import Padding
 
 from chainbuild.cli.open_points import print_convention
 from chainbuild.cli.show import console, empty_table, print_json, shown_number
-from chainbuild.cli.usage import Json
+from chainbuild.cli.usage import Json, Whole
 
 if TYPE_CHECKING:
     from chainbuild.formats.twincat.types.catalogue import KinType
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _PROGRAMMED: Final = {"complete": "pose", "rtcp": "position and axes", "listed": "as listed"}
 
 
-def types(kin_typ: int | None = None, /, *, json: Json = False) -> int:
+def types(kin_typ: Whole | None = None, /, *, json: Json = False) -> int:
     """List the TwinCAT kinematics that can be built, by KIN_TYP, or show one with its parameters.
 
     Example: `chainbuild types 9`

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, Literal
 
-from cyclopts import Parameter
+from cyclopts import Parameter, Token
 
-from chainbuild.errors import ChainbuildError
+from chainbuild.cli.show import STDOUT
+from chainbuild.errors import ChainbuildError, FileAccessError, Span
 from chainbuild.files import place_of
 from chainbuild.findings import Findings, once, still_true
 
@@ -29,6 +30,22 @@ REJECTED: Final = 3
 _OUTPUTS: Final = frozenset({"output_file", "export", "html", "picture"})
 _FOLDERS: Final = frozenset({"folder", "srdf"})
 
+# Parameters that name a table to read, and what such a file is called.
+_READ_TABLES: Final = frozenset({"axes", "poses", "start", "recording"})
+TABLES: Final = frozenset({".csv", ".tsv", ".txt"})
+
+
+def _whole(_hint: object, tokens: Sequence[Token]) -> int:
+    """Return a whole number, also where it is written as 1e5 or 9.0; the parser alone would cut off 9.7."""
+    with suppress(ValueError):
+        value = float(tokens[0].value)
+        if value.is_integer():
+            return int(value)
+    raise ValueError  # without words: the parser then says which value it is
+
+
+# Whole numbers on the command line.
+Whole = Annotated[int, Parameter(converter=_whole)]
 Json = Annotated[bool, Parameter(negative="")]
 BetweenRows = Literal["ptp", "cp", "rows"]
 Output = Annotated[Path | None, Parameter(name=["--output", "-o"])]
@@ -66,7 +83,7 @@ class MachineOptions:
     """
 
     kinematic: str | None = None
-    channel: int | None = None
+    channel: Whole | None = None
     tool_length: float = 0.0
     convention: Annotated[tuple[str, ...], Parameter(negative="", show_default=False)] = ()
     overlay: Path | None = None
@@ -193,6 +210,43 @@ def refuse_overwriting(arguments: Mapping[str, object]) -> None:
             option = "output" if name == "output_file" else name
             raise UsageError(f"--{option} {path}: {used[place]}; expected another file, nothing was written")
         used[place] = f"{path} is also another output"
+
+
+def refuse_places(arguments: Mapping[str, object]) -> None:
+    """Refuse outputs that could not be written, before anything is computed, and values in place of a table.
+
+    Args:
+        arguments: The values of a command's parameters by name.
+
+    Raises:
+        UsageError: a picture that is no SVG, or numbers where a table is expected.
+        FileAccessError: a file that is a folder or has none, or a folder that is a file.
+    """
+    for name, path in _named_files(arguments):
+        if name in _FOLDERS:
+            found = next((one for one in (path, *path.parents) if one.exists()), None)
+            if found is not None and not found.is_dir():
+                hint = "expected a folder, or a name that is free"
+                raise FileAccessError("the folder cannot be created: this is a file", span=Span(str(found)), hint=hint)
+        elif name in _OUTPUTS and path != STDOUT:
+            if path.is_dir():
+                hint = f"expected a file, such as {path / 'NAME'}"
+                raise FileAccessError("the file cannot be written: this is a folder", span=Span(str(path)), hint=hint)
+            if not path.parent.is_dir():
+                text = f"the file cannot be written: there is no folder {path.parent}"
+                raise FileAccessError(text, span=Span(str(path)), hint="make it first")
+            if name == "picture" and path.suffix.lower() not in ("", ".svg"):
+                raise UsageError(f"--picture {path}: expected NAME.svg: the picture is written as SVG")
+        elif name in _READ_TABLES and _numbers_alone(str(path)) and not path.exists():
+            instead = f"; axis values are given with --at {path}" if name == "axes" else ""
+            raise UsageError(f"--{name} {path}: expected a CSV table{instead}")
+
+
+def _numbers_alone(text: str) -> bool:
+    try:
+        return len([float(word) for word in text.split(",")]) > 1
+    except ValueError:
+        return False
 
 
 def input_files(arguments: Mapping[str, object]) -> tuple[Path, ...]:

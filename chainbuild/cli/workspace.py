@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from chainbuild.cli.axisvalues import At, values_of
-from chainbuild.cli.show import console, empty_table, note, print_json
-from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, Output, UsageError
+from chainbuild.cli.show import STDOUT, console, empty_table, note, print_json
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, Output, UsageError, Whole
 from chainbuild.progress import bars_shown
 
 if TYPE_CHECKING:
@@ -40,11 +40,11 @@ class MapOptions:
     section: MapPlane = "rz"
     over: Annotated[tuple[str, ...], Parameter(negative="", show_default=False)] = ()
     at: At = ()
-    cells: int = 200
-    samples: int = 1_000_000
-    seed: int = 0
+    cells: Whole = 200
+    samples: Whole = 1_000_000
+    seed: Whole = 0
     collisions: Annotated[bool, Parameter(negative="")] = False
-    workers: int | None = None
+    workers: Whole | None = None
 
     def spec(self, robot: Robot) -> MapSpec:
         """Return the specification of the map."""
@@ -87,6 +87,8 @@ def workspace(
     """
     from chainbuild.analysis.workspace.maps import make_map
 
+    if output_file == STDOUT:
+        raise UsageError("--output -: the map is no text: expected NAME.npz")
     robot = options.robot(file)
     spec = chart.spec(robot)
     if chart.workers is not None and chart.workers < 1:

@@ -131,7 +131,7 @@ def test_wrong_usage_ends_with_2(run: Run, words: list[str], message: str) -> No
         (["picture", ARM, "-o", "no/m.svg"], "no/m.svg: the file cannot be written"),
         (["picture", ARM, "-o", "m.jpg"], "chainbuild: m.jpg: the suffix .jpg says no kind of picture"),
         (["picture", "kr6r900_2", "-o", "m.svg", "--at", "0,-90,nan,0,0,0"], "chainbuild: axis B2 has the value nan"),
-        (["urdf", ARM, "-o", "/dev/null"], "/dev/null/kin45_kr6r900_2: the folder cannot be created"),
+        (["urdf", ARM, "-o", "/dev/null"], "/dev/null: the folder cannot be created: this is a file"),
     ],
 )
 def test_refused_input_ends_with_1(run: Run, words: list[str], message: str) -> None:
