@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -22,37 +22,33 @@ _FILE: Final = "FILE"
 _MACHINES: Final = "_chainbuild_machines"  # the function of the zsh script that completes FILE
 
 
-def command_name_of(command: Callable[..., int]) -> str:
-    """Return what a command is called on the command line."""
-    return command.__name__.strip("_").replace("_", "-")
+def completion(
+    shell: ShellName | None = None,
+    /,
+    *,
+    install: Annotated[bool, Parameter(negative="")] = False,
+    app: Annotated[App | None, Parameter(parse=False)] = None,
+) -> int:
+    """Print the script by which a shell completes commands, options, choices, files and shipped machines.
 
+    Example: `chainbuild completion bash`
 
-def completion_command(app: App) -> Callable[..., int]:
-    """Return the command that prints or installs the completion of an application."""
+    Example: `chainbuild completion zsh --install`
 
-    def completion(
-        shell: ShellName | None = None, /, *, install: Annotated[bool, Parameter(negative="")] = False
-    ) -> int:
-        """Print the script by which a shell completes commands, options, choices, files and shipped machines.
-
-        Example: `chainbuild completion bash`
-
-        Example: `chainbuild completion zsh --install`
-
-        Args:
-            shell: bash, zsh or fish. Default: the one of $SHELL.
-            install: Write the script where the shell looks for it, and name it in ~/.bashrc or ~/.zshrc where that is
-                needed, instead of printing it.
-        """
-        chosen = shell or _own_shell()
-        script = completion_script(app, chosen)
-        if install:
-            _install(script, chosen)
-        else:
-            say(script, end="", lines=True)
-        return 0
-
-    return completion
+    Args:
+        shell: bash, zsh or fish. Default: the one of $SHELL.
+        install: Write the script where the shell looks for it, and name it in ~/.bashrc or ~/.zshrc where that is
+            needed, instead of printing it.
+        app: The application that is completed; not an option.
+    """
+    assert app is not None
+    chosen = shell or _own_shell()
+    script = completion_script(app, chosen)
+    if install:
+        _install(script, chosen)
+    else:
+        say(script, end="", lines=True)
+    return 0
 
 
 def _own_shell() -> ShellName:

@@ -12,7 +12,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass
 from functools import wraps
 from inspect import signature
@@ -24,7 +24,7 @@ from chainbuild import __version__
 from chainbuild.cli.as_universal import as_universal
 from chainbuild.cli.check import check
 from chainbuild.cli.collide import collide
-from chainbuild.cli.completion import command_name_of, completion_command
+from chainbuild.cli.completion import completion
 from chainbuild.cli.couple import couple
 from chainbuild.cli.crosscheck import crosscheck
 from chainbuild.cli.demo import demo
@@ -34,14 +34,21 @@ from chainbuild.cli.ik import ik
 from chainbuild.cli.info import info
 from chainbuild.cli.inspect import inspect
 from chainbuild.cli.limits import limits
-from chainbuild.cli.mistakes import usage_text, with_standard_output
+from chainbuild.cli.mistakes import usage_text
 from chainbuild.cli.picture import picture
 from chainbuild.cli.process import INTERRUPTED, signals, standard_streams
 from chainbuild.cli.show import help_console, print_json, refusal_data
 from chainbuild.cli.singularity import singularity
 from chainbuild.cli.types import types
 from chainbuild.cli.urdf import urdf
-from chainbuild.cli.usage import ShownError, UsageError, input_files, refuse_overwriting, refuse_places
+from chainbuild.cli.usage import (
+    ShownError,
+    UsageError,
+    input_files,
+    refuse_overwriting,
+    refuse_places,
+    with_standard_output,
+)
 from chainbuild.cli.warm import warm
 from chainbuild.cli.workspace import workspace
 from chainbuild.errors import ChainbuildError, OverwriteError
@@ -121,8 +128,18 @@ def build_app(call: _Call | None = None) -> App:
     )
     for command in _COMMANDS:
         app.command(_guarded(command, call or _Call()))
-    app.command(completion_command(app))
+    app.command(_completing(app))
     return app
+
+
+def _completing(app: App) -> Callable[..., int]:
+    """Return the command that completes an application."""
+
+    @wraps(completion)
+    def completing(*operands: Any, **options: Any) -> int:
+        return completion(*operands, **options, app=app)
+
+    return completing
 
 
 def _guarded(command: Callable[..., int], call: _Call) -> Callable[..., int]:
@@ -134,10 +151,20 @@ def _guarded(command: Callable[..., int], call: _Call) -> Callable[..., int]:
         call.file, call.json = arguments.get("file"), bool(arguments.get("json"))
         refuse_overwriting(arguments)
         refuse_places(arguments)
-        with protected(input_files(arguments)), working(f"chainbuild {command_name_of(command)}"):
+        with protected(input_files(arguments)), _waiting(command):
             return command(*operands, **options)
 
     return guarded
+
+
+def _waiting(command: Callable[..., int]) -> AbstractContextManager[None]:
+    """Return what shows on a terminal that a command works."""
+    return working(f"chainbuild {_name_of(command)}") if sys.stderr.isatty() else nullcontext()
+
+
+def _name_of(command: Callable[..., int]) -> str:
+    """Return what a command is called on the command line."""
+    return command.__name__.strip("_").replace("_", "-")
 
 
 def main(tokens: Sequence[str] | None = None) -> int:
@@ -203,7 +230,7 @@ def message_of(error: ChainbuildError) -> str:
 
 
 def _command_of(words: Sequence[str]) -> str | None:
-    names = {"completion", *(command_name_of(command) for command in _COMMANDS)}
+    names = {"completion", *(_name_of(command) for command in _COMMANDS)}
     return words[0] if words and words[0] in names else None
 
 

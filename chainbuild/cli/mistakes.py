@@ -91,21 +91,6 @@ def usage_text(error: CycloptsError, words: Sequence[str], app: App) -> str:
     return text
 
 
-def with_standard_output(words: Sequence[str]) -> list[str]:
-    """Return the words of a command line with `--output=-` for `-o -`, which the parser takes for an option.
-
-    >>> with_standard_output(["fk", "arm.lis", "--at", "0,0", "-o", "-"])
-    ['fk', 'arm.lis', '--at', '0,0', '--output=-']
-    """
-    found: list[str] = []
-    for word in words:
-        if word == "-" and found and found[-1] in ("-o", "--output"):
-            found[-1] = "--output=-"
-        else:
-            found.append(word)
-    return found
-
-
 def _unknown_command(words: Sequence[str], commands: Sequence[str]) -> str:
     word = next((one for one in words if not one.startswith("-")), words[0])
     head = f'Unknown command "{word}"'

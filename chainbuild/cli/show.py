@@ -227,6 +227,11 @@ def with_progress(items: Iterable[Item], source: Table, what: str) -> Iterator[I
         source: The table they come from.
         what: What is being done.
     """
+    if not sys.stderr.isatty():
+        for item in items:
+            check_interrupt()
+            yield item
+        return
     with counting(source.size, bars_shown(), what) as advance:
         last = 0
         for count, item in enumerate(items):

@@ -192,6 +192,21 @@ def all_findings(machine: Machine, chain: Chain | None, refusal: ChainbuildError
     return once((*still_true(machine.findings, chosen), *chain.findings), refusal)
 
 
+def with_standard_output(words: Sequence[str]) -> list[str]:
+    """Return the words of a command line with `--output=-` for `-o -`, which the parser takes for an option.
+
+    >>> with_standard_output(["fk", "arm.lis", "--at", "0,0", "-o", "-"])
+    ['fk', 'arm.lis', '--at', '0,0', '--output=-']
+    """
+    found: list[str] = []
+    for word in words:
+        if word == "-" and found and found[-1] in ("-o", "--output"):
+            found[-1] = "--output=-"
+        else:
+            found.append(word)
+    return found
+
+
 def refuse_overwriting(arguments: Mapping[str, object]) -> None:
     """Refuse a command line that would write over a file it reads, or write two results to one file.
 
