@@ -38,6 +38,11 @@ def bars_shown() -> bool:
     return stream is not None and stream.isatty() and os.environ.get("TERM", "") not in DUMB
 
 
+def _in_notebook() -> bool:
+    """Return whether standard error is the output of a cell, which knows how to go back in a line."""
+    return type(sys.stderr).__module__.startswith("ipykernel.")
+
+
 @contextmanager
 def counting(total: int, progress: Progress, what: str, done: int = 0) -> Iterator[Callable[[int], None]]:
     """Give a function that is told how many steps more are done.
@@ -48,7 +53,7 @@ def counting(total: int, progress: Progress, what: str, done: int = 0) -> Iterat
         what: What the bar is labelled with.
         done: Steps done before.
     """
-    if progress is False:
+    if progress is False or (progress is True and not (bars_shown() or _in_notebook())):
         yield lambda _: None
         return
     if callable(progress):

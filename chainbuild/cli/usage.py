@@ -37,9 +37,11 @@ TABLES: Final = frozenset({".csv", ".tsv", ".txt"})
 
 def _whole(_hint: object, tokens: Sequence[Token]) -> int:
     """Return a whole number, also where it is written as 1e5 or 9.0; the parser alone would cut off 9.7."""
+    text = tokens[0].value
     with suppress(ValueError):
-        value = float(tokens[0].value)
-        if value.is_integer():
+        return int(text)  # of any size, where a float would round
+    with suppress(ValueError):
+        if (value := float(text)).is_integer():
             return int(value)
     raise ValueError  # without words: the parser then says which value it is
 

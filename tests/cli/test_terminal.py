@@ -114,12 +114,12 @@ def opened(monkeypatch: pytest.MonkeyPatch) -> Callable[[], Terminal]:
     return call
 
 
-def drawn(shown: Terminal, text: str) -> bool:
+def drawn(shown: io.StringIO, text: str) -> bool:
     """Wait until a text is drawn."""
     return drawn_later(shown, text, 0)
 
 
-def drawn_later(shown: Terminal, text: str, at: int) -> bool:
+def drawn_later(shown: io.StringIO, text: str, at: int) -> bool:
     """Wait until a text is drawn behind a place in what was drawn."""
     end = time.monotonic() + 10.0
     while text not in shown.getvalue()[at:] and time.monotonic() < end:
@@ -213,6 +213,22 @@ def test_no_bar_where_a_terminal_cannot_show_it(
     monkeypatch.setattr(sys, "stderr", io.StringIO())
     monkeypatch.setenv("TERM", "xterm")
     assert not bars_shown()
+
+
+def test_a_bar_that_was_asked_for_stays_out_of_files_and_comes_into_cells(
+    opened: Callable[[], Terminal], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opened()
+    log = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", log)
+    with counting(2, True, "rows") as advance:
+        time.sleep(0.02)
+        advance(2)
+    assert log.getvalue() == ""
+    cell = type("OutStream", (io.StringIO,), {"__module__": "ipykernel.iostream"})()
+    monkeypatch.setattr(sys, "stderr", cell)
+    with counting(2, True, "rows"):
+        assert drawn(cell, "rows")
 
 
 def test_a_table_on_the_console_wipes_the_bar(opened: Callable[[], Terminal]) -> None:
