@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
@@ -14,15 +14,31 @@ from chainbuild.html import html_table, html_text
 from chainbuild.shown import two_lines
 
 Severity = Literal["info", "warning", "error"]
+# What a command that only uses a machine says of a finding: all of it, that there is one more, nothing.
+Told = Literal["named", "counted", "listed"]
 
 
 @dataclass(frozen=True, slots=True)
 class FindingKind:
-    """Kind of a finding: severity and a title without particulars."""
+    """Kind of a finding: severity, a title without particulars, and when it is told.
+
+    Attributes:
+        code: Its number.
+        severity: error refuses the file.
+        title: What it is about.
+        told: Where a machine is only used: named with its text (what was chosen among several), counted, or listed by
+            `check` and `info` alone (nothing to do about it).
+        convention: The convention that it speaks of, which makes it untrue when it is chosen; "parameter": the one that
+            its parameter names.
+        includes: The number of a warning that this one says with more words at the same place.
+    """
 
     code: str
     severity: Severity
     title: str
+    told: Told = "counted"
+    convention: str | None = None
+    includes: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,13 +87,44 @@ class Findings(tuple[Finding, ...]):
 
 
 NO_FINDINGS: Final = Findings()
+# When a finding is told, where the register does not say.
+_TOLD: Final[Mapping[Severity, Told]] = {"error": "counted", "warning": "counted", "info": "listed"}
 
 
 @cache
 def finding_kinds() -> Mapping[str, FindingKind]:
     """Return the register of all finding numbers."""
     raw = tomllib.loads(resources.files("chainbuild").joinpath("data/findings.toml").read_text("utf-8"))
-    return {code: FindingKind(code, row["severity"], row["title"]) for code, row in raw.items()}
+    return {code: FindingKind(code, **{"told": _TOLD[row["severity"]], **row}) for code, row in raw.items()}
+
+
+def once(findings: Iterable[Finding], refusal: ChainbuildError | None = None) -> Findings:
+    """Return findings, each once, without those that another, or the refusal beside them, includes.
+
+    Args:
+        findings: What was found, in order.
+        refusal: An error that is told beside the findings.
+    """
+    different = list(dict.fromkeys(findings))
+    said = [(one.code, one.span) for one in different]
+    said += [(refusal.code, refusal.span)] if refusal is not None and refusal.code is not None else []
+    included = {(finding_kinds()[code].includes, span) for code, span in said}
+    return Findings(one for one in different if (one.code, one.span) not in included)
+
+
+def still_true(findings: Iterable[Finding], chosen: Collection[str]) -> Findings:
+    """Return the findings that do not go when conventions are chosen, whatever the choice.
+
+    Args:
+        findings: What was found without the choice.
+        chosen: Names of the conventions chosen.
+    """
+
+    def settled(one: Finding) -> bool:
+        about = finding_kinds()[one.code].convention
+        return (one.parameter if about == "parameter" else about) in chosen
+
+    return Findings(one for one in findings if not settled(one))
 
 
 @dataclass(slots=True)

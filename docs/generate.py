@@ -21,9 +21,10 @@ from chainbuild.ik.plan import plan_of
 
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "docs"))
+import json_tables  # noqa: E402
 import machine_pictures  # noqa: E402
 
-_DOCS = ("arms", "branches", "conventions", "findings", "kinematics", "machines", "robx", "tables")
+_DOCS = ("arms", "branches", "conventions", "findings", "json", "kinematics", "machines", "robx", "tables")
 PAGES = ("README.md", *(f"docs/{name}.md" for name in _DOCS))
 _COLUMNS = 2  # of the contact sheet: two machines with two pictures each fit a page
 _WIDTH = 200  # pixels of its pictures
@@ -123,7 +124,9 @@ def convention_table() -> str:
 def findings() -> str:
     """Return the register of findings."""
     kinds = sorted(finding_kinds().values(), key=lambda kind: kind.code)
-    return table(("number", "severity", "meaning"), ((k.code, k.severity, k.title) for k in kinds))
+    told = {"named": "in full", "counted": "counted", "listed": ""}
+    rows = ((k.code, k.severity, k.title, "refused" if k.severity == "error" else told[k.told]) for k in kinds)
+    return table(("number", "severity", "meaning", "other commands"), rows)
 
 
 def robx_combinations() -> str:
@@ -184,6 +187,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "arms-missed": lambda: arms("missed"),
     "arms-times": lambda: arms("times"),
     "arms-line": lambda: arms("line"),
+    "json": lambda: json_tables.json_documents(table),
 }
 
 

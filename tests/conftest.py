@@ -13,6 +13,7 @@ import chainbuild
 from chainbuild.chain.elements import Chain
 from chainbuild.cli import main
 from tests.kit.command_line import Outcome, Run
+from tests.kit.json_documents import documents
 from tests.kit.platforms import stand_in, without
 
 # Tests that run side by side are told the width of a terminal; the output of a command is as wide as without one.
@@ -64,6 +65,8 @@ def run(
         code = main([str(word) for word in words])
         captured = capsys.readouterr()
         assert "Traceback" not in captured.err
+        if "--json" in words and captured.out:
+            documents(captured.out)
         return Outcome(code, captured.out, captured.err)
 
     return call

@@ -1,8 +1,9 @@
 """The command line: one file a command, entry point `chainbuild.cli:main`.
 
 `entry` builds the application; the commands are `info`, `check`, `types`, `fk`, `ik`, `urdf`, `export`, `inspect`,
-`picture`, `demo`, `singularity`, `collide`, `limits`, `workspace`, `crosscheck`, `couple`, `as_universal` and `warm`.
-What several of them use: `usage`, `show`, `axisvalues`, `info_tables`, `open_points`, `progress`, `process`; of paths
+`picture`, `demo`, `singularity`, `collide`, `limits`, `workspace`, `crosscheck`, `couple`, `as_universal`, `warm` and
+`completion`. Wrong command lines are answered by `mistakes`.
+What several of them use: `usage`, `show`, `axisvalues`, `info_tables`, `open_points`, `process`; of paths
 `pathinput`, `pathreport`, `pathdata`, `pathnotes` and `verdicts`.
 """
 

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Final
-
-from chainbuild.cli.show import finding_data, print_findings, print_json, refusal_as_json, say
+from chainbuild.cli.show import finding_data, print_findings, print_json, say
 from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, all_findings
 from chainbuild.errors import ChainbuildError
-from chainbuild.findings import Collector, Finding, Findings
-
-_UNCHOSEN: Final = "CB438"  # a convention without default
+from chainbuild.findings import Collector, Finding, Findings, once, still_true
 
 
 def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT_OPTIONS) -> int:
@@ -28,16 +24,17 @@ def check(file: str, /, *, json: Json = False, options: MachineOptions = DEFAULT
     from chainbuild.formats.load import check as check_file
 
     chosen = options.choices()
-    with refusal_as_json(file, json):
-        findings = check_file(file, overlay=options.overlay, tool=options.tool)
-    # What an option chooses is not missing; the selection below is built with it.
-    findings = Findings(one for one in findings if one.code != _UNCHOSEN or one.parameter not in chosen)
+    findings = check_file(file, overlay=options.overlay, tool=options.tool)
+    # What an option settles is no longer open; the selection below is built with it.
+    findings = still_true(findings, chosen)
     refused = any(finding.severity == "error" for finding in findings)
     if options.selects and not refused:
         findings = _with_selection(file, options, findings)
         refused = any(finding.severity == "error" for finding in findings)
     if json:
-        print_json({"file": file, "refused": refused, "findings": [finding_data(finding) for finding in findings]})
+        print_json(
+            "check", {"file": file, "refused": refused, "findings": [finding_data(finding) for finding in findings]}
+        )
     else:
         print_findings(findings)
         say(f"{file}: {_verdict(findings, refused)}")
@@ -54,7 +51,7 @@ def _with_selection(file: str, options: MachineOptions, findings: tuple[Finding,
         collector.findings.extend(all_findings(machine, Robot(options.chain(machine)).chain))
     except ChainbuildError as error:
         collector.add_error(error)
-    return Findings(dict.fromkeys(collector.findings))
+    return once(collector.findings)
 
 
 def _verdict(findings: tuple[Finding, ...], refused: bool) -> str:

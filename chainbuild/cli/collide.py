@@ -10,7 +10,8 @@ from cyclopts import Parameter
 
 from chainbuild.cli.axisvalues import At, given_rows
 from chainbuild.cli.show import console, empty_table, note, print_json, say
-from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, BetweenRows, Json, MachineOptions, UsageError
+from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, BetweenRows, Json, MachineOptions, UsageError, Whole
+from chainbuild.progress import bars_shown, counted
 from chainbuild.units import m_from_mm, mm_from_m
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class PairOptions:
     """
 
     pairs: Annotated[bool, Parameter(negative="")] = False
-    samples: int = 10_000
+    samples: Whole = 10_000
     srdf: Path | None = None
 
 
@@ -84,13 +85,13 @@ def collide(
         data["pairs"] = _sample(model, sampling, json)
     if not len(rows):
         if json:
-            print_json(data)
+            print_json("collide", data)
         return 0
     found = _positions(model, rows, between if axes is not None else None, m_from_mm(clearance))
     if picture:
         note(f"wrote {_draw(model, rows, picture)}")
     if json:
-        print_json(data | found.data())
+        print_json("collide", data | found.data())
     else:
         found.print()
     return REJECTED if found.collides else 0
@@ -163,8 +164,9 @@ def _positions(model: CollisionModel, rows: Any, between: BetweenRows | None, cl
     from chainbuild.analysis.collision.paths import collision_remarks, contacts
 
     names = [axis.name for axis in model.robot.axes]
-    closest = [model.nearest(row) for row in rows]
-    found = list(contacts(model.robot, rows, clearance=clearance, bodies=model, between=between or "rows"))
+    bar, motion = bars_shown(), between or "rows"
+    closest = [model.nearest(row) for row in counted(rows, len(rows), bar, "distances")]
+    found = list(contacts(model.robot, rows, clearance=clearance, bodies=model, between=motion, progress=bar))
     remarks = () if between is None else collision_remarks(model.robot, between)
     return _Found(found, closest, names, between, (*remarks, *_at_home(model, found)))
 
@@ -186,7 +188,7 @@ def _sample(model: CollisionModel, sampling: PairOptions, as_json: bool) -> dict
     from chainbuild.writers.models.robotfiles import write_robot_files
     from chainbuild.writers.models.srdf import srdf_text
 
-    found = classify_pairs(model.robot, sampling.samples)
+    found = classify_pairs(model.robot, sampling.samples, progress=bars_shown())
     if sampling.srdf is not None:
         name = f"{model.robot.name}.srdf"
         files = write_robot_files(model.robot, sampling.srdf, {name: srdf_text(model.robot, found)})

@@ -60,7 +60,7 @@ def couple(
     )
     values = [float(value) for value in found.axes()] if axes else None
     if json:
-        print_json(_data(robot, found, values))
+        print_json("couple", _data(robot, found, values))
     else:
         _print(robot, found, values)
     return 0
@@ -76,7 +76,9 @@ def _pairs(option: str, words: Iterable[str]) -> list[tuple[str, float]]:
         except ValueError:
             equals = ""
         if not (name.strip() and equals):
-            raise UsageError(f"{option} {word}: expected NAME=VALUE with a number as VALUE")
+            raise UsageError(
+                f"{option} {word}: expected NAME=VALUE, VALUE a number with a decimal point and without a unit"
+            )
         if name.strip().casefold() in [known.casefold() for known, _ in found[:-1]]:
             raise UsageError(f"{option} {word}: expected NAME=VALUE once for each name")
     return found

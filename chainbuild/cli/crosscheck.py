@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, get_args
@@ -10,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Literal, get_args
 from cyclopts import Parameter
 
 from chainbuild.cli.show import note, print_json, say
-from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, Json, MachineOptions, UsageError
+from chainbuild.cli.usage import DEFAULT_OPTIONS, REJECTED, Json, MachineOptions, UsageError, Whole
+from chainbuild.progress import bars_shown
 from chainbuild.units import m_from_mm, rad_from_deg
 
 if TYPE_CHECKING:
@@ -33,9 +33,9 @@ class PoseOptions:
         rotation_tolerance: Largest permitted angle in degrees. Default: 6e-5, for recordings 0.006.
     """
 
-    count: int = 300
+    count: Whole = 300
     samples: Annotated[tuple[SampleName, ...], Parameter(negative="", show_default=False)] = ()
-    seed: int = 0
+    seed: Whole = 0
     position_tolerance: float | None = None
     rotation_tolerance: float | None = None
 
@@ -114,7 +114,7 @@ def _compare(file: str, other: Path | str, check_options: CheckOptions, options:
         machine=machine,
         selection=options.selection(machine),
         conventions=options.choices(),
-        progress=sys.stderr.isatty(),
+        progress=bars_shown(),
     )
 
 
@@ -122,6 +122,6 @@ def _print(check: CrossCheck, as_json: bool) -> None:
     from chainbuild.writers.report import crosscheck_data, crosscheck_text
 
     if as_json:
-        print_json(crosscheck_data(check))
+        print_json("crosscheck", crosscheck_data(check))
     else:
         say(crosscheck_text(check), end="", lines=True)

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Final
 from chainbuild.cli.show import console, counted_findings, empty_table
 from chainbuild.cli.urdf import Folder
 from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, all_findings
+from chainbuild.findings import finding_kinds
+from chainbuild.progress import bars_shown, counted
 
 if TYPE_CHECKING:
     from chainbuild.kinematics.mechanism import Mechanism
@@ -49,13 +51,13 @@ def demo(
     shown.columns[0].no_wrap = shown.columns[1].no_wrap = True
     names = shipped() if file is None else (file,)
     warnings: dict[str, int] = {}
-    for name in names:
+    for name in counted(names, len(names), bars_shown(), "machines"):
         machine = options.machine(name)
         chain = options.chain(machine)
         robot = Robot(chain)
         formats = _formats(robot, everything=name == _EXAMPLE or file is not None)
         export(robot, folder, formats=formats, machine=machine, selection=options.selection(machine))
-        count = sum(finding.severity != "info" for finding in all_findings(machine, robot.chain))
+        count = sum(finding_kinds()[one.code].told != "listed" for one in all_findings(machine, robot.chain))
         warnings.update({name: count} if count else {})
         shown.add_row(name, chain.kinematic, chain.title)
     out = console()

@@ -10,20 +10,21 @@ from __future__ import annotations
 import io
 import os
 import re
-import shlex
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
+from dataclasses import dataclass
 from functools import wraps
 from inspect import signature
 from typing import Any, Final
 
-from cyclopts import App, CycloptsError, UnusedCliTokensError
+from cyclopts import App, CycloptsError
 
 from chainbuild import __version__
 from chainbuild.cli.as_universal import as_universal
 from chainbuild.cli.check import check
 from chainbuild.cli.collide import collide
+from chainbuild.cli.completion import completion
 from chainbuild.cli.couple import couple
 from chainbuild.cli.crosscheck import crosscheck
 from chainbuild.cli.demo import demo
@@ -33,16 +34,27 @@ from chainbuild.cli.ik import ik
 from chainbuild.cli.info import info
 from chainbuild.cli.inspect import inspect
 from chainbuild.cli.limits import limits
+from chainbuild.cli.mistakes import usage_text
 from chainbuild.cli.picture import picture
 from chainbuild.cli.process import INTERRUPTED, signals, standard_streams
+from chainbuild.cli.show import help_console, print_json, refusal_data
 from chainbuild.cli.singularity import singularity
 from chainbuild.cli.types import types
 from chainbuild.cli.urdf import urdf
-from chainbuild.cli.usage import UsageError, input_files, refuse_overwriting, with_standard_input
+from chainbuild.cli.usage import (
+    ShownError,
+    UsageError,
+    input_files,
+    refuse_overwriting,
+    refuse_places,
+    with_standard_input,
+    with_standard_output,
+)
 from chainbuild.cli.warm import warm
 from chainbuild.cli.workspace import workspace
 from chainbuild.errors import ChainbuildError, OverwriteError
 from chainbuild.files import printable, protected
+from chainbuild.progress import above_bars, working
 
 # Exit codes; those of signals are 128 and the number of the signal, as a shell reports them.
 DONE: Final = 0
@@ -83,34 +95,78 @@ Example: `chainbuild fk kr6r900 --at 0,-90,90,0,0,0`
 _EPILOGUE = "Exit codes: 0 done, 1 input refused, 2 wrong usage, 3 rows failed, poses differ or bodies collide."
 
 
-def build_app() -> App:
-    """Return the command line with all its commands."""
+@dataclass(slots=True)
+class _Call:
+    """What is known of a command line, for whoever reports its end.
+
+    Attributes:
+        command: The command, as far as it is known.
+        file: Its machine file.
+        json: Whether JSON is wanted.
+    """
+
+    command: str | None = None
+    file: str | None = None
+    json: bool = False
+
+
+def build_app(call: _Call | None = None) -> App:
+    """Return the command line with all its commands.
+
+    Args:
+        call: Takes what the parser finds.
+    """
     app = App(
         name="chainbuild",
         help=_HELP,
         help_epilogue=_EPILOGUE,
         version=__version__,
+        version_flags=["--version", "-V"],
+        console=help_console(),
         result_action="return_value",
         exit_on_error=False,
         print_error=False,
         suppress_keyboard_interrupt=False,
     )
     for command in _COMMANDS:
-        app.command(_guarded(command))
+        app.command(_guarded(command, call or _Call()))
+    app.command(_completing(app))
     return app
 
 
-def _guarded(command: Callable[..., int]) -> Callable[..., int]:
-    """Return a command that first refuses to write over what it reads."""
+def _completing(app: App) -> Callable[..., int]:
+    """Return the command that completes an application."""
+
+    @wraps(completion)
+    def completing(*operands: Any, **options: Any) -> int:
+        return completion(*operands, **options, app=app)
+
+    return completing
+
+
+def _guarded(command: Callable[..., int], call: _Call) -> Callable[..., int]:
+    """Return a command that first refuses to write over what it reads, and shows that it works."""
 
     @wraps(command)
     def guarded(*operands: Any, **options: Any) -> int:
         arguments = signature(command).bind(*operands, **options).arguments
+        call.file, call.json = arguments.get("file"), bool(arguments.get("json"))
         refuse_overwriting(arguments)
-        with protected(input_files(arguments)):
+        refuse_places(arguments)
+        with protected(input_files(arguments)), _waiting(command):
             return command(*operands, **options)
 
     return guarded
+
+
+def _waiting(command: Callable[..., int]) -> AbstractContextManager[None]:
+    """Return what shows on a terminal that a command works."""
+    return working(f"chainbuild {_name_of(command)}") if sys.stderr.isatty() else nullcontext()
+
+
+def _name_of(command: Callable[..., int]) -> str:
+    """Return what a command is called on the command line."""
+    return command.__name__.strip("_").replace("_", "-")
 
 
 def main(tokens: Sequence[str] | None = None) -> int:
@@ -129,16 +185,17 @@ def main(tokens: Sequence[str] | None = None) -> int:
 
 def _run(words: list[str]) -> int:
     _accept_any_text()
+    call = _Call(_command_of(words), json="--json" in words)
+    app = build_app(call)
     try:
-        code = build_app()(with_standard_input(words))
+        code = app(with_standard_output(with_standard_input(words)))
         sys.stdout.flush()
     except (CycloptsError, UsageError) as error:
-        usage = f"chainbuild {_command_of(words)}--help shows the usage"
-        return _fail(f"chainbuild: {printable(_usage_text(error), lines=False)}\n{usage}", WRONG_USAGE)
-    except OverwriteError as error:
-        return _fail(message_of(error), WRONG_USAGE)
+        return _wrong_usage(error, words, app, call)
+    except ShownError as error:
+        return _fail(message_of(error.error), REFUSED)
     except ChainbuildError as error:
-        return _fail(message_of(error), REFUSED)
+        return _refused(error, call, WRONG_USAGE if isinstance(error, OverwriteError) else REFUSED)
     except BrokenPipeError:
         _silence_stdout()
         return READER_GONE
@@ -148,21 +205,20 @@ def _run(words: list[str]) -> int:
     return code if isinstance(code, int) else DONE
 
 
-def _usage_text(error: CycloptsError | UsageError) -> str:
-    """Return what is wrong with a command line; for surplus numbers, also how to write several values."""
-    if not isinstance(error, UnusedCliTokensError) or not error.unused_tokens:
-        return str(error)
-    numbers = all(_is_number(word) for word in error.unused_tokens)
-    hint = "; write several values as one word with commas and no spaces: 0,-90,90" if numbers else ""
-    return f"unexpected argument {shlex.join(error.unused_tokens)}{hint}"
+def _wrong_usage(error: CycloptsError | UsageError, words: list[str], app: App, call: _Call) -> int:
+    text = usage_text(error, words, app) if isinstance(error, CycloptsError) else str(error)
+    text = printable(text, lines=False)
+    usage = f"chainbuild {f'{call.command} ' if call.command else ''}--help shows the usage"
+    told = _refused(ChainbuildError(text, hint=usage), call, WRONG_USAGE, shown=False)
+    return _fail(f"chainbuild: {text}\n{usage}", told)
 
 
-def _is_number(word: str) -> bool:
-    try:
-        float(word.rstrip(","))
-    except ValueError:
-        return False
-    return True
+def _refused(error: ChainbuildError, call: _Call, code: int, *, shown: bool = True) -> int:
+    """Return the exit code of an error, which is printed as JSON where that is wanted."""
+    if call.json:
+        with suppress(OSError):
+            print_json("error", {"command": call.command, "file": call.file, **refusal_data(error, code)})
+    return _fail(message_of(error), code) if shown else code
 
 
 def message_of(error: ChainbuildError) -> str:
@@ -175,9 +231,9 @@ def message_of(error: ChainbuildError) -> str:
     return f"{head}\n{before}{behind}\n{_NO_TAB.sub(' ', before)}^"
 
 
-def _command_of(words: Sequence[str]) -> str:
-    names = {command.__name__.replace("_", "-") for command in _COMMANDS}
-    return f"{words[0]} " if words and words[0] in names else ""
+def _command_of(words: Sequence[str]) -> str | None:
+    names = {"completion", *(_name_of(command) for command in _COMMANDS)}
+    return words[0] if words and words[0] in names else None
 
 
 def _accept_any_text() -> None:
@@ -188,7 +244,7 @@ def _accept_any_text() -> None:
 
 
 def _fail(message: str, code: int) -> int:
-    with suppress(OSError):
+    with suppress(OSError), above_bars():
         print(printable(message), file=sys.stderr)
     return code
 

@@ -9,7 +9,8 @@ from cyclopts import Parameter
 
 from chainbuild.cli.show import print_json, say
 from chainbuild.cli.urdf import Folder, NoInertia
-from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError, Whole
+from chainbuild.progress import bars_shown
 
 Formats = Annotated[str, Parameter(name=["--format", "-f"])]
 
@@ -20,7 +21,7 @@ def export(
     *,
     formats: Formats = "all",
     folder: Folder = Path("urdf_out"),
-    samples: int = 10_000,
+    samples: Whole = 10_000,
     no_inertia: NoInertia = False,
     json: Json = False,
     options: MachineOptions = DEFAULT_OPTIONS,
@@ -56,10 +57,10 @@ def export(
         raise UsageError(f"--samples {samples}: expected at least 1")
     machine, robot = options.built(file)
     source = machine, options.selection(machine)
-    files = export_files(robot, None if everything else wanted, samples, not no_inertia, source)
+    files = export_files(robot, None if everything else wanted, samples, not no_inertia, source, bars_shown())
     paths = write_robot_files(robot, folder, {name: text for own in files.values() for name, text in own.items()})
     if json:
-        print_json({"paths": {one: [str(paths[name]) for name in own] for one, own in files.items()}})
+        print_json("export", {"paths": {one: [str(paths[name]) for name in own] for one, own in files.items()}})
     for path in paths.values() if not json else ():
         say(path)
     return 0

@@ -69,7 +69,7 @@ def fk(
     from chainbuild.tables import AxisTable, PoseForm, PoseWriter
 
     if axes is None and not at:
-        raise UsageError("expected --axes or --at")
+        raise UsageError("expected axis values: --at 0,-90,90, or a table: --axes TABLE.csv")
     robot = options.robot(file)
     mode = _angle_mode(robot, angles)
     outside: Counter[tuple[str, str]] = Counter()
@@ -84,7 +84,9 @@ def fk(
             drives=[drive_name(axis) for axis in robot.axes] if drives else (),
         )  # fmt: skip
         status_of: StatusOf = (lambda rows: status_turn_rows(robot, rows).tolist()) if form.status else _no_status
+        count = 0
         for span, values, status in _rows(given, table, status_of):
+            count += 1
             violated = robot.violated_limits(values)
             try:
                 T = robot.fk(values)
@@ -95,6 +97,8 @@ def fk(
                 error.span = error.span or span
                 raise
             outside.update((span.file, name) for name in violated)
+        if table is not None and not count:
+            note(f"{table.file}: the table has no rows")
     for (source, name), count in outside.items():
         note(f"{source}: {count} row{'s' * (count != 1)} outside the limits of {name}")
     return 0

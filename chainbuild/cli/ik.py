@@ -294,6 +294,8 @@ class IkReport:
             first = f"{self._file}:{self._first_contradictory}"
             note(f"{first}: {self._words}{more}")
         self._tell_reasons()
+        if not self._statuses:
+            note(f"{self._file}: the table has no rows")
         failed = self._statuses.total() - self._statuses["ok"]
         if failed:
             counts = ", ".join(f"{n} {status}" for status, n in sorted(self._statuses.items()) if status != "ok")

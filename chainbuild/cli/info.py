@@ -16,9 +16,10 @@ from chainbuild.cli.info_tables import (
     parameters_table,
     poses_table,
 )
-from chainbuild.cli.show import console, error_data, finding_data, print_findings, print_json, refusal_as_json
-from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, all_findings
+from chainbuild.cli.show import console, error_data, finding_data, print_findings, print_json
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, ShownError, all_findings
 from chainbuild.errors import ChainbuildError
+from chainbuild.findings import Findings
 from chainbuild.formats.listing import limits_source, line_of
 from chainbuild.kinematics.limits import drive_name
 
@@ -52,16 +53,17 @@ def info(
         json: Print JSON, with all parameters.
         options: Which kinematic.
     """
-    with refusal_as_json(file, json):
-        machine = options.machine(file)
-        chain, refusal = _chain(machine, options)
+    machine = options.machine(file)
+    chain, refusal = _chain(machine, options)
+    findings = all_findings(machine, chain, refusal)
     if json:
         error = error_data(refusal) if refusal else None
-        print_json({**_data(machine, chain, options), "refused": refusal is not None, "error": error})
+        data = _data(machine, chain, options, findings)
+        print_json("info", {**data, "refused": refusal is not None, "error": error})
     else:
-        _print(machine, chain, options, defaults)
+        _print(machine, chain, options, defaults, findings)
     if refusal:
-        raise refusal
+        raise ShownError(refusal)
     return 0
 
 
@@ -82,7 +84,7 @@ def _parameters(machine: Machine, options: MachineOptions) -> tuple[ParameterRow
         return ()  # a kinematic without a table of parameters; the chain's refusal says why
 
 
-def _print(machine: Machine, chain: Chain | None, options: MachineOptions, defaults: bool) -> None:
+def _print(machine: Machine, chain: Chain | None, options: MachineOptions, defaults: bool, findings: Findings) -> None:
     out = console()
     out.print(f"{machine.title}", style="bold")
     out.print(f"{machine.path}: {machine.dialect}", soft_wrap=True)
@@ -107,7 +109,6 @@ def _print(machine: Machine, chain: Chain | None, options: MachineOptions, defau
         out.print()
     if chain and chain.conventions:
         conventions_shown(out, chain.conventions)
-    findings = all_findings(machine, chain)
     if findings:
         out.print("Findings", style="bold")
         print_findings(findings)
@@ -141,7 +142,7 @@ def _vector_meaning(chain: Chain, how: VectorProgramming) -> str:
     return f"{how.mode.upper()}; a vector is the tool's {how.axis.upper()}, {condition}"
 
 
-def _data(machine: Machine, chain: Chain | None, options: MachineOptions) -> dict[str, Any]:
+def _data(machine: Machine, chain: Chain | None, options: MachineOptions, findings: Findings) -> dict[str, Any]:
     from chainbuild.chain.programmed.display import POSITION_COLUMNS
 
     return {
@@ -159,7 +160,7 @@ def _data(machine: Machine, chain: Chain | None, options: MachineOptions) -> dic
         "poses": {pose.name: list(pose.axes) for pose in chain.named_poses} if chain else {},
         "parameters": [_with_line(row) for row in _parameters(machine, options)],
         "conventions": [_convention_data(used) for used in chain.conventions] if chain else [],
-        "findings": [finding_data(finding) for finding in all_findings(machine, chain)],
+        "findings": [finding_data(finding) for finding in findings],
     }
 
 

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from chainbuild.cli.show import note, note_lighter, note_undrawn, say
-from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, UsageError
+from chainbuild.cli.usage import DEFAULT_OPTIONS, MachineOptions, UsageError, Whole
+from chainbuild.progress import bars_shown, without_bars
 
 if TYPE_CHECKING:
     from chainbuild.arrays import Vector
@@ -59,7 +60,7 @@ class PlaybackInput:
         """
         from chainbuild.inspect.playback import axes_playback, pose_playback, recording_playback
 
-        bar = sys.stderr.isatty()
+        bar = bars_shown()
         if self.axes is not None:
             return axes_playback(robot, self.axes, progress=bar)
         if self.recording is not None:
@@ -108,7 +109,7 @@ class LiveOptions:
     """
 
     no_open: Annotated[bool, Parameter(negative="")] = False
-    port: int | None = None
+    port: Whole | None = None
     token: str | None = None
     beside: str | None = None
 
@@ -194,7 +195,8 @@ def _serve(
         if not live.no_open:
             _open(address)
 
-    refused = serve(session, ready, port=live.port, token=token)
+    with without_bars():
+        refused = serve(session, ready, port=live.port, token=token)
     if refused:
         note(f"{refused} message{'s were' if refused > 1 else ' was'} refused")
     return 0

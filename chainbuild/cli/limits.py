@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chainbuild.cli.axisvalues import At, values_of
-from chainbuild.cli.progress import counted
 from chainbuild.cli.show import console, empty_table, note, print_json, say
-from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, UsageError, Whole
+from chainbuild.progress import bars_shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,7 +26,7 @@ def limits(
     axis: str | None = None,
     over: str | None = None,
     at: At = (),
-    steps: int = 37,
+    steps: Whole = 37,
     picture: Path | None = None,
     json: Json = False,
     options: MachineOptions = DEFAULT_OPTIONS,
@@ -75,14 +75,14 @@ def _sweep(
     if steps < 1:
         raise UsageError(f"--steps {steps}: expected at least 1")
     begin = values_of(robot, at[-1]) if at else None
-    with counted("positions", steps) as done:
-        found: Sweep = sweep(model, axis, over, at=begin, values=np.linspace(low, high, steps).tolist(), progress=done)
+    values = np.linspace(low, high, steps).tolist()
+    found: Sweep = sweep(model, axis, over, at=begin, values=values, progress=bars_shown())
     axis, over = found.moved, found.over
     labels = f"{over} [{found.unit_over}]", f"{axis} [{found.unit_moved}]"
     if picture:
         _draw(picture, found.intervals, f"{robot.chain.title}: {axis} over {over}", labels)
     if as_json:
-        print_json({"axis": axis, "over": over, "intervals": [asdict(i) for i in found.intervals]})
+        print_json("limits", {"axis": axis, "over": over, "intervals": [asdict(i) for i in found.intervals]})
     else:
         _print(found.intervals, f"Free interval of {axis}", labels)
 
@@ -90,14 +90,13 @@ def _sweep(
 def _parallelogram(robot: Robot, steps: int, picture: Path | None, as_json: bool) -> None:
     from chainbuild.analysis.collision.parallelogram import swept_limits
 
-    with counted("positions", steps) as done:
-        found: LimitReport = swept_limits(robot, steps=steps, progress=done)
+    found: LimitReport = swept_limits(robot, steps=steps, progress=bars_shown())
     labels = f"{found.over} [deg]", "q3DH − q2DH [deg]"
     if picture:
         _draw(picture, found.intervals, f"{robot.chain.title}: parallelogram", labels, found.given)
     if as_json:
         data: dict[str, Any] = asdict(found) | {"machine_data": list(found.machine_data())}
-        print_json(data)
+        print_json("limits-parallelogram", data)
         return
     _print(found.intervals, "Free interval of the parallelogram's angle", labels)
     for verdict in found.verdicts:

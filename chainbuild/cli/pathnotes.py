@@ -9,8 +9,8 @@ import numpy as np
 
 from chainbuild.analysis.path.along import path_report
 from chainbuild.cli.pathreport import left_words, span, vector_notice, violation_words
-from chainbuild.cli.progress import counted
 from chainbuild.cli.show import note
+from chainbuild.progress import bars_shown
 
 if TYPE_CHECKING:
     from chainbuild.analysis.path.places import PathReport, PathStretch
@@ -30,8 +30,7 @@ def tell_between(robot: Robot, path: Sequence[Vector | None], file: str) -> None
     """
     gap = np.full(len(robot.axes), np.nan)
     rows = np.array([gap if axes is None else axes for axes in path]).reshape(len(path), len(robot.axes))
-    with counted("between the rows", len(rows)) as progress:
-        notes = _notes(robot, path_report(robot, rows, between="cp", progress=progress))
+    notes = _notes(robot, path_report(robot, rows, between="cp", progress=bars_shown()))
     for text in notes[:_NOTES_SHOWN]:
         note(f"{file}: {text}")
     if len(notes) > _NOTES_SHOWN:

@@ -69,7 +69,7 @@ def report_path(
             "verdicts": None if verdicts is None else verdicts_data(verdicts),
             "path": PathData(robot, report, asked).data(),
         }
-        print_json(data)
+        print_json("singularity-path", data)
         return
     print_report(robot, report, asked)
     if verdicts is not None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
+from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TextIO, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TextIO
 
 from rich import box
 from rich.console import Console
@@ -18,19 +19,18 @@ from rich.text import Text
 from chainbuild.cli.process import check_interrupt
 from chainbuild.errors import ChainbuildError
 from chainbuild.files import open_atomic, printable
-from chainbuild.findings import Collector, Finding
+from chainbuild.findings import Collector, Finding, finding_kinds
+from chainbuild.progress import DUMB, Item, above_bars, bars_shown, counting, without_bars
 
 if TYPE_CHECKING:
     from chainbuild.chain.bodies.geometry import Geometry
     from chainbuild.chain.elements import Chain
     from chainbuild.tables.reader import Table
 
-Item = TypeVar("Item")
-
+STDOUT: Final = Path("-")  # of an output
 _WIDTH_WITHOUT_TERMINAL: Final = 200  # characters: rows of a log file are not folded
-_ROWS_BETWEEN_UPDATES: Final = 256  # a bar redrawn at every row would cost more than the row
-# Findings on the choice of channel, tool or kinematic among several: it changes every result.
-CHOICES: Final = frozenset({"CB246", "CB337", "CB340", "CB406", "CB411"})
+_ROWS_BETWEEN_UPDATES: Final = 256  # to ask for the place in the file at every row would cost more than the row
+_NOT_FORCED: Final = ("", "0", "false", "no")  # values of FORCE_COLOR that force nothing
 _COLOURS: Final = {"error": "bold red", "warning": "yellow", "info": "dim"}
 
 
@@ -41,6 +41,11 @@ class _Console(Console):
         """Return a text for the terminal, on one line: a `lines_shown` may have several."""
         return super().render_str(printable(text, lines=False), **options)
 
+    def print(self, *objects: Any, **options: Any) -> None:
+        """Print, a bar out of the way."""
+        with above_bars():
+            super().print(*objects, **options)
+
     def on_broken_pipe(self) -> None:
         """Go on as `print` does, where rich would end the process with 1."""
         raise BrokenPipeError
@@ -50,7 +55,24 @@ def console(stream: TextIO | None = None) -> Console:
     """Return a console that prints text literally: brackets in machine data are no markup, escapes no commands."""
     target = stream or sys.stdout
     wide = None if target.isatty() or "COLUMNS" in os.environ else _WIDTH_WITHOUT_TERMINAL
-    return _Console(file=target, width=wide, markup=False, highlight=False, emoji=False)
+    return _Console(file=target, width=wide, markup=False, highlight=False, emoji=False, **colours_of(target))
+
+
+def help_console() -> Console:
+    """Return the console on which the parser prints help and the version."""
+    return Console(**colours_of(sys.stdout))
+
+
+def colours_of(stream: TextIO) -> dict[str, Any]:
+    """Return whether rich may use colours and other styles on a stream, as arguments of its console.
+
+    NO_COLOR, whatever it is, wins; then TERM=dumb; then FORCE_COLOR, by which a file or pipe gets them, too; else a
+    terminal does.
+    """
+    wanted = os.environ.get("FORCE_COLOR", "").lower() not in _NOT_FORCED
+    plain = bool(os.environ.get("NO_COLOR")) or os.environ.get("TERM", "") in DUMB or not (wanted or stream.isatty())
+    # Without a colour system rich writes no escape sequence at all, not even for bold.
+    return {"force_terminal": not plain, "color_system": None if plain else "auto"}
 
 
 def empty_table(title: str, *columns: str) -> RichTable:
@@ -77,12 +99,27 @@ def lines_shown(texts: Iterable[str]) -> Text:
 
 def say(text: object, end: str = "\n", *, lines: bool = False) -> None:
     """Print a line on stdout, or several, control characters escaped."""
-    print(printable(str(text), lines=lines), end=end)
+    with above_bars():
+        print(printable(str(text), lines=lines), end=end)
 
 
-def print_json(data: object) -> None:
-    """Print data as JSON on stdout."""
-    print(json.dumps(data, indent=2, allow_nan=False).replace("\x7f", "\\u007f"))
+def print_json(name: str, data: Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> None:
+    """Print data as JSON on stdout, or several of a kind as an array; each says which schema describes it.
+
+    Args:
+        name: Name of the schema, a file of `data/schemas`.
+        data: The data.
+    """
+    schema = {"schema": schema_id(name)}
+    document = {**schema, **data} if isinstance(data, Mapping) else [{**schema, **one} for one in data]
+    with above_bars():
+        print(json.dumps(document, indent=2, allow_nan=False).replace("\x7f", "\\u007f"))
+
+
+def schema_id(name: str) -> str:
+    """Return the identifier of a schema with its version, such as ``chainbuild:info:1``."""
+    text = resources.files("chainbuild").joinpath(f"data/schemas/{name}.json").read_text("utf-8")
+    return str(json.loads(text)["$id"])
 
 
 def finding_data(finding: Finding) -> dict[str, Any]:
@@ -109,15 +146,11 @@ def error_data(error: ChainbuildError) -> dict[str, Any]:
     return finding_data(collector.findings[0])
 
 
-@contextmanager
-def refusal_as_json(file: str, wanted: bool) -> Iterator[None]:
-    """Also print an error that ends a command as JSON on stdout if JSON is wanted."""
-    try:
-        yield
-    except ChainbuildError as error:
-        if wanted:
-            print_json({"file": file, "refused": True, "error": error_data(error)})
-        raise
+def refusal_data(error: ChainbuildError, code: int) -> dict[str, Any]:
+    """Return for JSON that a command ends with an error, and with which exit code."""
+    data = error_data(error)
+    # A wrong command line is no finding on a file.
+    return {"refused": True, "exit_code": code, "error": data if code == 1 else {**data, "code": None}}
 
 
 def print_findings(findings: Iterable[Finding]) -> None:
@@ -137,9 +170,10 @@ def announce(findings: Iterable[Finding], check: str) -> None:
     """
     warnings = 0
     for finding in findings:
-        if finding.code in CHOICES:
+        told = finding_kinds()[finding.code].told
+        if told == "named":
             note(str(finding))
-        elif finding.severity != "info":
+        elif told == "counted":
             warnings += 1
     if warnings:
         note(f"{counted_findings(warnings)}: {check}")
@@ -152,7 +186,8 @@ def counted_findings(warnings: int) -> str:
 
 def note(text: str) -> None:
     """Print a line on stderr."""
-    print(printable(text, lines=False), file=sys.stderr)
+    with above_bars():
+        print(printable(text, lines=False), file=sys.stderr)
 
 
 def note_undrawn(geometry: Geometry) -> None:
@@ -175,9 +210,10 @@ def note_lighter(chain: Chain) -> None:
 
 @contextmanager
 def output(path: Path | None) -> Iterator[TextIO]:
-    """Open the output of a command: a file that appears only on success, or stdout."""
-    if path is None:
-        yield sys.stdout
+    """Open the output of a command: a file that appears only on success, or stdout (None, or "-")."""
+    if path is None or path == STDOUT:
+        with without_bars() if sys.stdout.isatty() else nullcontext():
+            yield sys.stdout
         return
     with open_atomic(path) as stream:
         yield stream
@@ -196,13 +232,11 @@ def with_progress(items: Iterable[Item], source: Table, what: str) -> Iterator[I
             check_interrupt()
             yield item
         return
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
-
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(what, total=source.size or None)
+    with counting(source.size, bars_shown(), what) as advance:
+        last = 0
         for count, item in enumerate(items):
             check_interrupt()
             if count % _ROWS_BETWEEN_UPDATES == 0:
-                bar.update(task, completed=source.position)
+                advance(source.position - last)
+                last = source.position
             yield item

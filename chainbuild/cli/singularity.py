@@ -137,7 +137,7 @@ def _rows_alone(
         note(f"wrote {shown.draw(picture)}")
     if json:
         more = {} if report is None or asked is None else {"path": PathData(robot, report, asked).data()}
-        print_json(shown.data() | more)
+        print_json("singularity", shown.data() | more)
     elif len(rows) == len(known) == 1:
         shown.print_position()
     else:

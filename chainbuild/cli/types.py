@@ -9,7 +9,7 @@ from rich.padding import Padding
 
 from chainbuild.cli.open_points import print_convention
 from chainbuild.cli.show import console, empty_table, print_json, shown_number
-from chainbuild.cli.usage import Json
+from chainbuild.cli.usage import Json, Whole
 
 if TYPE_CHECKING:
     from chainbuild.formats.twincat.types.catalogue import KinType
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _PROGRAMMED: Final = {"complete": "pose", "rtcp": "position and axes", "listed": "as listed"}
 
 
-def types(kin_typ: int | None = None, /, *, json: Json = False) -> int:
+def types(kin_typ: Whole | None = None, /, *, json: Json = False) -> int:
     """List the TwinCAT kinematics that can be built, by KIN_TYP, or show one with its parameters.
 
     Example: `chainbuild types 9`
@@ -33,7 +33,7 @@ def types(kin_typ: int | None = None, /, *, json: Json = False) -> int:
         return _one(kin_typ, json)
     entries = [_data(entry) for entry in catalogue().values()]
     if json:
-        print_json(entries)
+        print_json("types", entries)
         return 0
     shown = empty_table("KIN_TYP", "Type", "Title", "Family", "Axes", "Programmed", "Manual")
     for entry in entries:
@@ -56,7 +56,7 @@ def _one(kin_typ: int, json: bool) -> int:
 
     entry = _data(kin_type(kin_typ))
     if json:
-        print_json(entry)
+        print_json("types", entry)
         return 0
     out = console()
     out.print(f"KIN_TYP {kin_typ}: {entry['title']} ({entry['manual']})", style="bold")

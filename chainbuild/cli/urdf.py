@@ -51,7 +51,8 @@ def urdf(
         conventions = {used.convention.name: used.choice for used in shaping}
         beside = [str(other) for other in others]
         print_json(
-            {"path": str(path), "beside": beside, "not_expressed": list(limitations), "conventions": conventions}
+            "urdf",
+            {"path": str(path), "beside": beside, "not_expressed": list(limitations), "conventions": conventions},
         )
         return 0
     say(path)

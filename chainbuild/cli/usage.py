@@ -9,11 +9,12 @@ from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, Literal
 
-from cyclopts import Parameter
+from cyclopts import Parameter, Token
 
-from chainbuild.errors import ChainbuildError
+from chainbuild.cli.show import STDOUT
+from chainbuild.errors import ChainbuildError, FileAccessError, Span
 from chainbuild.files import place_of
-from chainbuild.findings import Finding
+from chainbuild.findings import Findings, once, still_true
 
 if TYPE_CHECKING:
     from chainbuild.chain.elements import Chain
@@ -31,6 +32,24 @@ _FOLDERS: Final = frozenset({"folder", "srdf"})
 _STDIN: Final = "-"  # of a table to read
 _TABLES: Final = frozenset({"--axes", "--poses", "--start", "--recording"})
 
+# Parameters that name a table to read, and what such a file is called.
+_READ_TABLES: Final = frozenset({"axes", "poses", "start", "recording"})
+TABLES: Final = frozenset({".csv", ".tsv", ".txt"})
+
+
+def _whole(_hint: object, tokens: Sequence[Token]) -> int:
+    """Return a whole number, also where it is written as 1e5 or 9.0; the parser alone would cut off 9.7."""
+    text = tokens[0].value
+    with suppress(ValueError):
+        return int(text)  # of any size, where a float would round
+    with suppress(ValueError):
+        if (value := float(text)).is_integer():
+            return int(value)
+    raise ValueError  # without words: the parser then says which value it is
+
+
+# Whole numbers on the command line.
+Whole = Annotated[int, Parameter(converter=_whole)]
 Json = Annotated[bool, Parameter(negative="")]
 BetweenRows = Literal["ptp", "cp", "rows"]
 Output = Annotated[Path | None, Parameter(name=["--output", "-o"])]
@@ -38,6 +57,18 @@ Output = Annotated[Path | None, Parameter(name=["--output", "-o"])]
 
 class UsageError(Exception):
     """A wrong command line that the parser accepts."""
+
+
+class ShownError(Exception):
+    """An error that ends a command whose JSON tells it already.
+
+    Args:
+        error: The error.
+    """
+
+    def __init__(self, error: ChainbuildError) -> None:
+        super().__init__(str(error))
+        self.error = error
 
 
 @Parameter(name="*", group="Machine")
@@ -57,7 +88,7 @@ class MachineOptions:
     """
 
     kinematic: str | None = None
-    channel: int | None = None
+    channel: Whole | None = None
     tool_length: float = 0.0
     convention: Annotated[tuple[str, ...], Parameter(negative="", show_default=False)] = ()
     overlay: Path | None = None
@@ -160,13 +191,27 @@ def held_axes(robot: Robot) -> dict[str, int]:
     return {axis.name: n for n, axis in enumerate(robot.axes) if axis.held}
 
 
-def all_findings(machine: Machine, chain: Chain | None) -> tuple[Finding, ...]:
-    """Return the findings of reading and of translation, each once, in order."""
-    return _unique((*machine.findings, *(chain.findings if chain else ())))
+def all_findings(machine: Machine, chain: Chain | None, refusal: ChainbuildError | None = None) -> Findings:
+    """Return the findings of reading and of translation, each once, in order, without what the refusal says, too."""
+    if chain is None:
+        return once(machine.findings, refusal)
+    chosen = [used.convention.name for used in chain.conventions if used.by_user]
+    return once((*still_true(machine.findings, chosen), *chain.findings), refusal)
 
 
-def _unique(findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    return tuple(dict.fromkeys(findings))
+def with_standard_output(words: Sequence[str]) -> list[str]:
+    """Return the words of a command line with `--output=-` for `-o -`, which the parser takes for an option.
+
+    >>> with_standard_output(["fk", "arm.lis", "--at", "0,0", "-o", "-"])
+    ['fk', 'arm.lis', '--at', '0,0', '--output=-']
+    """
+    found: list[str] = []
+    for word in words:
+        if word == "-" and found and found[-1] in ("-o", "--output"):
+            found[-1] = "--output=-"
+        else:
+            found.append(word)
+    return found
 
 
 def with_standard_input(words: Sequence[str]) -> list[str]:
@@ -205,6 +250,43 @@ def refuse_overwriting(arguments: Mapping[str, object]) -> None:
             option = "output" if name == "output_file" else name
             raise UsageError(f"--{option} {path}: {used[place]}; expected another file, nothing was written")
         used[place] = f"{path} is also another output"
+
+
+def refuse_places(arguments: Mapping[str, object]) -> None:
+    """Refuse outputs that could not be written, before anything is computed, and values in place of a table.
+
+    Args:
+        arguments: The values of a command's parameters by name.
+
+    Raises:
+        UsageError: a picture that is no SVG, or numbers where a table is expected.
+        FileAccessError: a file that is a folder or has none, or a folder that is a file.
+    """
+    for name, path in _named_files(arguments):
+        if name in _FOLDERS:
+            found = next((one for one in (path, *path.parents) if one.exists()), None)
+            if found is not None and not found.is_dir():
+                hint = "expected a folder, or a name that is free"
+                raise FileAccessError("the folder cannot be created: this is a file", span=Span(str(found)), hint=hint)
+        elif name in _OUTPUTS and path != STDOUT:
+            if path.is_dir():
+                hint = f"expected a file, such as {path / 'NAME'}"
+                raise FileAccessError("the file cannot be written: this is a folder", span=Span(str(path)), hint=hint)
+            if not path.parent.is_dir():
+                text = f"the file cannot be written: there is no folder {path.parent}"
+                raise FileAccessError(text, span=Span(str(path)), hint="make it first")
+            if name == "picture" and path.suffix.lower() not in ("", ".svg"):
+                raise UsageError(f"--picture {path}: expected NAME.svg: the picture is written as SVG")
+        elif name in _READ_TABLES and _numbers_alone(str(path)) and not path.exists():
+            instead = f"; axis values are given with --at {path}" if name == "axes" else ""
+            raise UsageError(f"--{name} {path}: expected a CSV table{instead}")
+
+
+def _numbers_alone(text: str) -> bool:
+    try:
+        return len([float(word) for word in text.split(",")]) > 1
+    except ValueError:
+        return False
 
 
 def input_files(arguments: Mapping[str, object]) -> tuple[Path, ...]:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import sys
-
 from chainbuild.cli.show import print_json
 from chainbuild.cli.usage import Json
+from chainbuild.progress import bars_shown
 
 
 def warm(*, json: Json = False) -> int:
@@ -22,9 +21,9 @@ def warm(*, json: Json = False) -> int:
     """
     from chainbuild.ik.warm import warm_up
 
-    took = warm_up(progress=sys.stderr.isatty())
+    took = warm_up(progress=bars_shown())
     if json:
-        print_json({"seconds": took})
+        print_json("warm", {"seconds": took})
         return 0
     for name, seconds in took.items():
         print(f"{seconds:6.1f} s  {name}")

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from chainbuild.cli.axisvalues import At, values_of
-from chainbuild.cli.progress import counted
-from chainbuild.cli.show import console, empty_table, note, print_json
-from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, Output, UsageError
+from chainbuild.cli.show import STDOUT, console, empty_table, note, print_json
+from chainbuild.cli.usage import DEFAULT_OPTIONS, Json, MachineOptions, Output, UsageError, Whole
+from chainbuild.progress import bars_shown
 
 if TYPE_CHECKING:
     from chainbuild.analysis.workspace.maps import Map
@@ -40,11 +40,11 @@ class MapOptions:
     section: MapPlane = "rz"
     over: Annotated[tuple[str, ...], Parameter(negative="", show_default=False)] = ()
     at: At = ()
-    cells: int = 200
-    samples: int = 1_000_000
-    seed: int = 0
+    cells: Whole = 200
+    samples: Whole = 1_000_000
+    seed: Whole = 0
     collisions: Annotated[bool, Parameter(negative="")] = False
-    workers: int | None = None
+    workers: Whole | None = None
 
     def spec(self, robot: Robot) -> MapSpec:
         """Return the specification of the map."""
@@ -85,15 +85,15 @@ def workspace(
         chart: What the map shows.
         options: Which kinematic.
     """
-    from chainbuild.analysis.workspace.maps import PART, make_map
+    from chainbuild.analysis.workspace.maps import make_map
 
+    if output_file == STDOUT:
+        raise UsageError("--output -: the map is no text: expected NAME.npz")
     robot = options.robot(file)
     spec = chart.spec(robot)
     if chart.workers is not None and chart.workers < 1:
         raise UsageError(f"--workers {chart.workers}: expected at least 1")
-    total = spec.cells**2 if spec.kind == "axes" else spec.samples
-    with counted("map", -(-total // PART)) as done:
-        found = make_map(robot, spec, output_file, workers=chart.workers, progress=done)
+    found = make_map(robot, spec, output_file, workers=chart.workers, progress=bars_shown())
     if output_file:
         note(f"wrote {output_file}")
     if picture:
@@ -125,7 +125,7 @@ def _print(found: Map, as_json: bool) -> None:
         "best": float(values.max()) if values.size else None,
     }
     if as_json:
-        print_json(data)
+        print_json("workspace", data)
         return
     shown = empty_table(f"Map ({found.spec.kind})", "What", "Value")
     for entry in data["directions"]:

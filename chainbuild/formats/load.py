@@ -16,7 +16,7 @@ from chainbuild.errors import (
     Span,
     UnsupportedKinematicError,
 )
-from chainbuild.findings import Collector, Findings
+from chainbuild.findings import Collector, Findings, once
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.neighbours import no_machine_data, refuse_other_xml
 from chainbuild.formats.overlay import Overlay, overlay_path, read_overlay
@@ -63,7 +63,7 @@ def check(
         raise
     except ChainbuildError as error:
         collector.add_error(error)
-    return Findings(dict.fromkeys(collector.findings))
+    return once(collector.findings)
 
 
 def from_urdf(
@@ -199,7 +199,7 @@ def find_machine(path: str | os.PathLike[str]) -> Path:
     """
     file = _as_path(path)
     try:
-        exists = file.exists()
+        exists = file.exists() and bool(str(path).strip())
     except (ValueError, OSError) as error:
         raise FileAccessError(f"not a path: {error}") from None
     if exists:
@@ -212,9 +212,12 @@ def find_machine(path: str | os.PathLike[str]) -> Path:
 
 def _no_machine(file: Path, given: str) -> FileAccessError:
     """Return the error for an unknown name; where it looks like a path, shipped machines are not listed."""
+    if not given.strip():
+        return FileAccessError("the name of the machine file is empty", permitted="a path, or a shipped machine's name")
     if not (file.suffix or file.parent != Path()):
-        known = listed(file.stem, shipped())
-        return FileAccessError("no such file, and no shipped machine of that name", span=Span(given), permitted=known)
+        known, near = listed(file.stem, shipped()), closest(file.stem, shipped())
+        text, hint = "no such file, and no shipped machine of that name", f"did you mean {near}?" if near else None
+        return FileAccessError(text, span=Span(given), permitted=known, hint=hint)
     if file.stem in shipped():
         return FileAccessError("no such file", span=Span(given), hint=f"the shipped machine is called {file.stem}")
     try:

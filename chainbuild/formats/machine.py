@@ -12,7 +12,7 @@ from chainbuild.chain.check import check_chain
 from chainbuild.chain.elements import Chain
 from chainbuild.convention import Choices
 from chainbuild.errors import ChainbuildError, ConventionError, MachineDataError
-from chainbuild.findings import Collector, Finding, Findings, refuse_errors
+from chainbuild.findings import Collector, Finding, Findings, once, refuse_errors, still_true
 from chainbuild.formats.entries import (
     Datum,
     KinematicEntry,
@@ -192,7 +192,9 @@ class Machine(ABC):
             ChainError: the chain contradicts itself.
         """
         chain = self.translated(kinematic, channel, tool_length_mm, conventions)
-        return replace(chain, findings=Findings(dict.fromkeys((*self._reading, *chain.findings))))
+        # What was found without these conventions, and is true with them, was found again.
+        reading = still_true(self._reading, self.chosen_conventions(conventions))
+        return replace(chain, findings=once((*reading, *chain.findings)))
 
     def translated(
         self,

@@ -10,6 +10,7 @@ import pytest
 
 import chainbuild
 from chainbuild.convention import conventions
+from chainbuild.findings import finding_kinds
 from chainbuild.machines import shipped_path
 from tests.kit.command_line import ARM, Run
 from tests.kit.paths import REFERENCE
@@ -198,7 +199,8 @@ def test_demo_builds_every_shipped_machine(run: Run, monkeypatch: pytest.MonkeyP
     (line,) = (line for line in outcome.out.splitlines() if "(warnings) in " in line)
     named = line.partition("(warnings) in ")[2].partition("; chainbuild check NAME lists them")[0].split(", ")
     warned = {
-        name: sum(finding.severity != "info" for finding in chainbuild.check(name)) for name in chainbuild.shipped()
+        name: sum(finding_kinds()[one.code].told != "listed" for one in chainbuild.check(name))
+        for name in chainbuild.shipped()
     }
     assert set(named) == {name for name, count in warned.items() if count}
     assert "chainbuild inspect kr6r900 --export page.html" in outcome.out
@@ -219,13 +221,13 @@ def test_a_convention_that_changes_nothing_is_told(run: Run) -> None:
 
 
 def test_warnings_are_one_line_on_stderr_and_leave_stdout_to_the_result(run: Run) -> None:
-    outcome = run("urdf", "kr6r900", "--json")
+    outcome = run("urdf", "robot_head_kin210", "--json")
     assert outcome.code == 0
     json.loads(outcome.out)
-    assert outcome.err == "1 finding (warning): chainbuild check kr6r900\n"
+    assert outcome.err == "1 finding (warning): chainbuild check robot_head_kin210\n"
     assert run("urdf", "irb2600").err == ""
-    other = run("urdf", "kr6r900", "--tool-length", "5", "--kinematic", "gripper")
-    assert other.err.endswith(": chainbuild check kr6r900 --kinematic gripper --tool-length 5\n")
+    other = run("urdf", "robot_head_kin210", "--tool-length", "5", "--kinematic", "210")
+    assert other.err.endswith(": chainbuild check robot_head_kin210 --kinematic 210 --tool-length 5\n")
 
 
 def test_what_was_chosen_among_several_is_told_in_full(run: Run) -> None:

@@ -131,7 +131,7 @@ def test_wrong_usage_ends_with_2(run: Run, words: list[str], message: str) -> No
         (["picture", ARM, "-o", "no/m.svg"], "no/m.svg: the file cannot be written"),
         (["picture", ARM, "-o", "m.jpg"], "chainbuild: m.jpg: the suffix .jpg says no kind of picture"),
         (["picture", "kr6r900_2", "-o", "m.svg", "--at", "0,-90,nan,0,0,0"], "chainbuild: axis B2 has the value nan"),
-        (["urdf", ARM, "-o", "/dev/null"], "/dev/null/kin45_kr6r900_2: the folder cannot be created"),
+        (["urdf", ARM, "-o", "/dev/null"], "/dev/null: the folder cannot be created: this is a file"),
     ],
 )
 def test_refused_input_ends_with_1(run: Run, words: list[str], message: str) -> None:
@@ -173,7 +173,7 @@ def test_interrupt_ends_with_130(run: Run, monkeypatch: pytest.MonkeyPatch) -> N
     def interrupted(*words: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(entry, "build_app", lambda: interrupted)
+    monkeypatch.setattr(entry, "build_app", lambda *_: interrupted)
     outcome = run("types")
     assert (outcome.code, outcome.err) == (130, "chainbuild: interrupted\n")
 
@@ -241,6 +241,7 @@ def test_progress_is_shown_on_a_terminal_only(run: Run, tmp_path: Path, monkeypa
     assert run("fk", ARM, "--axes", axes, "-o", "poses.csv").err == ""
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr("chainbuild.progress._UNSEEN_S", 0.0)
     outcome = run("fk", ARM, "--axes", axes, "-o", "poses.csv")
     assert (outcome.code, outcome.out) == (0, "")
     assert "poses" in outcome.err

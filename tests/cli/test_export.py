@@ -34,7 +34,7 @@ def test_the_files_are_those_of_their_writers(run: Run) -> None:
 
 def test_formats_are_chosen(run: Run) -> None:
     data = json.loads(run("export", "kr6r900", "--format", "MJCF", "--json").out)
-    assert data == {"paths": {"mjcf": ["urdf_out/kr6r900/kr6r900.xml"]}}
+    assert data == {"schema": "chainbuild:export:1", "paths": {"mjcf": ["urdf_out/kr6r900/kr6r900.xml"]}}
     assert [path.name for path in Path("urdf_out/kr6r900").iterdir()] == ["kr6r900.xml"]
 
 

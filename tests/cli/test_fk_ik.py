@@ -70,7 +70,9 @@ def test_values_from_the_command_line_outside_limits_are_told(run: Run) -> None:
 def test_fk_without_axis_values_is_wrong_usage(run: Run) -> None:
     outcome = run("fk", ARM)
     assert outcome.code == 2
-    assert outcome.err.splitlines()[0] == "chainbuild: expected --axes or --at"
+    assert (
+        outcome.err.splitlines()[0] == "chainbuild: expected axis values: --at 0,-90,90, or a table: --axes TABLE.csv"
+    )
 
 
 def test_the_tool_length_reaches_the_pose(run: Run) -> None:

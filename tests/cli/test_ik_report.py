@@ -65,7 +65,7 @@ def test_failed_rows_are_told_by_reason(run: Run) -> None:
     outcome = run("ik", "kr6r900", "--poses", "poses.csv")
     assert outcome.code == 3
     assert [row["status"] for row in rows_of(outcome.out)] == ["limits", *["unreachable"] * 11, "ok", "limits"]
-    _, first, second, last = outcome.err.splitlines()  # the machine file itself has a finding
+    first, second, last = outcome.err.splitlines()
     assert first.startswith("poses.csv:3: unreachable: too far: 9000.0 mm from the workpiece frame, ")
     assert first.endswith(" mm (11 rows like this)")
     assert second.startswith("poses.csv:2: limits: reached only outside the limits: A2 at ")

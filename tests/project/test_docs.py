@@ -52,7 +52,7 @@ def test_the_readme_counts_the_machines() -> None:
 
 
 @pytest.mark.parametrize(
-    "page", ["README.md", "docs/python.md", "docs/branches.md", "docs/export.md", "docs/report.md"]
+    "page", ["README.md", "docs/python.md", "docs/branches.md", "docs/export.md", "docs/report.md", "docs/json.md"]
 )
 def test_the_python_of_the_pages_runs(page: str, tmp_path: Path) -> None:
     code = "\n".join(re.findall(r"```python\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL))

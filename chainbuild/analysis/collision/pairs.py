@@ -12,6 +12,7 @@ from chainbuild.chain.bodies.shapes import shown_limits
 from chainbuild.collision.model import CollisionModel, LinkPair
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.progress import Progress, counted
 
 Verdict = Literal["adjacent", "always", "never", "sometimes"]
 
@@ -56,7 +57,12 @@ class PairTable:
 
 
 def classify_pairs(
-    robot: Mechanism, samples: int = DEFAULT_SAMPLES, seed: int = 0, confidence: float = _CONFIDENCE
+    robot: Mechanism,
+    samples: int = DEFAULT_SAMPLES,
+    seed: int = 0,
+    confidence: float = _CONFIDENCE,
+    *,
+    progress: Progress = False,
 ) -> PairTable:
     """Return which pairs of links touch never, sometimes or always.
 
@@ -65,6 +71,7 @@ def classify_pairs(
         samples: Number of positions.
         seed: Seed of the positions: the same seed gives the same table.
         confidence: Confidence of the bound on what sampling may have missed: 1 − (1 − confidence)^(1/samples).
+        progress: True: a bar on standard error; a function: called with the positions done and all positions.
 
     Raises:
         ChainbuildError: samples below 1, or a confidence outside 0 … 1.
@@ -80,7 +87,7 @@ def classify_pairs(
     rng = np.random.default_rng(seed)
     hits: dict[frozenset[str], int] = {}
     link_of = {solid.name: solid.link for solid in model.solids}
-    for _ in range(samples):
+    for _ in counted(range(samples), samples, progress, "positions"):
         found = model.colliding_pairs(random_axis_values(chain.axis_map, rng, lower, upper)[0])
         for touching in {frozenset(link_of[name] for name in pair) for pair in found}:
             hits[touching] = hits.get(touching, 0) + 1

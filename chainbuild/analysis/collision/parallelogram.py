@@ -122,6 +122,7 @@ def _constraint(chain: Chain) -> AxisConstraint:
     raise ChainbuildError(
         "the kinematic has no limits on a parallelogram's angle",
         permitted="ROBX data with $MC_ROBX_SPECIAL_KIN=2 (MD62964)",
+        hint="`limits --axis A --over B` sweeps one axis of any machine over another",
     )
 
 

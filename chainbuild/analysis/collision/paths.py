@@ -25,6 +25,7 @@ from chainbuild.chain.fold import drawn, drawn_values
 from chainbuild.collision.model import CollisionModel, LinkPair, bodies_of
 from chainbuild.errors import ChainbuildError
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.progress import Progress, counted, counting
 from chainbuild.shown import length_shown, numbers_shown, two_lines
 
 # Bodies closer than this count as touching: without it the steps towards a contact would never end.
@@ -73,6 +74,7 @@ def contacts(
     clearance: float = 0.0,
     bodies: CollisionModel | None = None,
     between: Between = "ptp",
+    progress: Progress = False,
 ) -> Iterator[Contact]:
     """Yield the first contact of each segment of a path that has one.
 
@@ -85,6 +87,7 @@ def contacts(
         clearance: Smallest permitted distance [m].
         bodies: Its bodies and the pairs watched; None: all pairs that can collide.
         between: "ptp": straight lines of the axes in between; "cp": of the tip; "rows": only the rows are looked at.
+        progress: True: a bar on standard error; a function: called with the rows done and all rows.
 
     Raises:
         ChainbuildError: the path has the wrong shape or is not finite, the clearance is negative, or the bodies are
@@ -100,28 +103,32 @@ def contacts(
     if not model.pairs:
         return
     if between == "cp" and len(rows) > 1:
-        yield from _on_lines(model, rows, clearance)
+        yield from _on_lines(model, rows, clearance, progress)
         return
     walk = _ConservativeAdvancement(model, rows, clearance)
     alone = between == "rows" or len(rows) == 1
-    for row in range(len(rows) if alone else len(rows) - 1):
+    count = len(rows) if alone else len(rows) - 1
+    for row in counted(range(count), count, progress, "rows"):
         found = walk.place(row) if alone else walk.segment(row)
         if found is not None:
             yield found
 
 
-def _on_lines(model: CollisionModel, rows: Matrix, clearance: float) -> Iterator[Contact]:
+def _on_lines(model: CollisionModel, rows: Matrix, clearance: float, progress: Progress) -> Iterator[Contact]:
     """Yield the contacts of the segments of a path along which the tip moves on lines."""
-    done = -1
-    for part in line_pieces(model.robot, rows):
-        if part.block == done:
-            continue
-        walk = _ConservativeAdvancement(model, part.axes, clearance)
-        found = next(filter(None, map(walk.segment, range(len(part.shares) - 1))), None)
-        if found is not None:
-            done = part.block
-            begin, end = part.shares[found.row : found.row + 2].tolist()
-            yield replace(found, row=done, share=begin + found.share * (end - begin))
+    done, last = -1, 0
+    with counting(len(rows) - 1, progress, "rows") as advance:
+        for part in line_pieces(model.robot, rows):
+            advance(part.block - last)
+            last = part.block
+            if part.block == done:
+                continue
+            walk = _ConservativeAdvancement(model, part.axes, clearance)
+            found = next(filter(None, map(walk.segment, range(len(part.shares) - 1))), None)
+            if found is not None:
+                done = part.block
+                begin, end = part.shares[found.row : found.row + 2].tolist()
+                yield replace(found, row=done, share=begin + found.share * (end - begin))
 
 
 def collision_remarks(robot: Mechanism, between: Between) -> tuple[str, ...]:

@@ -276,7 +276,7 @@ def _build(
     named = machine.overlay.apply_limits(axes)
     # Recipes and sums of axes go by the generic names; the chain gets the channel's at the end.
     axes = tuple(replace(axis, name=generic_name(axis), generic="") for axis in named)
-    check_pose_data(robx, translation, axes, collector)
+    check_pose_data(robx, translation, axes, choose, collector)
     body = assemble(axes, translation.tool, translation.workpiece)
     chain = Chain(
         name=_chain_name(machine, robx, gripper),

@@ -18,6 +18,7 @@ from chainbuild.writers.models.urdf import urdf_files
 if TYPE_CHECKING:
     from chainbuild.formats.machine import Machine
     from chainbuild.kinematics.mechanism import Mechanism
+    from chainbuild.progress import Progress
 
 ExportFormat = Literal["urdf", "mjcf", "srdf", "opw", "report"]
 FORMATS: Final[tuple[ExportFormat, ...]] = get_args(ExportFormat)
@@ -65,8 +66,11 @@ def export_files(
     samples: int,
     inertia: bool,
     source: tuple[Machine, Selection] | None,
+    progress: Progress = False,
 ) -> dict[ExportFormat, RobotFiles]:
     """Return the files of each format, the one that gives the format its name first; arguments as for `export`.
+
+    With progress the random positions of the SRDF are counted: nothing else takes as long.
 
     Raises:
         ChainbuildError: as `export` does.
@@ -83,7 +87,7 @@ def export_files(
         elif one == "report":
             made[one] = _report(robot, source)
         else:
-            made[one] = {robot.name + _SUFFIXES[one]: _text(robot, one, samples)}
+            made[one] = {robot.name + _SUFFIXES[one]: _text(robot, one, samples, progress)}
     return made
 
 
@@ -92,7 +96,7 @@ def formats_of(robot: Mechanism) -> tuple[ExportFormat, ...]:
     return tuple(one for one in FORMATS if one != "opw" or opw_text(robot) is not None)
 
 
-def _text(robot: Mechanism, one: ExportFormat, samples: int) -> str:
+def _text(robot: Mechanism, one: ExportFormat, samples: int, progress: Progress) -> str:
     """Return the file of a format that is one.
 
     Raises:
@@ -101,7 +105,7 @@ def _text(robot: Mechanism, one: ExportFormat, samples: int) -> str:
     if one == "mjcf":
         return mjcf_text(robot)
     if one == "srdf":
-        return srdf_text(robot, pair_table(robot, samples))
+        return srdf_text(robot, pair_table(robot, samples, progress=progress))
     text = opw_text(robot)
     if text is None:
         permitted = "an ortho-parallel arm of six axes with a spherical wrist"

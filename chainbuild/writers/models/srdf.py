@@ -16,6 +16,7 @@ from chainbuild.writers.models.robotfiles import check_robot, write_robot_files
 if TYPE_CHECKING:
     from chainbuild.analysis.collision.pairs import PairTable, Verdict
     from chainbuild.kinematics.mechanism import Mechanism
+    from chainbuild.progress import Progress
 
 _GROUP: Final = "axes"
 SRDF_SAMPLES: Final = 10_000  # bounds what was missed at 3e-4 of all positions, with 95 % confidence
@@ -44,7 +45,7 @@ def write_srdf(robot: Mechanism, folder: Path | str = "urdf_out", *, samples: in
     return write_robot_files(robot, folder, {name: srdf_text(robot, pair_table(robot, samples))})[name]
 
 
-def pair_table(robot: Mechanism, samples: int = SRDF_SAMPLES) -> PairTable:
+def pair_table(robot: Mechanism, samples: int = SRDF_SAMPLES, *, progress: Progress = False) -> PairTable:
     """Return which pairs of links touch never, sometimes or always at random positions.
 
     Raises:
@@ -52,7 +53,7 @@ def pair_table(robot: Mechanism, samples: int = SRDF_SAMPLES) -> PairTable:
     """
     from chainbuild.analysis.collision.pairs import classify_pairs
 
-    return classify_pairs(robot, samples)
+    return classify_pairs(robot, samples, progress=progress)
 
 
 def srdf_text(robot: Mechanism, table: PairTable) -> str:

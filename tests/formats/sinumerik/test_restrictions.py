@@ -68,7 +68,7 @@ def test_other_combinations_are_built_with_a_warning(main, wrist, extra, words):
         ({**NR6, "DHPAR4_5ALPHA": (90, -90)}, "CB307", "(90, -90)"),
         ({**NR6, "DHPAR4_5ALPHA": (90, 90)}, "CB345", "(90, 90)"),
         ({**NR6, "DHPAR4_5ALPHA": (-90, -90)}, "CB345", "(-90, -90)"),
-        ({**NR6, "WRIST_AXES": 6, "DHPAR4_5D": (10, 70)}, "CB307", "DHPAR4_5D[0] = 0"),
+        ({**NR6, "WRIST_AXES": 6, "DHPAR4_5D": (10, 70)}, "CB358", "DHPAR4_5D[0] = 0"),
         ({**NR6, "WRIST_AXES": 3, "DHPAR4_5ALPHA": (8, -35)}, "CB308", "nearly degenerate"),
         ({**NR6, "WRIST_AXES": 3, "DHPAR4_5ALPHA": (70, -172)}, "CB308", "nearly degenerate"),
         ({**NR6, "A4PAR": 1}, "CB311", "not parallel"),

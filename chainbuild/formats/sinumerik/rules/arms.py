@@ -78,7 +78,7 @@ def _check_wrist(report: DatumReport) -> None:
                 text = f"the axes of a {WRISTS[robx.wrist]} meet in one point, but {name} is not 0"
                 report.add("CB306", text, (name,), permitted="0, or wrist type 5 or 6 with six axes")
     elif d and abs(d[0]) > _LENGTH_MM:
-        report.add("CB307", "the manual requires DHPAR4_5D[0] = 0 for this wrist", ("DHPAR4_5D",), permitted="0")
+        report.add("CB358", "the manual requires DHPAR4_5D[0] = 0 for this wrist", ("DHPAR4_5D",), permitted="0")
     if robx.wrist in (_CENTRAL, _ANGLED):
         _check_right_angles(report, alpha)
     _check_slant(report, alpha)

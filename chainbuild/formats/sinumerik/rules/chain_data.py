@@ -1,6 +1,4 @@
-"""Data of a chain beyond its links.
-
-Limits and speeds of its axes, the limit of a parallelogram, the absolute angle C, the control's own checks.
+"""Data of a chain beyond its links: axes, the limit of a parallelogram, the absolute angle C, the control's checks.
 
 Sources: $MA_POS_LIMIT_MINUS/PLUS, $MA_MAX_AX_VELO; ROBX manual 5.3.19–5.3.21, 7.1.7 and 10.
 """
@@ -236,10 +234,12 @@ def _parallelogram_angles(translation: Translation, axes: Sequence[Axis]) -> tup
     )
 
 
-def check_pose_data(robx: Robx, translation: Translation, axes: Sequence[Axis], collector: Collector) -> None:
-    """Note where the printed parallelogram angle is not the elbow's, and a feature bit that has no effect."""
+def check_pose_data(
+    robx: Robx, translation: Translation, axes: Sequence[Axis], choose: Choices, collector: Collector
+) -> None:
+    """Note where the printed parallelogram angle is watched and not the elbow's, and a feature bit without effect."""
     report = DatumReport(robx, collector)
-    if robx.special_kin == 2:
+    if robx.special_kin == 2 and choose["parallelogram_monitor"] == "mcs":
         printed, elbow = _parallelogram_angles(translation, axes)
         if not np.allclose((*printed.coefficients, printed.offset), (*elbow.coefficients, elbow.offset), atol=1e-9):
             text = "by AXES_DIR and MAMES the angle A2 + A3 + 180 that the limits watch is not the angle of the elbow"

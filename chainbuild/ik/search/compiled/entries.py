@@ -13,13 +13,14 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, ClassVar, Final
 from zlib import crc32
 
 import numba
 import numpy as np
+from numba.core import event as numba_events
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, InTreeCacheLocator
 
 from chainbuild import tolerances
@@ -40,6 +41,7 @@ from chainbuild.ik.search.compiled.kernels import FAST, unpack, work_of
 from chainbuild.ik.search.compiled.search import is_rigid, search, track
 from chainbuild.ik.search.starts import turned as turned_starts
 from chainbuild.ik.search.starts import turned as turned_table
+from chainbuild.progress import above_bars, working
 
 
 def kept_jit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -136,6 +138,25 @@ class _Installed(FunctionCache):
     _impl_class = _InstalledCode
 
 
+class _Compiling(numba_events.Listener):
+    """Shows on a terminal that an entry point is being compiled, which takes up to half a minute."""
+
+    def __init__(self) -> None:
+        self._shown = ExitStack()
+
+    def on_start(self, event: Any) -> None:
+        """Begin where the code is one that is kept."""
+        if isinstance(event.data["dispatcher"]._cache, KeptCode):
+            self._shown.enter_context(working("compiling the solver"))
+
+    def on_end(self, event: Any) -> None:
+        """End, also after an error or an interrupt."""
+        self._shown.close()
+
+
+numba_events.register("numba:compile", _Compiling())
+
+
 def _emptied(place: Any) -> None:
     try:
         place.flush()
@@ -149,7 +170,8 @@ def _tell(text: str, *, again: bool = False) -> None:
         return
     KeptCode.told = True
     if sys.stderr is not None:
-        print(f"chainbuild: {text}", file=sys.stderr, flush=True)
+        with above_bars():
+            print(f"chainbuild: {text}", file=sys.stderr, flush=True)
 
 
 cached_jit: Final[Any] = kept_jit(**FAST)
