@@ -63,6 +63,11 @@ class Beside:
         largest = float(np.abs(error).max())
         return largest if math.isfinite(largest) else math.inf
 
+    def missed(self, x: Vector) -> float:
+        """Return by how much the pose at x misses the target: the distance [m] or the angle [rad], the larger one."""
+        query = self.query
+        return max(query.mechanism.kinematics.errors(x, query.target, query.mechanism.task))
+
     def way(self, x: Vector, y: Vector) -> Vector:
         """Return y - x (n_axes,), by whole turns as short as possible unless every winding counts."""
         motion: Vector = y - x

@@ -31,7 +31,7 @@ POLISH_STEPS: Final = 3  # from a thousandth, Newton needs two
 _POLISH: Final = shrinking(0.0, 1e-14)
 _SHARE: Final = 1e-6  # an axis with a smaller share of a direction stands still
 CLOSE_BRANCHES: Final = 1e-2  # m and rad: branches so close to each other may be one where digits are lost
-BETWEEN_BRANCHES: Final = 1e-9  # m and rad: the pose half-way between two is as good as theirs: they are one
+BETWEEN_BRANCHES: Final = 1e-10  # m and rad: the pose half-way between two is as good as theirs: they are one
 SAME_BRANCH: Final = 1e-5  # branches closer than this in every axis [m, rad] are one
 
 
@@ -207,8 +207,9 @@ def verified(query: BranchQuery, x: Vector) -> VerifiedRow | None:
     if largest >= POLISH_FROM:
         residual = kinematics.residual(query.target, task)
         ended = newton(residual, x, query.structure.free, below(POLISH_FROM**2), _POLISH, POLISH_STEPS)
-        x, steps = ended.x, ended.steps
-        distance, angle, J = kinematics.errors_and_jacobian(x, query.target, task)
+        ends = kinematics.errors_and_jacobian(ended.x, query.target, task)
+        if not max(distance, angle) <= max(ends[0], ends[1]):  # singular several times over, steps may lead away
+            x, steps, (distance, angle, J) = ended.x, ended.steps, ends
     if not (math.isfinite(distance + angle) and is_met(task, distance, angle)):
         return None
     return VerifiedRow(query.shown(x), distance, angle, steps, J)

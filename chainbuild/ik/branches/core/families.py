@@ -79,7 +79,7 @@ def _reduce(
         later = [m for m in looked_at[place + 1 :] if kept[m]]
         for m in later:
             way = beside.way(places[n], places[m])
-            if float(np.abs(way).max()) < CLOSE_BRANCHES and beside.off(places[n] + 0.5 * way) < BETWEEN_BRANCHES:
+            if float(np.abs(way).max()) < CLOSE_BRANCHES and beside.missed(places[n] + 0.5 * way) < BETWEEN_BRANCHES:
                 kept[m] = False
         members = [m for m in later if kept[m] and len(directions[m])]
         if len(directions[n]) and members:

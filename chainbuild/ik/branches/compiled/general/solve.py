@@ -130,10 +130,13 @@ def is_new(values, count, q):
 
 
 @jit_within
-def add_solutions(constants, part, room, half, angle, size, noise, values, found):
+def add_solutions(constants, part, room, half, angle, size, noise, values, found, starts):
     """Write the solutions of one opening behind those found before.
 
-    Returns how many there are then, and how many of the eigenvalues may be real: -1 if a solution is singular.
+    At the end of values stand the real parts of complex solutions: poses beside this one may have two branches there.
+
+    Returns how many solutions there are then, how many of the eigenvalues may be real, -1 if a solution is singular,
+    and how many rows stand at the end.
     """
     G, T, J, q = room.G, room.T, room.J, room.q
     z, complex_T, complex_J = room.z, room.complex_T, room.complex_J
@@ -151,18 +154,22 @@ def add_solutions(constants, part, room, half, angle, size, noise, values, found
             )  # fmt: skip
             place = int(part[ROLES + 2])
             if is_complex_solution(constants, place, complex_hidden, G, z, complex_T, complex_J, room.others, aside):
+                if found + starts < len(values):
+                    starts += 1
+                    for n in range(JOINTS):
+                        values[len(values) - starts, n] = room.others[aside, n].real
                 aside += 1
                 continue
             perhaps += 1
         perhaps += 1
         hidden = angle + 2.0 * math.atan(a)
         write_values(constants, part, room.rows, half, room.right, hidden, room.nine, room.B, G, q, T, J)
-        if polish(constants, G, q, T, J) < MET and is_new(values, found, q) and found < len(values):
+        if polish(constants, G, q, T, J) < MET and is_new(values, found, q) and found < len(values) - starts:
             for n in range(JOINTS):
                 values[found, n] = q[n]
             found += 1
             regular = regular and gauss(J, len(q), len(q)) > REGULAR
-    return found, perhaps if regular else -1
+    return found, perhaps if regular else -1, starts
 
 
 @jit_within
@@ -175,13 +182,13 @@ def general_branches(constants, T, values):
         values: (32, 6) out: joint values in the order of the screws.
 
     Returns:
-        How many rows were written, and whether these are certainly all.
+        How many rows were written, and whether these are certainly all; if not, some may be no solutions.
     """
     room = loop_room()
     P, product, motion, null = np.empty((6, 14)), np.empty((10, 15)), np.empty((15, 15)), np.empty((13, 20))
     combined, A = np.empty((10, 6)), np.empty((21, 21))
     scaled(constants, T, room.G)
-    found = 0
+    found, starts = 0, 0
     for n in range(int(constants[0])):
         part = constants[OPENINGS + n * PER_OPENING : OPENINGS + (n + 1) * PER_OPENING]
         half, apart = write_equations(
@@ -191,7 +198,12 @@ def general_branches(constants, T, values):
         if not (apart > _APART and largest < _USELESS and eigenvalues_of(A, size, room.real, room.imaginary)):
             continue
         noise = _NOISE * largest * largest
-        found, perhaps = add_solutions(constants, part, room, half, angle, size, noise, values, found)
-        if perhaps < 0 or 0 < perhaps <= found:
-            return found, perhaps == found
-    return found, False
+        found, perhaps, starts = add_solutions(constants, part, room, half, angle, size, noise, values, found, starts)
+        if perhaps == found > 0:
+            return found, True
+        if perhaps < 0 or 0 < perhaps < found:
+            break
+    for k in range(starts):
+        for n in range(JOINTS):
+            values[found + k, n] = values[len(values) - starts + k, n]
+    return found + starts, False
