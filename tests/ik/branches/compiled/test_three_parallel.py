@@ -177,16 +177,18 @@ def families(serial: Serial, q: Vector) -> list[tuple[Vector, int, int]] | None:
     return [(row[:6], int(row[6]), int(row[7])) for row in values[0, : counts[0]]]
 
 
+@pytest.mark.parametrize("long", [0.0, 0.4])
 @pytest.mark.parametrize("backwards", [False, True])
-def test_where_axis_6_is_parallel_to_the_three_it_keeps_its_value(backwards: bool) -> None:
+def test_where_axis_6_is_parallel_to_the_three_it_keeps_its_value(backwards: bool, long: float) -> None:
     """Which bends are of one family is found by turning axis 6 once around: they meet where the links are straight."""
     rng = np.random.default_rng(27)
-    serial = made_arm("UR5")
+    *rest, six = made_arm("UR5").screws
+    serial = Serial((*rest, replace(six, point=six.point + long * rest[4].direction)), np.eye(4))
     if backwards:
         serial = serial.reversed()
     last, fifth, middle = (0, 1, 3) if backwards else (5, 4, 2)
     kinds = set()
-    for _ in range(60):
+    for _ in range(30):
         q = rng.uniform(-3.0, 3.0, 6)
         q[fifth] = 0.0 if rng.random() < 0.5 else math.pi
         rows = families(serial, q)
@@ -202,18 +204,18 @@ def test_where_axis_6_is_parallel_to_the_three_it_keeps_its_value(backwards: boo
             assert np.abs(pose_by_hand(serial, row) - T).max() < 1e-9
             assert (family >= 0) == any(arc == "both" for arc in arcs)
         kinds.add(tuple(sorted(arcs)))
-    assert kinds == {("one", "one"), ("both",), ("both", "both")} or kinds == {("one", "one"), ("both",)}
+    assert kinds >= {("one", "one"), ("both",)} if long == 0.0 else {("both",), ("both", "both")}
 
 
 def turned_once_around(serial: Serial, q: Vector, last: int, fifth: int, middle: int) -> list[str]:
-    """Return the families of a pose whose joint 6 is parallel to the three, by the plain solver at 720 values of it.
+    """Return the families of a pose whose joint 6 is parallel to the three, by the plain solver at 120 values of it.
 
     "one" and "one" if it has two bends all around; "both" for every arc of values at which there are any.
     """
     arm = parallel_arm(serial)
     assert arm is not None
     T, reached = pose_by_hand(serial, q), []
-    for angle in np.arange(720) * math.tau / 720.0:
+    for angle in np.arange(120) * math.tau / 120.0:
         keep = q.copy()
         keep[last] = angle
         found = [
