@@ -8,13 +8,17 @@ from functools import cache
 import numpy as np
 import pytest
 
+from chainbuild.chain.assemble import Fixed, Mark, Move
+from chainbuild.chain.elements import Axis
 from chainbuild.ik.branches.compiled import forms
+from chainbuild.ik.branches.compiled.constants import COLUMNS
 from chainbuild.ik.branches.compiled.forms import quick_form
 from chainbuild.ik.branches.compiled.quick import Doubtful, quick_branches
 from chainbuild.robot import Robot
 from tests.bench.arms.geometry import OTHER, Arm
 from tests.bench.arms.peers import robot_of
 from tests.bench.arms.truth import distance, isolation, truths
+from tests.kit.chains import chain_from
 from tests.kit.general_arms import DRAWN, arm_of, calibrated
 
 FAR = math.radians(30.0)
@@ -87,18 +91,73 @@ def doubtful_poses(name: str, beside: float, count: int) -> list[tuple[np.ndarra
     return found
 
 
+def from_one(name: str, T: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Return the solutions of a pose (4, 4) that joint values (6,) alone lead to."""
+    form, x0 = quick_form(robot(name), None, None)
+    assert form is not None
+    values, places = np.zeros((1, 32, COLUMNS)), np.empty((64, 6))
+    values[0, 0, :6] = q
+    count, _ = forms._entries().beside_pose(*form.axes, T, x0, values, np.array([1]), 1e-9, places, 0)
+    return places[:count]
+
+
 def test_a_branch_beside_a_fold_is_found_from_the_other_one() -> None:
+    """Both from either: the one is ahead of the direction in which the tool hardly moves, the other behind."""
     arm, found = arms()["ur5 calibrated"], 0
-    for q, T in doubtful_poses("ur5 calibrated", 1e-3, 60):
-        form, x0 = quick_form(robot("ur5 calibrated"), None, None)
-        assert form is not None
-        places, isolated = form.places_at(T, x0)
-        if isolated and isolation(arm, q[None])[0] < 3e-4:
-            found += 1
-            assert distance(places, q).min() < 1e-6
-            apart = distance(places, q)
-            assert np.sort(apart)[1] < 0.1  # the branch on the other side
-    assert found >= 1
+    for _, T in doubtful_poses("ur5 calibrated", 1e-3, 80):
+        rows = np.radians(robot("ur5 calibrated").ik_all(T).axes)
+        for n, row in enumerate(rows):
+            apart = distance(rows, row)
+            near = np.flatnonzero((apart > 1e-4) & (apart < 0.05))
+            if (
+                len(near) == 1
+                and distance(rows, rows[near[0]])[n] == apart[near[0]]
+                and isolation(arm, row[None])[0] < 2e-3
+            ):
+                found += 1
+                assert distance(from_one("ur5 calibrated", T, row), rows[near[0]]).min() < 1e-6
+    assert found >= 4
+
+
+def test_zeros_and_couplings_of_axes_are_those_of_the_axes_found() -> None:
+    arm, names = arms()["crx calibrated"], [f"A{n + 1}" for n in range(6)]
+    axes = [Axis(name, "rotary", "deg", -180.0, 180.0, assumed=False, endless=True) for name in names]
+    offsets, tool = np.array([10.0, -20.0, 30.0, 15.0, -25.0, 5.0]), []
+    for name, axis, shift_m, offset in zip(names, arm.axes, arm.offsets(), offsets, strict=False):
+        drive = {name: 1.0} | ({"A2": -1.0} if name == "A3" else {})
+        tool += [Fixed(shifted(shift_m)), Move(name, "revolute", tuple(axis.tolist()), drive, float(offset))]
+    last = shifted(arm.offsets()[6])
+    last[:3, :3] = arm.M[:3, :3]
+    coupled = Robot(chain_from(axes, [*tool, Mark("flange"), Fixed(last)]))
+    for _, T in doubtful_poses("crx calibrated", 1e-3, 60)[:4]:
+        wanted = np.radians(robot("crx calibrated").ik_all(T).axes)
+        joints = coupled.ik_all(T).axes + offsets
+        joints[:, 2] -= joints[:, 1] - offsets[1]
+        assert len(joints) == len(wanted)
+        assert all(distance(np.radians(joints), row).min() < 1e-6 for row in wanted)
+
+
+def shifted(shift_m: np.ndarray) -> np.ndarray:
+    T = np.eye(4)
+    T[:3, 3] = shift_m * 1e3
+    return T
+
+
+def test_curves_of_general_arms_tell_their_direction() -> None:
+    """Found through the plain path: a step along the direction leaves the tool in place to the second order."""
+    curves = 0
+    for name in ("jaco", "crx", "gofa"):
+        arm = arms()[name]
+        for q in drawn(name, 0.0, 12):
+            T = arm.pose(q)
+            for row in robot(name).ik_all(T):
+                places = np.radians(row.axes)
+                if isolation(arm, places[None])[0] > 1e-7:
+                    assert not len(row.free_directions)
+                for direction in row.free_directions:
+                    curves += 1
+                    assert np.abs(arm.pose(places + 1e-4 * direction) - T).max() < 1e-7
+    assert curves >= 3
 
 
 def test_many_poses_have_the_branches_of_each() -> None:
