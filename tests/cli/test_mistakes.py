@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
+import chainbuild
 from chainbuild.cli import entry
 from chainbuild.machines import shipped_path
 from tests.kit.command_line import Outcome, Run, write
-from tests.kit.command_lines import ALONE, EVERYWHERE, NEEDS
+from tests.kit.command_lines import ALONE, EVERYWHERE, HABITS, NEEDS
 
 
 def lines_of(table: str) -> list[tuple[str, int, str]]:
@@ -24,6 +25,8 @@ def lines_of(table: str) -> list[tuple[str, int, str]]:
 
 
 LINES = lines_of(ALONE)
+# An arm with a spherical wrist as Denavit-Hartenberg rows.
+TABLE = "# standard\na,d,alpha,theta\n25,400,-90,0\n455,0,0,-90\n35,0,-90,0\n0,420,90,0\n0,0,-90,0\n0,80,0,0\n"
 
 
 @pytest.fixture
@@ -74,6 +77,22 @@ def test_a_mistake_with_the_machine_is_told_by_every_command_and_nothing_is_writ
     assert sorted(Path().rglob("*")) == before
 
 
+HEAVY = ("demo", "inspect")  # both draw every machine that they are given
+
+
+@pytest.mark.parametrize(
+    "command",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in HEAVY)) for name in NEEDS if name != "as-universal"],
+)
+def test_a_habit_with_the_machine_is_understood_by_every_command(files: Run, command: str) -> None:
+    chainbuild.write_urdf(chainbuild.Robot.load("kr6r900"), "given")
+    write("arm.csv", TABLE)
+    for words in HABITS.strip().splitlines():
+        line = f"{command} {words.replace('NEEDS', NEEDS[command])}"
+        outcome = files(*shlex.split(line))
+        assert outcome.code in (0, 3), f"{line}\n{outcome.err}"
+
+
 @pytest.mark.parametrize("command", sorted(set(NEEDS) - {"as-universal", "demo"}))
 def test_options_stand_anywhere_and_are_spelt_either_way(files: Run, command: str) -> None:
     """Before the machine, with an underscore or an equals sign, a negative number, a path with a blank."""
@@ -83,7 +102,7 @@ def test_options_stand_anywhere_and_are_spelt_either_way(files: Run, command: st
 
 
 def test_every_command_is_tried() -> None:
-    """Ten mistakes and ten habits each, those with the machine among them; of commands without one what there is."""
+    """Twenty lines each and twelve habits with the machine; of commands without one what there is."""
     names = {name for name in entry.build_app() if not name.startswith("-")}
     assert set(NEEDS) | {"types", "warm", "completion"} == names
     shared = len(lines_of(EVERYWHERE))

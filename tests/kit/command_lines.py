@@ -38,6 +38,21 @@ kr6r900 NEEDS --convention c_offst=a => 1 unknown convention 'c_offst'; permitte
 kr6r900 NEEDS --overlay missing.toml => 1 missing.toml: no such file
 kr6r900 irb2600 NEEDS => 2 unexpected argument irb2600; expected one machine
 """
+# Habits with the machine, for every such command: all of these are right.
+HABITS = """
+NEEDS kr6r900
+./copy.tea NEEDS
+NEEDS "my arm.tea"
+kr6r900 NEEDS --kinematic 1
+kr6r900 --kinematic=ROBX NEEDS
+kr6r900 NEEDS --kinematic 1 --channel 1
+kr6r900 NEEDS --tool-length 100
+--tool_length=1e2 kr6r900 NEEDS
+kr6r900 NEEDS --convention singularity_measure=product
+--convention=singularity_measure=product --convention axes_dir_index=internal kr6r900 NEEDS
+given/kr6r900/kr6r900.urdf NEEDS --tool tool
+arm.csv NEEDS
+"""
 # Mistakes and habits of one command, or with several.
 ALONE = """
 nope => 2 Unknown command "nope"
