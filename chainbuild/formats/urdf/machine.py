@@ -18,6 +18,7 @@ from chainbuild.formats.entries import (
     Selected,
     checked_channel,
     checked_kinematic,
+    checked_values,
 )
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay
@@ -87,6 +88,7 @@ class UrdfMachine(Machine):
 
     def with_values(self, values: Mapping[Datum, float]) -> UrdfMachine:
         """Return the machine with other origins of joints."""
+        checked_values(values)
         if not values:
             return self
         collector = Collector(self._collector.strict, list(self._reading))
@@ -123,7 +125,7 @@ class UrdfMachine(Machine):
     def _channel(self, wanted: int | None, collector: Collector) -> int:
         if wanted not in (None, _CHANNEL):
             text = f"there is no channel {wanted!r}: a URDF has none"
-            raise MachineDataError(text, span=Span(self.file), parameter="channel", permitted="None")
+            raise MachineDataError(text, span=Span(self.file), parameter="channel", permitted="no channel")
         return _CHANNEL
 
     def _named(self, wanted: int | str | None, entries: Sequence[KinematicEntry]) -> KinematicEntry:

@@ -38,7 +38,7 @@ from chainbuild.units import AxisKind
 # What an overlay says to machine data alone, and what to a URDF, too.
 _USELESS: Final = {**OF_CONTROLS, "tool_length_mm": ("tool_length_mm",)}
 _USEFUL: Final = "name, source, kinematic, endless, [limits], [limits.sums], [speeds], [poses], [geometry], [coupling]"
-# Words by which a link at the tip is called, the usual ones first: for the example in a message, nothing is chosen by them.
+# Words by which a link at the tip is called, the usual ones first: for an example in a message, nothing is chosen so.
 _TOOL_NAMES: Final = ("tcp", "tool", "tool0", "ee", "hand", "gripper", "flange")
 _KINDS: Final[Mapping[AxisKind, JointKind]] = {"rotary": "revolute", "linear": "prismatic"}
 
