@@ -129,8 +129,10 @@ class PoseTable(Table):
         return self.form.permitted()
 
     def _hint(self, name: str) -> str | None:
-        values = {axis.name for axis in self.form.axes} <= set(self.names)
-        other = _AXIS_VALUES if values and not set(POSITION_COLUMNS) & set(self.names) else None
+        axes = {axis.name for axis in self.form.axes}
+        other = (
+            _AXIS_VALUES if axes and axes <= set(self.names) and not set(POSITION_COLUMNS) & set(self.names) else None
+        )
         return self.form.hint(name) or other
 
     def _beside_columns(self) -> tuple[str, ...]:
