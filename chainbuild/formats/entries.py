@@ -322,19 +322,16 @@ def checked_values(values: Mapping[Datum, float]) -> None:
     Raises:
         ChainbuildError: a key that is no datum, such as its name, or a value that is no number.
     """
+    data = "data of geometry() and tool_data()"
     if not isinstance(values, Mapping):
-        raise ChainbuildError(
-            f"expected a dict of data, got {type(values).__name__}", parameter="values", hint=_BY_NAME
-        )
+        raise ChainbuildError(f"expected a dict of {data}, got {type(values).__name__}", parameter="values")
     for datum, value in values.items():
         if not isinstance(datum, Datum):
             text = f"{datum!r:.60} is no datum; a name may belong to several"
-            raise ChainbuildError(
-                text, parameter="values", permitted="data of geometry() and tool_data()", hint=_BY_NAME
-            )
+            raise ChainbuildError(text, parameter="values", permitted=data, hint=_BY_NAME)
         if not isinstance(value, Real):
-            text = f"the value of {datum.name} is no number: {value!r:.60}"
-            raise ChainbuildError(text, parameter="values", permitted=f"a number in {datum.unit or 'its unit'}")
+            text, unit = f"the value of {datum.name} is no number: {value!r:.60}", datum.unit or "its unit"
+            raise ChainbuildError(text, parameter="values", permitted=f"a number in {unit}")
 
 
 def _matching(entries: Sequence[KinematicEntry], wanted: int | str) -> list[KinematicEntry]:

@@ -107,7 +107,7 @@ def test_values_go_by_data_and_not_by_names(run: Run, machine: str) -> None:
             {datum: "long"},
             f"the value of {datum.name} is no number: 'long'; parameter values; permitted: a number in mm",
         ),
-        ([datum], "expected a dict of data, got list"),
+        ([datum], "expected a dict of data of geometry() and tool_data(), got list"),
     ):
         with pytest.raises(chainbuild.ChainbuildError) as caught:
             read.with_values(values)  # type: ignore[arg-type]
