@@ -44,6 +44,7 @@ HABITS = {
     "plain": PLAIN,
     "no_kinds": without_kinds(PLAIN),
     "words_around": PLAIN.replace("# standard", "# Denavit-Hartenberg, Standard convention (distal)"),
+    "quoted": PLAIN.replace("# standard", '"# standard, drawing 4",,,,,,'),
     "no_space": PLAIN.replace("# standard", "#STANDARD"),
     "other_comments": PLAIN.replace("# standard", "# arm of cell 4\n\n# standard\n# 2024"),
     "units": PLAIN.replace(HEAD, "a [mm],d [mm],alpha [deg],theta [°],kind,lower,upper"),
