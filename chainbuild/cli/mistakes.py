@@ -80,6 +80,8 @@ def usage_text(error: CycloptsError, words: Sequence[str], app: App) -> str:
     elif isinstance(error, UnusedCliTokensError) and error.unused_tokens:
         where = next(_belongs(words, error.unused_tokens, command), "")
         text = f"unexpected argument {shlex.join(error.unused_tokens)}{where}"
+    elif isinstance(error, MissingArgumentError | UnknownOptionError) and (pose := _one_pose(words, command)):
+        text = text.partition(" Did you mean")[0].removesuffix(".") + pose
     elif isinstance(error, MissingArgumentError) and not meant:
         text = text.removesuffix(".") + (_file_among(words, command) or _what_is_expected(error, app, command))
     elif isinstance(error, UnknownOptionError) and command and ("-" in words or not meant):
@@ -143,6 +145,14 @@ def _file_among(words: Sequence[str], command: str) -> str:
     alone = [word for before, word in pairwise(words) if not before.startswith("-")]
     found = next((word for word in alone if Path(word).suffix.lower() in suffixes), None)
     return f"; did you mean {option} {shlex.quote(found)}?" if option and found and option not in words else ""
+
+
+def _one_pose(words: Sequence[str], command: str) -> str:
+    """Return how one pose is given where axis values are, which ik does not take; empty: they are not."""
+    if command != "ik" or "--poses" in words or not any(word.partition("=")[0] == "--at" for word in words):
+        return ""
+    row = "x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\\n500,0,800,180,60,180\\n"
+    return f"; a pose is a row of a table, on an arm: printf '{row}' | chainbuild ik FILE --poses -"
 
 
 def _is_number(word: str) -> bool:

@@ -117,9 +117,13 @@ class MachineOptions:
         """Return the kinematic chosen; two names with a comma between them are a pair, unless one name is spelt so.
 
         Raises:
-            UsageError: more than two, or an empty one.
+            UsageError: more than two, an empty one, or another tool link than that of `tool`.
         """
         text = self.kinematic
+        if self.tool is not None and text not in (None, self.tool):
+            raise UsageError(
+                f"--kinematic {text} and --tool {self.tool}: both name the tool link; expected one of them"
+            )
         if text is None or "," not in text or text in {entry.name for entry in machine.kinematics()}:
             return text
         parts = [part.strip() for part in text.split(",")]

@@ -11,7 +11,7 @@ from typing import Final
 
 from chainbuild import tolerances
 from chainbuild.closest import listed
-from chainbuild.errors import MachineDataError, Span
+from chainbuild.errors import ChainbuildError, MachineDataError, Span
 from chainbuild.formats.overlay import Overlay
 from chainbuild.shown import fields_shown
 
@@ -19,6 +19,7 @@ from chainbuild.shown import fields_shown
 Wanted = int | str | tuple[int | str, int | str]
 
 _PERMITTED: Final = "an id, a name, a pair of these for the two steps, or None"
+_BY_NAME: Final = "by name: {one: 600.0 for one in machine.geometry() if one.name == 'a2'}"
 _ID_DIGITS: Final = 9  # more than any id has
 _HUGE_NUMBER: Final = 10**_ID_DIGITS  # beyond any id or channel
 
@@ -313,6 +314,24 @@ def choose_kinematic(entries: Sequence[KinematicEntry], wanted: int | str | None
             f"the file configures no kinematic {wanted!r:.60}", span=Span(file), parameter="kinematic", permitted=known
         )
     return next((e for e in matches if not e.name), matches[0])
+
+
+def checked_values(values: Mapping[Datum, float]) -> None:
+    """Refuse what is no map of data to numbers.
+
+    Raises:
+        ChainbuildError: a key that is no datum, such as its name, or a value that is no number.
+    """
+    data = "data of geometry() and tool_data()"
+    if not isinstance(values, Mapping):
+        raise ChainbuildError(f"expected a dict of {data}, got {type(values).__name__}", parameter="values")
+    for datum, value in values.items():
+        if not isinstance(datum, Datum):
+            text = f"{datum!r:.60} is no datum; a name may belong to several"
+            raise ChainbuildError(text, parameter="values", permitted=data, hint=_BY_NAME)
+        if not isinstance(value, Real):
+            text, unit = f"the value of {datum.name} is no number: {value!r:.60}", datum.unit or "its unit"
+            raise ChainbuildError(text, parameter="values", permitted=f"a number in {unit}")
 
 
 def _matching(entries: Sequence[KinematicEntry], wanted: int | str) -> list[KinematicEntry]:

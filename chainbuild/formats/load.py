@@ -164,7 +164,8 @@ def _read(
     urdf = is_urdf(source.text)
     if tool is not None and not urdf:
         text = f"tool link '{tool}': {file} is no URDF, its tool is part of its data"
-        raise ChainbuildError(text, span=Span(str(file)), parameter="tool", permitted="None")
+        hint = "a tool length is added by --tool-length, in Python tool_length_mm"
+        raise ChainbuildError(text, span=Span(str(file)), parameter="tool", permitted="no tool link", hint=hint)
     # A dialect is imported when it is needed: most users have one.
     if urdf:
         from chainbuild.formats.urdf.machine import read_urdf

@@ -144,7 +144,7 @@ class Machine(ABC):
         Rules on a single value are those of reading and not asked again; rules of the geometry are, by `chain`.
 
         Args:
-            values: Data of `geometry` and `tool_data` → new values in their units.
+            values: Data of `geometry` and `tool_data` → new values in their units. A name for a datum is refused.
         """
 
     def trial_chain(

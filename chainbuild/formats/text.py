@@ -174,6 +174,7 @@ TWINCAT_ROOTS: Final = frozenset(
         "ori",
     }
 )  # fmt: skip
+_NUMBERS: Final = re.compile(r"[-+.\deE,;\t ]+")
 _UNIT: Final = re.compile(r"[\[(][^\[\]()\n]*[\])]")
 _HEADER_CHARACTERS: Final = 20_000  # comments before a header are shorter
 _DH_NAMES: Final = 3  # of a, d, alpha, theta: a header that lacks one is told so
@@ -220,8 +221,12 @@ def is_dh(text: str) -> bool:
     >>> is_dh("# modified\n a [mm]; D; alpha [deg]; theta"), is_dh("A1,A2,A3")
     (True, False)
     """
-    rows = (line.strip().strip('"') for line in text[:_HEADER_CHARACTERS].split("\n"))
-    header = next((row for row in rows if row.strip(",;\t ") and not row.startswith(("#", "sep="))), "")
+    rows = [line.strip().strip('"') for line in text[:_HEADER_CHARACTERS].split("\n")]
+    full = [row for row in rows if row.strip(",;\t ") and not row.startswith("sep=")]
+    place = next((n for n, row in enumerate(full) if not row.startswith("#")), 0)
+    header = full[place] if full else ""
+    if place and _NUMBERS.fullmatch(header):  # the comment before numbers names the columns, as numpy writes it
+        header = full[place - 1].lstrip("# ")
     names = {name.strip(' "').split("_")[0].casefold() for name in re.split(r"[,;\t]", _UNIT.sub("", header))}
     return len(names & {"a", "d"}) + bool(names & {"alpha", "α"}) + bool(names & {"theta", "θ"}) >= _DH_NAMES
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.chain.elements import Axis
+from chainbuild.chain.programmed.display import POSITION_COLUMNS
 from chainbuild.errors import Span, TableError
 from chainbuild.tables.reader import Chunk, Table
 
@@ -20,6 +21,8 @@ VIOLATIONS_COLUMN: Final = "violations"
 # Decimals written of mm and degrees, whose last bits are noise, and of unit vectors.
 DECIMALS: Final = 12
 UNIT_DECIMALS: Final = 15
+
+_POSES: Final = "this is a table of poses: --poses reads it (ik, singularity)"
 
 
 class AxisTable(Table):
@@ -44,6 +47,9 @@ class AxisTable(Table):
     def _shown_columns(self, permitted: Sequence[str]) -> Sequence[str]:
         # Result columns of inverse kinematics are permitted, but never required.
         return self._axis_names
+
+    def _hint(self, name: str) -> str | None:
+        return _POSES if set(self.names) >= set(POSITION_COLUMNS) else None
 
     def _refuse_faults(self, span: Span, fields: Sequence[str]) -> None:
         """Refuse a row that holds no numbers; where inverse kinematics has failed, the message says so."""

@@ -57,6 +57,9 @@ class PoseRow:
     beside: Matrix | None = None
 
 
+_AXIS_VALUES: Final = "this is a table of axis values: --axes reads it (fk, collide, singularity, picture, inspect)"
+
+
 class PoseTable(Table):
     """A table of poses.
 
@@ -126,7 +129,11 @@ class PoseTable(Table):
         return self.form.permitted()
 
     def _hint(self, name: str) -> str | None:
-        return self.form.hint(name)
+        axes = {axis.name for axis in self.form.axes}
+        other = (
+            _AXIS_VALUES if axes and axes <= set(self.names) and not set(POSITION_COLUMNS) & set(self.names) else None
+        )
+        return self.form.hint(name) or other
 
     def _beside_columns(self) -> tuple[str, ...]:
         # Read for comparison only. Where C runs on over whole turns c_deg is an input of its own.

@@ -240,7 +240,10 @@ def _trimmed(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def _is_comment(line: str) -> bool:
-    return "#" in line and line.lstrip().startswith("#") and not _EXCEL_ERROR.match(line)
+    if "#" not in line:
+        return False
+    bare = line.lstrip(' \t"')  # a comment with a separator in it is a quoted cell to a spreadsheet
+    return bare.startswith("#") and not _EXCEL_ERROR.match(bare)
 
 
 def _encoding(head: bytes) -> str:

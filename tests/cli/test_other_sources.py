@@ -96,6 +96,24 @@ def test_the_live_page_has_the_machine(machine: str) -> None:
     assert ("joint_a3" if machine.endswith("urdf") else "theta6") in page
 
 
+def test_values_go_by_data_and_not_by_names(run: Run, machine: str) -> None:
+    read = chainbuild.load(machine)
+    datum = next(one for one in read.geometry() if one.unit == "mm" and one.value)
+    moved = read.with_values({datum: datum.value + 10}).geometry()
+    assert [one.value for one in moved if one.name == datum.name] == [datum.value + 10]
+    for values, said in (
+        ({datum.name: 1.0}, f"'{datum.name}' is no datum; a name may belong to several"),
+        (
+            {datum: "long"},
+            f"the value of {datum.name} is no number: 'long'; parameter values; permitted: a number in mm",
+        ),
+        ([datum], "expected a dict of data of geometry() and tool_data(), got list"),
+    ):
+        with pytest.raises(chainbuild.ChainbuildError) as caught:
+            read.with_values(values)  # type: ignore[arg-type]
+        assert said in str(caught.value)
+
+
 def test_what_cannot_be_done_is_one_sentence(run: Run, machine: str) -> None:
     for words in (("as-universal", machine), ("types", machine)):
         found = run(*words)
@@ -127,6 +145,11 @@ def test_the_tool_link_is_an_option_of_a_urdf(run: Run) -> None:
     other = run("fk", "kr6r900", "--tool", "link_3", "--at", AT)
     assert (other.code, other.out) == (1, "")
     assert "is no URDF" in other.err
+    assert "permitted: no tool link; a tool length is added by --tool-length" in other.err
+    both = run("fk", URDF, "--tool", "link_3", "--kinematic", "link_2", "--at", "0,0,0")
+    assert (both.code, both.out) == (2, "")
+    assert "--kinematic link_2 and --tool link_3: both name the tool link" in both.err
+    assert run("fk", URDF, "--tool", "link_3", "--kinematic", "link_3", "--at", "0,0,0").out == at.out
 
 
 def test_hints_name_the_tool_link(run: Run) -> None:

@@ -69,11 +69,11 @@ def test_the_links_that_could_be_the_tool_are_listed(hand: Path) -> None:
 
 
 MISTAKES = {
-    "none_named": ({}, "3 links could be the tool; permitted: camera, left, right; name the link"),
+    "none_named": ({}, "2 links could be the tool; permitted: left, right; name the link"),
     "unknown": ({"tool": "thumb"}, "no joint leads to a link 'thumb'"),
     "the_root": ({"tool": "root"}, "no joint leads to a link 'root'"),
     "fixed": ({"tool": "camera"}, "none of the joints on the way to link camera moves: eye"),
-    "another_case": ({"tool": "LEFT"}, "no joint leads to a link 'LEFT'"),
+    "another_case": ({"tool": "LEFT"}, "left, right; did you mean left?"),
     "a_number": ({"kinematic": 7}, "no joint leads to a link '7'"),
     "a_pair": ({"kinematic": ("left", "right")}, "the pair ('left', 'right') needs two transformation steps"),
     "channel": ({"tool": "left", "channel": 2}, "there is no channel 2: a URDF has none"),
@@ -87,6 +87,34 @@ def test_mistakes(hand: Path, options: dict[str, object], text: str) -> None:
         Robot.load(hand, **options)  # type: ignore[arg-type]
     assert text in str(caught.value)
     assert str(caught.value).startswith(f"{hand}: ")
+
+
+NAMED = {
+    "tool": ("tool, tool_cover", "tool"),
+    "tool0": ("base, ee_link, tool0", "tool0"),
+    "panda": ("panda_hand_tcp, panda_leftfinger, panda_rightfinger", "panda_hand_tcp"),
+    "ee": ("ee_link, wrist_camera", "ee_link"),
+    "none": ("left, right", "right"),
+}
+
+
+@pytest.mark.parametrize(("links", "example"), NAMED.values(), ids=NAMED)
+def test_the_example_is_the_link_that_is_called_a_tool_and_nothing_is_chosen_by_it(
+    tmp_path: Path, links: str, example: str
+) -> None:
+    def joint(child: str, kind: str, parent: str = "arm") -> str:
+        ends = f'<parent link="{parent}"/><child link="{child}"/><limit lower="-1" upper="1"/>'
+        return f'<link name="{child}"/><joint name="to_{child}" type="{kind}">{ends}</joint>'
+
+    inner = joint("arm", "revolute", "root") + joint("workpiece", "fixed", "root")
+    file = tmp_path / "arm.urdf"
+    ends = "".join(joint(link, "fixed") for link in links.split(", "))
+    file.write_text(f'<robot name="a"><link name="root"/>{inner}{ends}</robot>', "utf-8")
+    with pytest.raises(ChainbuildError) as caught:
+        chainbuild.load(file).chain()
+    assert caught.value.permitted == links
+    assert f'tool="{example}" (--tool {example})' in str(caught.value)
+    assert [entry.name for entry in chainbuild.load(file).kinematics()] == links.split(", ")
 
 
 FILES = {

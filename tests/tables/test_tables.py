@@ -84,6 +84,7 @@ BAD = {
     "short": ("A1,A2,X\n1,2\n", 2, "the row has 2 values, the header 3 columns"),
     "long": ("A1,A2,X\n1,2,3,,4\n", 2, "the row has 5 values"),
     "no_value": ("A1,A2,X\n1,,3\n", 2, "column A2: no value"),
+    "quoted_error": ('A1,A2,X\n"#REF!",2,3\n', 2, "#REF!"),
     "words": ("A1,A2,X\n1,two,3\n", 2, "column A2: 'two' is not a number"),
     "nan": ("A1,A2,X\n1,2,3\n\n1,2,nan\n", 4, "column X: 'nan' is not finite"),
     "inf": ("A1,A2,X\n-inf,2,3\n", 2, "column A1: '-inf' is not finite"),

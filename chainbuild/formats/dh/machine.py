@@ -15,7 +15,7 @@ from chainbuild.convention import Choices
 from chainbuild.errors import MachineDataError, Span
 from chainbuild.findings import Collector
 from chainbuild.formats.dh.rows import FORMULAS, DhJoint, DhTable, read_table
-from chainbuild.formats.entries import Datum, KinematicEntry, ParameterRow, Selected, changed_overlay
+from chainbuild.formats.entries import Datum, KinematicEntry, ParameterRow, Selected, changed_overlay, checked_values
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.overlay_poses import with_named_poses
@@ -95,6 +95,7 @@ class DhMachine(Machine):
 
     def with_values(self, values: Mapping[Datum, float]) -> DhMachine:
         """Return the machine with other numbers."""
+        checked_values(values)
         new = {datum.key: value for datum, value in values.items() if datum.key[0] in _UNITS}
         rows = tuple(
             replace(row, values={name: new.get((name, n), value) for name, value in row.values.items()})
@@ -109,7 +110,7 @@ class DhMachine(Machine):
     def _channel(self, wanted: int | None, collector: Collector) -> int:
         if wanted not in (None, _CHANNEL):
             text = f"there is no channel {wanted!r}: a table of DH parameters has none"
-            raise MachineDataError(text, span=Span(self.file), parameter="channel", permitted="None")
+            raise MachineDataError(text, span=Span(self.file), parameter="channel", permitted="no channel")
         return _CHANNEL
 
     def _tell_unused(self, names: Sequence[str], asked: Mapping[str, str], collector: Collector) -> None:

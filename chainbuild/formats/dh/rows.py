@@ -46,9 +46,19 @@ _SPELLINGS: Final = {
     "max": "upper",
     "joint": "name",
     "i": "name",
+    "link": "name",
+    "no": "name",
+    "no.": "name",
+    "nr": "name",
+    "nr.": "name",
 }
 _UNIT_NAMES: Final = {"mm": "mm", "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg"}
-_HEADING: Final = re.compile(r"([^\[\]()]*?)\s*(?:[\[(]([^\])]*)[\])]|_(mm|deg))?")
+_HEADING: Final = re.compile(r"([^\[\]()]*?)\s*(?:[\[(]([^\])]*)[\])]|_(mm|deg|m|rad))?")
+# The index that books write: a(i-1), α_i-1, d_i; the one of the link before is Craig's notation.
+_INDEX: Final = re.compile(
+    r"\s*(alpha|theta|[adαθ])\s*_?\s*[({]?\s*[ijn]\s*(?P<before>[-−–]\s*1)?\s*[)}]?\s*(?=[\[(]|_|$)", re.IGNORECASE
+)
+_OFFSET: Final = "add it to theta of the row, of a prismatic joint to d: theta and d are the values at axis value 0"
 _KINDS: Final[Mapping[str, JointKind | Literal["fixed"]]] = {
     "revolute": "revolute", "rotary": "revolute", "r": "revolute",
     "prismatic": "prismatic", "linear": "prismatic", "p": "prismatic",
@@ -101,7 +111,7 @@ def read_table(path: Path) -> DhTable:
     sheet = TableText(path)
     try:
         convention, place = _convention(sheet)
-        columns = _columns(sheet)
+        columns = _columns(sheet, convention)
         lines = [_Line(sheet, columns, number, text, fields) for number, text, fields in sheet.rows()]
     finally:
         sheet.close()
@@ -130,22 +140,26 @@ def _convention(sheet: TableText) -> tuple[DhConvention, Span]:
     return next(iter(found.items()))
 
 
-def _columns(sheet: TableText) -> dict[str, int]:
+def _columns(sheet: TableText, convention: DhConvention) -> dict[str, int]:
     """Return where each column is.
 
     Raises:
-        ParseError: one is missing, unknown, there twice or in another unit.
+        ParseError: one is missing, unknown, there twice, in another unit, or of the link before in a standard table.
     """
     found: dict[str, int] = {}
     parts = sheet.header_span.text.split(sheet.separator)
     for place, written in enumerate(sheet.header):
-        name, unit = _named(written)
+        index = _INDEX.match(written)
+        name, unit = _named(written if index is None else index[1] + written[index.end() :])
         where = spot(sheet.header_span, parts, place)
+        if index is not None and index["before"] and convention == "standard":
+            text = f"column '{written}' is of the link before, as in a modified table, but the comment says standard"
+            raise ParseError(text, span=where, parameter=written, permitted=f"{name}, or # modified", hint=_EXPLAINED)
         if name not in _COLUMNS:
             near = closest(name, _COLUMNS)
             raise ParseError(
                 f"unknown column '{written}'", span=where, parameter=written, permitted=", ".join(_COLUMNS),
-                hint=f"did you mean {near}?" if near else None,
+                hint=_OFFSET if name.casefold() == "offset" else f"did you mean {near}?" if near else None,
             )  # fmt: skip
         wanted = _UNITS.get(name)
         if unit and _UNIT_NAMES.get(unit) != wanted:

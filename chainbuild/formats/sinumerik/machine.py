@@ -22,6 +22,7 @@ from chainbuild.formats.entries import (
     changed_overlay,
     checked_channel,
     checked_kinematic,
+    checked_values,
 )
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay
@@ -127,6 +128,7 @@ class RobxMachine(Machine):
 
     def with_values(self, values: Mapping[Datum, float]) -> RobxMachine:
         """Return the machine with other values of some data."""
+        checked_values(values)
         te4 = {robx.data.channel_number for robx in self.transformations if robx.data.te4}
         changed: dict[DatumKey, tuple[float, Span]] = {
             (one.channel, one.channel in te4 and not isinstance(one.key[1], tuple), *one.key): (

@@ -21,6 +21,7 @@ from chainbuild.formats.entries import (
     changed_overlay,
     checked_channel,
     checked_kinematic,
+    checked_values,
     matching_id,
 )
 from chainbuild.formats.machine import Machine
@@ -100,6 +101,7 @@ class TwinCatMachine(Machine):
 
     def with_values(self, values: Mapping[Datum, float]) -> TwinCatMachine:
         """Return the machine with other values of some data."""
+        checked_values(values)
         channels = tuple(with_values(channel, values) for channel in self.channels)
         collector = Collector(self._collector.strict, list(self._reading))
         tools = tuple({n: with_tool_values(tool, values) for n, tool in own.items()} for own in self._tools)

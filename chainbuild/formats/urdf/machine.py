@@ -18,13 +18,14 @@ from chainbuild.formats.entries import (
     Selected,
     checked_channel,
     checked_kinematic,
+    checked_values,
 )
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.overlay import Overlay
 from chainbuild.formats.text import SourceText
 from chainbuild.formats.urdf.data import origin_data, origin_rows, with_origins
 from chainbuild.formats.urdf.joints import Joints, UrdfJoint
-from chainbuild.formats.urdf.robot import named_tool, urdf_chain, way_to
+from chainbuild.formats.urdf.robot import moved_leaves, named_tool, urdf_chain, way_to
 from chainbuild.formats.urdf.xml import Node, parse
 
 _CHANNEL: Final = 1  # a URDF has none
@@ -87,6 +88,7 @@ class UrdfMachine(Machine):
 
     def with_values(self, values: Mapping[Datum, float]) -> UrdfMachine:
         """Return the machine with other origins of joints."""
+        checked_values(values)
         if not values:
             return self
         collector = Collector(self._collector.strict, list(self._reading))
@@ -107,7 +109,7 @@ class UrdfMachine(Machine):
     def _listed(self) -> Iterator[KinematicEntry]:
         joints = self._joints.all
         leaves = sorted({joint.child for joint in joints} - {joint.parent for joint in joints})
-        moved = [link for link in leaves if any(joint.moves for joint in self._way(link) if not joint.stays)]
+        moved = moved_leaves(joints, Span(self.file))
         links = dict.fromkeys([*([] if self._tool is None else [self._tool]), *moved])
         for number, link in enumerate(links, start=1):
             yield self._entry(number, link, default=link == self._tool if self._tool else len(leaves) == 1)
@@ -123,7 +125,7 @@ class UrdfMachine(Machine):
     def _channel(self, wanted: int | None, collector: Collector) -> int:
         if wanted not in (None, _CHANNEL):
             text = f"there is no channel {wanted!r}: a URDF has none"
-            raise MachineDataError(text, span=Span(self.file), parameter="channel", permitted="None")
+            raise MachineDataError(text, span=Span(self.file), parameter="channel", permitted="no channel")
         return _CHANNEL
 
     def _named(self, wanted: int | str | None, entries: Sequence[KinematicEntry]) -> KinematicEntry:

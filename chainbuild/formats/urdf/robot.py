@@ -9,6 +9,7 @@ drives are held.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +21,7 @@ from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.bodies.geometry import NO_GEOMETRY
 from chainbuild.chain.elements import BASE_LINK, Axis, Chain, Joint, JointKind, Link
 from chainbuild.chain.names import DRIVE_SUFFIX, RESERVED_COLUMNS, free_name
+from chainbuild.closest import closest
 from chainbuild.errors import ChainbuildError, ParseError, Span
 from chainbuild.findings import Collector, Findings
 from chainbuild.formats.overlay import Overlay
@@ -36,6 +38,8 @@ from chainbuild.units import AxisKind
 # What an overlay says to machine data alone, and what to a URDF, too.
 _USELESS: Final = {**OF_CONTROLS, "tool_length_mm": ("tool_length_mm",)}
 _USEFUL: Final = "name, source, kinematic, endless, [limits], [limits.sums], [speeds], [poses], [geometry], [coupling]"
+# Words by which a link at the tip is called, the usual ones first: for an example in a message, nothing is chosen so.
+_TOOL_NAMES: Final = ("tcp", "tool", "tool0", "ee", "hand", "gripper", "flange")
 _KINDS: Final[Mapping[AxisKind, JointKind]] = {"rotary": "revolute", "linear": "prismatic"}
 
 
@@ -120,17 +124,14 @@ def way_to(tool: str | None, joints: Sequence[UrdfJoint], file: Span) -> list[Ur
         raise ChainbuildError("the file has no joints", span=file, permitted="a robot with at least one")
     leaves = sorted(set(by_child) - {joint.parent for joint in joints})
     if tool is None and len(leaves) != 1:
-        raise ChainbuildError(
-            f"{len(leaves)} links could be the tool",
-            span=file,
-            parameter="tool",
-            permitted=", ".join(leaves),
-            hint=f'name the link whose frame is the TCP, such as tool="{leaves[-1]}" (--tool {leaves[-1]})',
-        )
+        raise _unclear(leaves, joints, file)
     link = leaves[0] if tool is None else tool
     if link not in by_child:
+        near = closest(link, by_child)
         known = ", ".join(sorted(by_child))
-        raise ChainbuildError(f"no joint leads to a link '{link}'", span=file, parameter="tool", permitted=known)
+        hint = f"did you mean {near}?" if near else None
+        text = f"no joint leads to a link '{link}'"
+        raise ChainbuildError(text, span=file, parameter="tool", permitted=known, hint=hint)
     way: list[UrdfJoint] = []
     while link in by_child:
         if by_child[link] in way:
@@ -138,6 +139,33 @@ def way_to(tool: str | None, joints: Sequence[UrdfJoint], file: Span) -> list[Ur
         way.insert(0, by_child[link])
         link = by_child[link].parent
     return way
+
+
+def moved_leaves(joints: Sequence[UrdfJoint], file: Span) -> list[str]:
+    """Return the links without children behind a joint that moves, sorted: a table's top on the base is no tool.
+
+    Raises:
+        ParseError: a link is its own ancestor.
+    """
+    leaves = sorted({joint.child for joint in joints} - {joint.parent for joint in joints})
+    return [link for link in leaves if any(joint.moves for joint in way_to(link, joints, file) if not joint.stays)]
+
+
+def _unclear(leaves: list[str], joints: Sequence[UrdfJoint], file: Span) -> ChainbuildError:
+    """Return the error where several links could be the tool: the example is the one that sounds most like it."""
+    moved = moved_leaves(joints, file)
+    meant = moved if len(moved) > 1 else leaves
+    words = [re.sub(r"[^a-z0-9]+", "_", link.casefold()).split("_") for link in meant]
+    spoken = [name for name in _TOOL_NAMES if any(name in parts for parts in words)]
+    like = [link for name in spoken for link, parts in zip(meant, words, strict=True) if name in parts]
+    example = (like or moved or leaves or ["LINK"])[0 if like else -1]
+    return ChainbuildError(
+        f"{len(meant)} links could be the tool",
+        span=file,
+        parameter="tool",
+        permitted=", ".join(meant),
+        hint=f'name the link whose frame is the TCP, such as tool="{example}" (--tool {example})',
+    )
 
 
 def _names(joints: Joints, collector: Collector) -> dict[str, str]:

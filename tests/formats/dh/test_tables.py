@@ -44,6 +44,7 @@ HABITS = {
     "plain": PLAIN,
     "no_kinds": without_kinds(PLAIN),
     "words_around": PLAIN.replace("# standard", "# Denavit-Hartenberg, Standard convention (distal)"),
+    "quoted": PLAIN.replace("# standard", '"# standard, drawing 4",,,,,,'),
     "no_space": PLAIN.replace("# standard", "#STANDARD"),
     "other_comments": PLAIN.replace("# standard", "# arm of cell 4\n\n# standard\n# 2024"),
     "units": PLAIN.replace(HEAD, "a [mm],d [mm],alpha [deg],theta [°],kind,lower,upper"),
@@ -59,6 +60,9 @@ HABITS = {
     "german": GERMAN,
     "german_excel": f"sep=;\r\n{GERMAN}".replace("# standard", "# standard;;;").replace("\n", ";;\r\n") + ";;;;;;\r\n",
     "tabs": PLAIN.replace(",", "\t"),
+    "numpy": without_kinds(PLAIN).replace("a,d", "# a,d"),
+    "indices": PLAIN.replace(HEAD, "a_i,d(i),α_{i} [deg],theta_i_deg,kind,lower,upper"),
+    "links": "\n".join(["# standard", f"Link,{HEAD}", *(f"{n},{row}" for n, row in enumerate(ARM, start=1))]),
     "utf_16": PLAIN.encode("utf-16"),
     "bom": b"\xef\xbb\xbf" + PLAIN.encode(),
     "names": PLAIN.replace("upper", "upper,name").replace("170\n", "170,base\n").replace("0\n", "0,\n"),
@@ -69,6 +73,13 @@ HABITS = {
 def test_habits(tmp_path: Path, content: str | bytes) -> None:
     (tmp_path / "plain").mkdir()
     assert (pose(written(tmp_path, content)) == pose(written(tmp_path / "plain", PLAIN))).all()
+
+
+def test_indices_of_the_link_before_are_those_of_a_modified_table(tmp_path: Path) -> None:
+    plain = PLAIN.replace("# standard", "# modified")
+    written_so = plain.replace(HEAD, "a(i-1),d_i,α_i-1,θ_i,kind,lower,upper")
+    assert (pose(written(tmp_path, plain, "plain.csv")) == pose(written(tmp_path, written_so))).all()
+    assert (pose(written(tmp_path, plain)) != pose(written(tmp_path, PLAIN))).any()
 
 
 @pytest.mark.parametrize("name", ["arm.csv", "arm.txt", "arm.mpf", "arm"])
@@ -92,6 +103,13 @@ MISTAKES = {
     "twice": (PLAIN.replace("lower,upper", "a [mm],upper"), 2, "column 'a' occurs twice"),
     "metres": (PLAIN.replace("a,d", "a [m],d"), 2, "column 'a [m]': a is in mm; permitted: a [mm]"),
     "radians": (PLAIN.replace("theta", "theta [rad]"), 2, "column 'theta [rad]': theta is in deg"),
+    "radians_behind": (PLAIN.replace("theta", "theta_rad"), 2, "column 'theta_rad': theta is in deg"),
+    "link_before": (
+        PLAIN.replace("a,d,alpha", "a(i-1),d(i),alpha"),
+        2,
+        "column 'a(i-1)' is of the link before, as in a m",
+    ),
+    "offset": (PLAIN.replace("upper", "offset"), 2, "name; add it to theta of the row, of a prismatic joint to d"),
     "limits_in_a_unit": (PLAIN.replace("lower", "lower [deg]"), 2, "lower is in the unit of its joint"),
     "variable": (PLAIN.replace("-90,0,revolute", "-90,q1,revolute", 1), 3, "'q1' is not a number"),
     "empty_cell": (PLAIN.replace("455,0,", "455,,"), 4, "column d: no value"),

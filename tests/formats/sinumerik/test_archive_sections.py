@@ -220,6 +220,11 @@ def test_tools_of_another_channel_are_not_taken():
         ("$MC_TRAFO_TYPE_11=256", "256 is a polar transformation (TRANSMIT)", 1),
         ("$MC_TRAFO_TYPE_1=4000", "4000 is another one", 1),
         ('; chain\nN10 $NK_NAME[0]="ROOT"\n$NK_TYPE[1]="AXIS_ROT_W"', "a chain of $NK_ elements", 2),
+        (
+            "> $MC_TRAFO_TYPE_1=4100\n> $MC_ROBX_NUM_AXES=6",
+            "lines with other text before such data were ignored, 1 of them: remove it",
+            2,
+        ),
         ('$MN_AXCONF_MACHAX_NAME_TAB[0]="X"', "configures no ROBX transformation;", None),
     ],
 )

@@ -120,6 +120,8 @@ def test_repeated_assignment_last_wins_with_a_warning():
         ("$MC_ROBX_TX3P3_PSO[0]=6", "CB108", "not a known"),
         ("N62908 $MC_ROBX_TX3P3_RPY[0]=6", "CB109", "N62908 is not the number of MD62909"),
         ("R1 = 2 * $MC_ROBX_NUM_AXES", "CB111", "assigns nothing"),
+        ("> $MC_ROBX_NUM_AXES=6", "CB111", "assigns $MC_ROBX_NUM_AXES, but other text stands before it"),
+        ("IF $MC_ROBX_NUM_AXES == 6", "CB111", "assigns nothing"),
     ],
 )
 def test_warnings_of_lines(line, code, words):

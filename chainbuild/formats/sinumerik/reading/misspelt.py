@@ -17,6 +17,7 @@ from chainbuild.formats.sinumerik.reading.values import ElementIndex, Value
 _ANY_CASE = re.IGNORECASE | re.ASCII
 OWN_DATUM: Final = re.compile(r"(?:\$MC_)?(?:ROBX|TRAFO6)_[A-Z0-9_]+", _ANY_CASE)
 TE4_DATUM: Final = re.compile(r"(?:\$MC_)?TRAFO6_", _ANY_CASE)
+_ASSIGNED: Final = re.compile(r"\s*(?:\[[^\]]*\])?\s*=(?!=)\s*\S")
 _SHOWN: Final = 60  # characters of a name in a message
 
 
@@ -42,8 +43,11 @@ def unknown_datum(line: str, channel: int, span: Span, collector: Collector) -> 
         return None
     if lookup(named[0].upper()) is None:
         return UnknownDatum(named[0][:_SHOWN], channel, span)
-    text = f"the line names {named[0]} but assigns nothing; it was ignored"
-    collector.add("CB111", text, span=span)
+    if _ASSIGNED.match(line, named.end()):
+        text = f"the line assigns {named[0]}, but other text stands before it; it was ignored"
+        collector.add("CB111", text, span=span, hint=f"begin the line with the name, not with '{line.strip()[:20]}…'")
+    else:
+        collector.add("CB111", f"the line names {named[0]} but assigns nothing; it was ignored", span=span)
     return None
 
 

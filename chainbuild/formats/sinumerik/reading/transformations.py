@@ -103,6 +103,10 @@ def find_transformations(table: DataTable, collector: Collector) -> tuple[Robx, 
         refused = _refuse_untransformed(table, channel, here, collector) or refused
     if not found and not refused:
         text, span, hint = _what_it_is(table)
+        behind = [finding for finding in collector.findings if finding.code == "CB111" and finding.hint]
+        if behind and hint is None:  # a quoted mail, a listing with line numbers
+            span = behind[0].span or span
+            hint = f"lines with other text before such data were ignored, {len(behind)} of them: remove it"
         collector.add(
             "CB303",
             f"the file configures no ROBX transformation{text}",
