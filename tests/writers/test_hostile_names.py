@@ -85,7 +85,8 @@ def test_a_name_does_not_begin_a_line(
     monkeypatch.chdir(tmp_path)
     source = shipped_path("kr6r900")
     assert source is not None
-    shutil.copy(source, f"{FORGED}.tea")
+    doubtful = source.read_text("utf-8") + "$MC_ROBX_NO_SUCH_DATUM=1\n"  # a finding that every command tells, by file
+    Path(f"{FORGED}.tea").write_text(doubtful, "utf-8")
     Path(f"{FORGED}.chainbuild.toml").write_text(f"name = {json.dumps(FORGED)}\n", "utf-8")
     poses, recorded = "x_mm,y_mm,z_mm,a_deg,b_deg,c_deg", f"A1,A2,A3,A4,A5,A6,x_mm,y_mm,z_mm\n{AT},5140,0,850\n"
     Path(FORGED).write_text(recorded if "crosscheck" in words else f"{poses}\n5140,0,850,0,0,0\n", "utf-8")
