@@ -16,12 +16,16 @@ define install
   { echo '$(CONSTRAINTS) cannot be met here: installing the newest versions'; $(PIP) -e '.$(1)'; },$(PIP) -e '.$(1)')
 endef
 
-.PHONY: demo test lint types test-slow bench bench-arms mutants mutants-all docs notebooks constraints chromium clean
+.PHONY: demo test pytest lint types test-slow bench bench-arms mutants mutants-all docs notebooks constraints chromium clean
 
 demo: $(INSTALLED)
 	$(BIN)/chainbuild demo
 
-test: $(INSTALLED_TEST) chromium lint types
+# mypy takes a minute of one core: beside the tests it costs half of it.
+test: $(INSTALLED_TEST) chromium lint
+	@$(MAKE) --no-print-directory -j 2 types pytest
+
+pytest: $(INSTALLED_TEST)
 	$(BIN)/python -m pytest chainbuild tests -n 2 --dist loadfile
 
 lint: $(INSTALLED_TEST)

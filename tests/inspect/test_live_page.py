@@ -376,6 +376,7 @@ def test_another_kinematic_of_the_file_is_chosen(browser: Browser) -> None:
         np.testing.assert_allclose(own, expected.fk(axes).homogeneous, rtol=0, atol=1e-12)
 
 
+@pytest.mark.slow  # a quarter of a minute of waiting; the server's side of it is in live/test_server.py
 def test_a_killed_and_restarted_server_is_met_again(browser: Browser, tmp_path: Path) -> None:
     with Server(tmp_path, "kr6r900", token=None) as first:
         address = first.address

@@ -69,7 +69,11 @@ SEEN = tuple(ROBOTS)
 TOLD = ("palletiser_kin96", "pitch", "two angles")
 
 
-@pytest.mark.parametrize("name", [*SEEN, *TOLD])
+QUICK = ("arm", "table", "pitch")  # a robot, a five-axis machine, fewer than six freedoms
+MARKED = [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in (*SEEN, *TOLD)]
+
+
+@pytest.mark.parametrize("name", MARKED)
 def test_the_page_shows_the_robot_and_tells_the_pose_of_the_tool(name: str, browser: Browser, tmp_path: Path) -> None:
     robot = machine(name)
     size = (1280, 800) if name in SEEN else (420, 320)
