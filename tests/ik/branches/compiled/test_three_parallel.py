@@ -129,6 +129,27 @@ def test_right_angles_and_what_is_beside_them() -> None:
     assert sure >= 0.9 * regular
 
 
+def test_of_two_bends_in_one_family_one_is_told() -> None:
+    """Followed step by step by the plain path, which leaves the same families and isolated branches."""
+    arm = [
+        shift(z=89.2), rotary("A1", "z"), rotary("A2", "y"), shift(z=425.0), rotary("A3", "y"), shift(z=392.0),
+        rotary("A4", "y"), shift(y=109.0), rotary("A5", "z"), shift(z=94.65), rotary("A6", "y"), shift(y=82.3),
+    ]  # fmt: skip
+    robot, rng, families = robot_from(arm), np.random.default_rng(30), 0
+    for _ in range(12):
+        axes = random_axes(robot, rng)
+        axes[4] = 0.0
+        T = robot.fk(axes)
+        quick = quick_branches(robot, T.homogeneous, None, None)
+        if not isinstance(quick, Branches):
+            continue
+        plain_ones = every_branch(BranchQuery.of(IkRequest.of(robot, T))).branches
+        told = [[bool(len(one)) for one in found.free_directions] for found in (quick, plain_ones)]
+        assert sorted(told[0]) == sorted(told[1])
+        families += sum(told[0])
+    assert families >= 6
+
+
 @pytest.mark.parametrize("carries_workpiece", [False, True])
 def test_a_robot_has_the_branches_of_the_plain_path(carries_workpiece: bool) -> None:
     arm = [
