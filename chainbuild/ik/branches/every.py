@@ -6,11 +6,10 @@ from dataclasses import replace
 
 from numpy.typing import ArrayLike
 
-from chainbuild.arrays import Matrix
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.closed import find_closed, opened_request, unreached_words, usual_branch
-from chainbuild.ik.branches.compiled.quick import quick_branches
-from chainbuild.ik.branches.core.branches import Branches, Candidate, Solutions, collect, named
+from chainbuild.ik.branches.compiled.quick import Doubtful, quick_branches
+from chainbuild.ik.branches.core.branches import Branches, Solutions, collect, named
 from chainbuild.ik.branches.core.families import with_families
 from chainbuild.ik.branches.core.free_axis import solutions_of, with_free_axes_inside
 from chainbuild.ik.branches.core.query import BranchQuery
@@ -44,40 +43,39 @@ def ik_all(
         choices = held_samples(mechanism, redundant, samples, held, request.start)
         parts = [ik_all(mechanism, T, start, one, windings=windings, status=status, turn=turn) for one in choices]
         return joined_branches(parts, request.start_point()[0])
-    places: Matrix | None = None
+    known: Doubtful | None = None
     if status is None and turn is None and not windings:
         found = quick_branches(mechanism, request.target, request.start, held)
         if isinstance(found, Branches):
             return found
-        places = None if found is None else found.places
+        known = found
     query = BranchQuery.of(request, windings)
     if status is not None or turn is not None:
         query = StatusFilter.of(mechanism, status, turn).applied(query)
-    return every_branch(query, places).branches
+    return every_branch(query, known).branches
 
 
-def every_branch(query: BranchQuery, places: Matrix | None = None) -> Solutions:
+def every_branch(query: BranchQuery, known: Doubtful | None = None) -> Solutions:
     """Return the branches of a query by its plan.
 
     Args:
         query: The query.
-        places: (k, n_axes) solutions that are known [SI], all but for families; see `quick.Doubtful`.
+        known: What the compiled form knows of the pose.
 
     Raises:
         ChainbuildError: more axes are free than the task determines.
     """
     plan = plan_for(query)
-    found = _every_solution(query, plan, places)
+    found = _every_solution(query, plan, known)
     branches = with_families(query, found)
     bits = status_turn_rows(query.mechanism, branches.axes) if has_status(query.mechanism) else None
     return replace(found, branches=named(branches, plan.name, bits))
 
 
-def _every_solution(query: BranchQuery, plan: SolverPlan, places: Matrix | None = None) -> Solutions:
+def _every_solution(query: BranchQuery, plan: SolverPlan, known: Doubtful | None = None) -> Solutions:
     """Return the solutions of a query by its plan, several of one family among them."""
-    known: list[Candidate] = [] if places is None else [(x, ()) for x in places]
-    if known and plan.name == "elimination":
-        found = collect(query, known)
+    if known is not None and len(known.places) and plan.name == "elimination":
+        found = collect(query, ((x, ()) for x in known.places))
         if found.beyond is None:  # else a family may have members inside the limits
             return found
     if plan.name == "direct":
@@ -86,8 +84,8 @@ def _every_solution(query: BranchQuery, plan: SolverPlan, places: Matrix | None 
         found = find_closed(query, lambda opened: _every_solution(opened, plan_for(opened)))
     elif plan.solver is not None:
         found = collect(query, with_free_axes_inside(query, solutions_of(plan.solver)))
-        if not len(found.branches) and found.beyond is None:
-            found = collect(query, known)
+        if known is not None and not len(found.branches) and found.beyond is None:
+            found = collect(query, ((x, ()) for x in (*known.places, *known.near)))
     else:
         _refuse_redundant(query)
         found = collect(query, ((x, ()) for x in multistart_branches(query)))

@@ -16,7 +16,7 @@ from tests.kit.degenerate import Case, degenerate_case
 
 COUNT = 1260
 # Poses that had no branch: a point on several axes, slides on one line, a double root, curves of several kinds.
-CAUSES = (106, 155, 332, 336, 488, 565, 684, 837)
+CAUSES = (106, 155, 332, 336, 450, 488, 565, 642, 684, 715, 837, 1183)
 REGULAR = 1e-4  # smallest singular value of the task's Jacobian [m, rad] at which axes have six digits
 
 

@@ -120,11 +120,14 @@ class QuickForm:
             idle = 0 if count > known else idle + told
             if (count and idle >= _IDLE) or (curved and self.form != "general"):
                 break
-        if not count:
-            values, counts = np.full((1, ROWS, COLUMNS), -1.0), np.array([ROWS])
-            values[0, :, :6] = _ANYWHERE
-            count, curved = entries.beside_pose(*self.axes, target, x0, values, counts, _NEARLY, places[:1], 0)
         return places[:count], not curved
+
+    def place_near(self, target: Matrix, x0: Vector) -> Matrix:
+        """Return one solution (1, n_axes) [SI] that descents from anywhere lead to, or none (0, n_axes)."""
+        values, counts, places = np.full((1, ROWS, COLUMNS), -1.0), np.array([ROWS]), np.empty((1, len(x0)))
+        values[0, :, :6] = _ANYWHERE
+        count, _ = _entries().beside_pose(*self.axes, target, x0, values, counts, _NEARLY, places, 0)
+        return places[:count]
 
     def finished(self, target: Matrix, x0: Vector, places: Matrix) -> tuple[int, bool, Matrix, Matrix, Matrix]:
         """Return what `entries.finish_poses` returns and writes for solutions (k, n_axes) [SI] of a pose."""

@@ -26,13 +26,15 @@ _NONE_FREE: Final = tuple(((),) * count for count in range(ROWS + 1))
 
 
 class Doubtful(NamedTuple):
-    """Solutions of a pose where some are on a curve: which of them stand for it the plain path finds out.
+    """What is known of a pose that the plain path decides: where some solutions are on curves, or none was found.
 
     Attributes:
-        places: (k, n_axes) axis values in SI, whatever the limits.
+        places: (k, n_axes) solutions in SI, whatever the limits: all but for curves.
+        near: (0 or 1, n_axes) the last resort: a solution for a pose of which nobody finds any.
     """
 
     places: Matrix
+    near: Matrix
 
 
 def quick_branches(
@@ -62,11 +64,13 @@ def quick_branches(
         if not form.is_searched:
             return None
         places, isolated_ones = form.places_at(target, x0)
-        if not isolated_ones or not 0 < len(places) <= ROWS:
-            return Doubtful(places)
+        if not len(places):
+            return Doubtful(places, form.place_near(target, x0))
+        if not isolated_ones or len(places) > ROWS:
+            return Doubtful(places, places[:0])
         count, loose, rows, left, along = form.finished(target, x0, places)
         if count == DOUBTFUL:
-            return Doubtful(places)
+            return Doubtful(places, places[:0])
     free: tuple[tuple[str, ...], ...] = _NONE_FREE[count]
     directions, told = form.isolated[:count], left[0, :count]
     if loose:

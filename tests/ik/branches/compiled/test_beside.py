@@ -190,8 +190,9 @@ def test_what_no_pose_beside_finds_is_searched_for(monkeypatch: pytest.MonkeyPat
     known, _ = form.places_at(T, x0)
     nowhere = forms._entries().FORMS | {"general": lambda *room: room[-1].fill(-3)}
     monkeypatch.setattr(forms._entries(), "FORMS", nowhere)
-    places, _ = form.places_at(T, x0)
-    assert len(places)
+    assert not len(form.places_at(T, x0)[0])
+    places = form.place_near(T, x0)
+    assert len(places) == 1
     assert all(distance(known, place).min() < 1e-5 for place in places)
 
 
