@@ -132,7 +132,7 @@ def write_all(contents: Mapping[Path, str | bytes]) -> None:
             stack.enter_context(open_binary_atomic(path)).write(data)
 
 
-def as_folder(path: Path | str) -> Path:
+def as_path(path: str | os.PathLike[str]) -> Path:
     """Return a path given as such or as a string.
 
     Raises:
@@ -171,7 +171,7 @@ def folder_of(folder: Path | str, name: str) -> Path:
     Raises:
         FileAccessError: the folder is not a path, or the name would lead out of it.
     """
-    place = as_folder(folder)
+    place = as_path(folder)
     if name in ("", ".", "..") or any(c in "/\\:" or not c.isprintable() for c in name):
         raise FileAccessError(f"{name[:80]!r} cannot be the name of a file", permitted="a name without / and \\")
     return place / name

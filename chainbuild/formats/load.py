@@ -16,6 +16,7 @@ from chainbuild.errors import (
     Span,
     UnsupportedKinematicError,
 )
+from chainbuild.files import as_path
 from chainbuild.findings import Collector, Findings, once
 from chainbuild.formats.machine import Machine
 from chainbuild.formats.neighbours import no_machine_data, refuse_other_xml
@@ -160,7 +161,7 @@ def _read(
 ) -> Machine:
     file = find_machine(path)
     source = read_source(file)
-    beside = find_overlay(file, _as_path(overlay) if overlay is not None else None)
+    beside = find_overlay(file, as_path(overlay) if overlay is not None else None)
     urdf = is_urdf(source.text)
     if tool is not None and not urdf:
         text = f"tool link '{tool}': {file} is no URDF, its tool is part of its data"
@@ -198,7 +199,7 @@ def find_machine(path: str | os.PathLike[str]) -> Path:
     Raises:
         FileAccessError: there is neither.
     """
-    file = _as_path(path)
+    file = as_path(path)
     try:
         exists = file.exists() and bool(str(path).strip())
     except (ValueError, OSError) as error:
@@ -229,18 +230,6 @@ def _no_machine(file: Path, given: str) -> FileAccessError:
     near = closest(file.name, [one.name for one in entries if one.suffix == file.suffix or one.stem == file.stem])
     hint = f"did you mean {file.parent / near}?" if near else None
     return FileAccessError("no such file", span=Span(given), hint=hint)
-
-
-def _as_path(path: str | os.PathLike[str]) -> Path:
-    """Return a path.
-
-    Raises:
-        FileAccessError: it is none.
-    """
-    try:
-        return Path(path)
-    except TypeError as error:
-        raise FileAccessError(f"not a path: {error}") from None
 
 
 def find_overlay(machine_file: Path, named: Path | None = None) -> Overlay:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import AxisValueError, ChainbuildError
-from chainbuild.files import as_folder, open_binary_atomic, write_text
+from chainbuild.files import as_path, open_binary_atomic, write_text
 from chainbuild.kinematics.inputs import axis_rows
 from chainbuild.painting.colours import INK_COLOUR
 from chainbuild.painting.marks import Caption, Marks
@@ -88,7 +88,7 @@ def picture(
         FileAccessError: the file cannot be written.
         ChainbuildError: another suffix or view, or the machine has no pose there.
     """
-    target = as_folder(path)
+    target = as_path(path)
     suffix = target.suffix.lower()
     if suffix not in (".svg", ".png"):
         shown = f"the suffix {target.suffix}" if target.suffix else "no suffix"

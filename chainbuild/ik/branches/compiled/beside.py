@@ -200,7 +200,7 @@ def places_beside(axes, room, target, x0, values, counts, reached, places, count
         room: Scratch.
         target: (4, 4) tool in the workpiece frame [m].
         x0: (n,) start in SI; held axes have their values.
-        values: (K, ·, 7) joint values of poses beside the target, see `finished`.
+        values: (K, ·, COLUMNS) joint values of poses beside the target, see `finished`.
         counts: (K,) how many, as forms tell.
         reached: What is left at a solution at most [m, rad].
         places: (·, n) out: solutions in SI, whatever the limits; those found before stand there.

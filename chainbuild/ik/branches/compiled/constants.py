@@ -24,9 +24,7 @@ from chainbuild.tolerances import RANK
 
 REFUSED: Final = -2  # instead of a number of branches: the target is no rigid transform
 ROWS: Final = 32  # joint values that a form may write: twice as many as six joints have branches
-COLUMNS: Final = (
-    8  # of such a row: six joint values, which of them is free, and which rows are of one family (-1: none)
-)
+COLUMNS: Final = 8  # of such a row: six joint values, which of them is free, which rows are a family (-1: none)
 TOLD: Final = 6  # what is told of a branch, see `finish.finished`
 DOUBTFUL: Final = -1  # instead of a number of branches: the plain path has to look
 UNSURE: Final = -3  # less the number of rows that a form has written: there may be others
