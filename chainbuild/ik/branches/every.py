@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike
 
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.closed import find_closed, opened_request, unreached_words, usual_branch
-from chainbuild.ik.branches.compiled.quick import Doubtful, quick_branches
+from chainbuild.ik.branches.compiled.doubtful.settle import Doubtful
+from chainbuild.ik.branches.compiled.quick import quick_branches
 from chainbuild.ik.branches.core.branches import Branches, Solutions, collect, named
 from chainbuild.ik.branches.core.families import with_families
 from chainbuild.ik.branches.core.free_axis import solutions_of, with_free_axes_inside

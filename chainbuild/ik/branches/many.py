@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from chainbuild.arrays import Matrix
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.branches.compiled.constants import DOUBTFUL, ROWS
+from chainbuild.ik.branches.compiled.constants import ROWS
 from chainbuild.ik.branches.compiled.forms import quick_form
 from chainbuild.ik.branches.compiled.quick import write_branches_of
 from chainbuild.ik.branches.core.query import BranchQuery
@@ -112,16 +112,15 @@ def _batch(
         for first in range(0, len(targets), _CHUNK):
             part = targets[first : first + _CHUNK]
             found = np.full((len(part), ROWS, len(robot.axes)), np.nan)
-            counts = np.full(len(part), DOUBTFUL, dtype=np.int64)
-            if form is not None:
-                write_branches_of(form, part, x0, found, counts)
+            counts = np.full(len(part), -1, dtype=np.int64)
+            doubtful = {} if form is None else write_branches_of(form, part, x0, found, counts)
             alone: dict[int, Matrix] = {}
             for row in np.flatnonzero(counts < 0).tolist():
                 try:
                     query = BranchQuery.of(IkRequest(mechanism, part[row], start, held))
                 except ChainbuildError as error:
                     raise at_row(error, first + row) from None
-                alone[row] = every_branch(query).branches.axes
+                alone[row] = every_branch(query, doubtful.get(row)).branches.axes
             found = _wide(found, max([1, *counts.tolist(), *map(len, alone.values())]))
             for row, axes in alone.items():
                 found[row] = np.nan

@@ -16,28 +16,37 @@ inlined: Final[Any] = numba.njit(forceinline=True, **INNER)
 TURN: Final = 2.0 * math.pi  # a whole turn
 
 
+# Rows of `Axes.each`.
+LOWER: Final = 0
+UPPER: Final = 1
+SLACK: Final = 2
+PERIODIC: Final = 3
+FACTORS: Final = 4
+TOGETHER: Final = 5
+# Rows of `Axes.joints`.
+ROWS_OF: Final = 0
+COLUMNS_OF: Final = 1
+MOVERS: Final = 2
+
+
 class Axes(NamedTuple):
-    """A machine's axes as arrays, see `pack.Packed`; flags are 0 or 1, columns and rows are indices."""
+    """A machine's axes as few arrays, see `forms._packed`; flags are 0 or 1, columns and rows are indices.
+
+    Handing over an array takes a compiler as long as seven numbers: what is used together stands together.
+    """
 
     fixed: Any  # (k + 1, 3, 4)
     prismatic: Any  # (k,)
     A: Any  # (k, n)
     b: Any  # (k,)
-    inverse: Any  # (c, c) from joint values to the axes in `columns`
-    others: Any  # (c, n) what the other axes take from these
-    offset: Any  # (c,) what the constants of the map take from them
-    lower: Any  # (n,)
-    upper: Any  # (n,)
-    slack: Any  # (n,)
-    periodic: Any  # (n,)
-    factors: Any  # (n,) mm and degrees to SI
-    sums: Any  # (s, n) limits on sums of axes, mm or degrees by SI
-    sum_lower: Any  # (s,)
-    sum_upper: Any  # (s,)
-    together: Any  # (n,) whether an axis takes part in any
-    rows: Any  # (c,) which of the joint values determine them
-    columns: Any  # (c,)
-    movers: Any  # (c,) which axis moves a joint most
+    # (c, c + n + 1) from joint values to axes, what the other axes and the constants of the map take from these
+    back: Any
+    # (6, n) limits, how far beyond them still counts, whether whole turns lead to the same pose, mm and degrees to SI,
+    # whether an axis takes part in limits on sums
+    each: Any
+    sums: Any  # (s, n + 2) limits on sums of axes, mm or degrees by SI, the lower and the upper one
+    # (3, c) which of the joint values determine axes, which axes these are, which axis moves a joint most
+    joints: Any
     linear: Any  # (0 or 3,) axes that place the TCP after the others are known
     free: Any  # (f,)
     axis: Any  # tool axis whose direction is the task, or -1
@@ -60,14 +69,12 @@ class FinishRoom(NamedTuple):
 @jit
 def axes_of(data, sizes):
     """Return views of axes packed in two arrays; sizes: k, n, c, linear, f, axis, s, where parts end, then indices."""
-    k, n, c, count, f, sums, e = sizes[0], sizes[1], sizes[2], sizes[3], sizes[4], sizes[6], sizes[7:23]
-    index = sizes[23:]
+    k, n, c, count, f, sums, e = sizes[0], sizes[1], sizes[2], sizes[3], sizes[4], sizes[6], sizes[7:14]
+    index = sizes[14:]
     return Axes(
         data[: e[0]].reshape((k + 1, 3, 4)), data[e[0] : e[1]], data[e[1] : e[2]].reshape((k, n)), data[e[2] : e[3]],
-        data[e[3] : e[4]].reshape((c, c)), data[e[4] : e[5]].reshape((c, n)), data[e[5] : e[6]],
-        data[e[6] : e[7]], data[e[7] : e[8]], data[e[8] : e[9]], data[e[9] : e[10]], data[e[10] : e[11]],
-        data[e[11] : e[12]].reshape((sums, n)), data[e[12] : e[13]], data[e[13] : e[14]], data[e[14] : e[15]],
-        index[:c], index[c : 2 * c], index[2 * c : 3 * c],
+        data[e[3] : e[4]].reshape((c, c + n + 1)), data[e[4] : e[5]].reshape((6, n)),
+        data[e[5] : e[6]].reshape((sums, n + 2)), index[: 3 * c].reshape((3, c)),
         index[3 * c : 3 * c + count], index[3 * c + count : 3 * c + count + f], sizes[5],
     )  # fmt: skip
 
@@ -75,7 +82,7 @@ def axes_of(data, sizes):
 @jit
 def finish_room(axes):
     """Return the scratch for some axes."""
-    n, f = len(axes.lower), len(axes.free)
+    n, f = axes.each.shape[1], len(axes.free)
     size = max(f, 6)
     return FinishRoom(
         np.empty((3, 4)), np.empty((6, n)), np.empty(6), np.empty(9), np.empty((6, f)), np.empty((size, size)),
@@ -131,4 +138,4 @@ def look(axes, room, target):
 def way_of(axes, m, start, end):
     """Return how far an axis is from one value to another, but for whole turns that lead to the same pose."""
     way = end - start
-    return way - TURN * np.rint(way / TURN) if axes.periodic[m] != 0.0 else way
+    return way - TURN * np.rint(way / TURN) if axes.each[PERIODIC, m] != 0.0 else way

@@ -22,12 +22,23 @@ from chainbuild.ik.branches.core.serial import Screw, Serial
 from chainbuild.ik.branches.core.subproblems import cross, norm, perpendicular_part
 from chainbuild.tolerances import RANK
 
+ALONG: Final = -2  # instead of a free axis: a solution is on a curve along which several axes move
 REFUSED: Final = -2  # instead of a number of branches: the target is no rigid transform
 ROWS: Final = 32  # joint values that a form may write: twice as many as six joints have branches
 COLUMNS: Final = 8  # of such a row: six joint values, which of them is free, which rows are a family (-1: none)
 TOLD: Final = 6  # what is told of a branch, see `finish.finished`
-DOUBTFUL: Final = -1  # instead of a number of branches: the plain path has to look
-UNSURE: Final = -3  # less the number of rows that a form has written: there may be others
+UNSURE: Final = -3  # less the number of rows that a form has written, instead of a number of branches: doubtful
+
+# What is known of the curves of a pose: how many points, how many pieces, whether that is all there is to them, whether
+# looking for more ends with the first solution on one, and whether at an isolated one several directions are weak.
+POINTS: Final = 0
+PIECES: Final = 1
+STATE: Final = 2
+ENDS: Final = 3
+CLUSTERED: Final = 4
+ISOLATED: Final = 0  # no solution is on a curve
+FOLLOWED: Final = 1  # every curve has been followed to its ends
+UNKNOWN: Final = 2  # solutions form a surface, more curves cross, or there is no room for all
 
 # Where the constants of an arm with a spherical wrist stand: kind of the first three axes, whether these are solved
 # from their end, whether the whole arm is; their row as solved, direction and point each; their directions, those of

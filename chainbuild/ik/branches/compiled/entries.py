@@ -15,7 +15,6 @@ from chainbuild import tolerances
 from chainbuild.ik.branches.arms import parallel_axes
 from chainbuild.ik.branches.compiled import (
     angle_pairs,
-    beside,
     direct,
     finish,
     small,
@@ -25,9 +24,12 @@ from chainbuild.ik.branches.compiled import (
 from chainbuild.ik.branches.compiled import axes as machine_axes
 from chainbuild.ik.branches.compiled import constants as form_constants
 from chainbuild.ik.branches.compiled.axes import axes_of, finish_room
-from chainbuild.ik.branches.compiled.beside import places_beside
-from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED, UNSURE
+from chainbuild.ik.branches.compiled.constants import REFUSED, UNSURE
 from chainbuild.ik.branches.compiled.direct import direct_branches
+from chainbuild.ik.branches.compiled.doubtful import beside, descents, steps
+from chainbuild.ik.branches.compiled.doubtful import curves as followed_curves
+from chainbuild.ik.branches.compiled.doubtful.beside import places_beside
+from chainbuild.ik.branches.compiled.doubtful.curves import Curves, nearest_on_curve
 from chainbuild.ik.branches.compiled.finish import finished
 from chainbuild.ik.branches.compiled.general import constants as general_constants
 from chainbuild.ik.branches.compiled.general import eigen, equations, solutions, solve
@@ -45,7 +47,7 @@ from chainbuild.ik.search.compiled.search import is_rigid
 def _finish(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
     def finish_poses(data, sizes, targets, x0, values, counts, found, left, along):
-        """Write the branches among joint values; return the last of counts, and whether a branch there has a free axis.
+        """Write the branches among joint values; return the last of counts, and whether a branch there is on a curve.
 
         Args:
             data: The axes in one array,
@@ -53,7 +55,7 @@ def _finish(fingerprint: int) -> Any:
             targets: (N, 4, 4) tool in the workpiece frame [m].
             x0: (n,) start in SI; held axes have their values.
             values: (N, ROWS, COLUMNS) what a form wrote.
-            counts: (N,) what it wrote; out: how many branches there are, DOUBTFUL or REFUSED.
+            counts: (N,) what it wrote; out: how many branches there are, UNSURE less the rows written, or REFUSED.
             found: (N, ROWS, n) out, see `finished`.
             left: (N, ROWS, TOLD) out, likewise.
             along: (N, ROWS, n) out, likewise.
@@ -63,14 +65,12 @@ def _finish(fingerprint: int) -> Any:
         for i in range(len(targets)):
             count = counts[i]
             if count > 0:
-                count, sure = finished(axes, room, targets[i], x0, values[i], count, found[i], left[i], along[i])
-                count = count if sure else DOUBTFUL
-            elif count <= UNSURE:
-                count = DOUBTFUL
+                kept, sure = finished(axes, room, targets[i], x0, values[i], count, found[i], left[i], along[i])
+                count = kept if sure else UNSURE - count
             counts[i] = count
             loose = False
             for r in range(count):
-                loose |= left[i, r, 4] >= 0.0
+                loose |= left[i, r, 4] != -1.0
         return count, loose
 
     return finish_poses
@@ -78,14 +78,45 @@ def _finish(fingerprint: int) -> Any:
 
 def _beside(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
-    def beside_pose(data, sizes, target, x0, values, counts, reached, places, count):
-        """Add solutions of a pose to places; see `places_beside`, whose axes are packed here."""
-        axes = axes_of(data, sizes)
+    def beside_pose(data, sizes, target, x0, values, counts, reached, points, pieces, owners, known, places, count):
+        """Add solutions of a pose to places; see `places_beside`, whose axes and curves are packed here."""
+        axes, curves = axes_of(data, sizes), Curves(points, pieces, owners, known)
         return places_beside(
-            axes, finish_room(axes), target, x0, values, counts, reached, places, count + 0 * fingerprint
+            axes, finish_room(axes), target, x0, values, counts, reached, curves, places, count + 0 * fingerprint
         )
 
     return beside_pose
+
+
+def _nearest(fingerprint: int) -> Any:
+    @kept_jit(nogil=True, **FAST)
+    def nearest_places(data, sizes, target, x0, points, pieces, owners, known, places, count):
+        """Write of each curve the place that is nearest to the start to its row of places, the curve behind it.
+
+        Args:
+            data: See `finish_poses`.
+            sizes: Likewise.
+            target: (4, 4) tool in the workpiece frame [m].
+            x0: (n,) start in SI; held axes have their values.
+            points: See `Curves`.
+            pieces: Likewise.
+            owners: Likewise.
+            known: Likewise.
+            places: (·, n + 3) see `places_beside`; out: in its last column the curve, -1: none, -2: of a curve that
+                stands there already or has no place inside the limits.
+            count: How many rows.
+        """
+        axes, curves, n = axes_of(data, sizes), Curves(points, pieces, owners, known), len(x0) + 0 * fingerprint
+        room = finish_room(axes)
+        for i in range(count):
+            if places[i, n + 2] >= 0.0:
+                owner, is_known = owners[int(places[i, n + 2])], False
+                for k in range(i):
+                    is_known |= places[k, n + 2] == owner
+                inside = not is_known and nearest_on_curve(axes, room, target, x0, curves, owner, places[i])
+                places[i, n + 2] = owner if inside else -2.0
+
+    return nearest_places
 
 
 def _spherical(fingerprint: int) -> Any:
@@ -160,7 +191,8 @@ def _fingerprint(*modules: Any) -> int:
 _SMALL: Final = _fingerprint(small, subproblems, form_constants, compiled_kernels, compiled_search)
 _FINISH: Final = _fingerprint(machine_axes, finish, form_constants, branches, compiled_kernels, tolerances)
 finish_poses: Final = _finish(_FINISH)
-beside_pose: Final = _beside(_FINISH ^ _fingerprint(beside))
+beside_pose: Final = _beside(_FINISH ^ _fingerprint(beside, descents, followed_curves, steps))
+nearest_places: Final = _nearest(_FINISH ^ _fingerprint(followed_curves, steps))
 # Form → its entry point.
 FORMS: Final = {
     "spherical": _spherical(_SMALL ^ _fingerprint(spherical, angle_pairs)),

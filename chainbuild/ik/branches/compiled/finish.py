@@ -11,8 +11,24 @@ from typing import Final
 
 import numpy as np
 
-from chainbuild.ik.branches.compiled.axes import TURN, inlined, look, missed, way_of, write_pose
-from chainbuild.ik.branches.compiled.constants import TOLD
+from chainbuild.ik.branches.compiled.axes import (
+    COLUMNS_OF,
+    FACTORS,
+    LOWER,
+    MOVERS,
+    PERIODIC,
+    ROWS_OF,
+    SLACK,
+    TOGETHER,
+    TURN,
+    UPPER,
+    inlined,
+    look,
+    missed,
+    way_of,
+    write_pose,
+)
+from chainbuild.ik.branches.compiled.constants import ALONG, TOLD
 from chainbuild.ik.branches.core.branches import (
     BETWEEN_BRANCHES,
     CLOSE_BRANCHES,
@@ -28,6 +44,7 @@ _FLOOR: Final = 1e-14  # damping that keeps the factorisation alive at singular 
 _LINEAR_STEPS: Final = 2  # the second one only corrects the last digits
 _DEPENDENT: Final = 1e-6  # share of their product: a determinant below it means slides turned into one plane
 _STILL: Final = 1e-7  # m and rad: what the tool moves along a direction that leaves it where it is
+_MOST_MOVED: Final = 0.999  # share of the largest motion that is as large but for rounding
 _SEVERAL: Final = 1e6  # inverse square of a singular value: beyond it a second direction is free
 
 
@@ -78,18 +95,18 @@ def _polished(axes, room, target):
 
 
 @jit_within
-def _turned_inside(axes, x, x0):
+def inside_by_turns(axes, x, x0):
     """Move periodic axes by whole turns into their limits, near to x0: 1 inside, 0 outside, -1 only just inside."""
     inside = 1
     for n in range(len(x)):
-        lower, upper, value = axes.lower[n], axes.upper[n], x[n]
-        if axes.periodic[n] != 0.0:
+        lower, upper, slack, value = axes.each[LOWER, n], axes.each[UPPER, n], axes.each[SLACK, n], x[n]
+        if axes.each[PERIODIC, n] != 0.0:
             wanted = (x0[n] - value) / TURN
-            low, high = (lower - axes.slack[n] - value) / TURN, (upper + axes.slack[n] - value) / TURN
+            low, high = (lower - slack - value) / TURN, (upper + slack - value) / TURN
             turns = min(max(np.rint(wanted), np.ceil(low)), np.floor(high))
             value += TURN * turns
             x[n] = value
-        if not lower - axes.slack[n] <= value <= upper + axes.slack[n]:
+        if not lower - slack <= value <= upper + slack:
             return 0
         if not lower <= value <= upper:
             inside = -1
@@ -99,17 +116,18 @@ def _turned_inside(axes, x, x0):
 @inlined
 def _keeps_sums(axes, x):
     """Tell whether x keeps the limits on sums of axes: 1, 0, or -1 only just, or where another whole turn might."""
-    for i in range(len(axes.sum_lower)):
+    for i in range(len(axes.sums)):
         total = 0.0
         for m in range(len(x)):
             total += axes.sums[i, m] * x[m]
-        beyond = max(axes.sum_lower[i] - total, total - axes.sum_upper[i])
+        beyond = max(axes.sums[i, len(x)] - total, total - axes.sums[i, len(x) + 1])
         if 0.0 < beyond <= LIMIT_SLACK:
             return -1
         if not beyond <= 0.0:
             for n in range(len(x)):
-                if axes.together[n] != 0.0 and axes.periodic[n] != 0.0:
-                    low, high = axes.lower[n] - axes.slack[n], axes.upper[n] + axes.slack[n]
+                if axes.each[TOGETHER, n] != 0.0 and axes.each[PERIODIC, n] != 0.0:
+                    slack = axes.each[SLACK, n]
+                    low, high = axes.each[LOWER, n] - slack, axes.each[UPPER, n] + slack
                     if low <= x[n] - TURN or x[n] + TURN <= high:
                         return -1
             return 0
@@ -149,15 +167,26 @@ def _iterate(room, rows, n, share, v):
 
 @jit_within
 def _goes_along(axes, room, target, axis, along):
-    """Write the unit direction in which a solution with a free axis goes on; return whether there is that one only."""
+    """Write the unit direction in which a solution goes on; return whether there is that one only.
+
+    The free axis goes forward; without one, the first of the axes that move most.
+    """
     look(axes, room, target)
-    rows, n, v = copy_rows(axes, room), len(axes.free), room.step
+    rows, n, v, most = copy_rows(axes, room), len(axes.free), room.step, 0.0
     for m in range(n):
-        v[m] = 1.0 if axes.free[m] == axis else 0.0
+        v[m] = 1.0 if axis < 0 or axes.free[m] == axis else 0.0
     for _ in range(3):
         size = _iterate(room, rows, n, 0.0, v)
         for m in range(n):
             v[m] = room.g[m] / size
+    for m in range(n):
+        most = max(most, abs(v[m]))
+    for m in range(n if axis < 0 else 0):
+        if abs(v[m]) > _MOST_MOVED * most:
+            most = math.inf
+            size = math.copysign(1.0, v[m])
+            for k in range(n):
+                v[k] *= size
     rest = 0.0
     for r in range(rows):
         total = 0.0
@@ -181,19 +210,20 @@ def finished(axes, room, target, x0, values, count, found, left, along):
         target: (4, 4) tool in the workpiece frame [m].
         x0: (n,) start in SI; held axes have their values.
         values: (·, COLUMNS) joint values in the order of the screws, which of them is free, and which rows are of one
-            family; -1: none.
+            family; -1: none. Without a free one it is on a curve along which several joints move.
         count: How many rows of them.
         found: (·, n) out: axis values, mm and degrees.
-        left: (·, TOLD) out: distance, angle, steps, squared distance to x0, free axis, family; -1: none.
-        along: (·, n) out: unit direction in which a solution with a free axis goes on.
+        left: (·, TOLD) out: distance, angle, steps, squared distance to x0, free axis, family; -1: none, ALONG: no axis
+            is free, but it is on a curve.
+        along: (·, n) out: unit direction in which such a solution goes on.
 
     Returns:
         How many branches, and whether no row was left in doubt.
     """
-    kept = 0
+    kept = 0 * count
     for i in range(count):
         x, loose = room.x, int(values[i, 6])
-        axis = axes.movers[loose] if loose >= 0 else -1
+        axis = axes.joints[MOVERS, loose] if loose >= 0 else (ALONG if values[i, 7] >= 0.0 else -1)
         write_axis_values(axes, x0, values[i], x)
         if loose >= 0:
             x[axis] = x0[axis]
@@ -204,12 +234,12 @@ def finished(axes, room, target, x0, values, count, found, left, along):
             continue
         if not (distance <= IK_POSITION_M and angle <= IK_ROTATION_RAD):
             return 0, False
-        side = _turned_inside(axes, x, x0)
-        if side < 0 or (side == 0 and loose >= 0):
+        side = inside_by_turns(axes, x, x0)
+        if side < 0 or (side == 0 and axis != -1):
             return 0, False
         if side == 0:
             continue
-        if loose >= 0 and not _goes_along(axes, room, target, axis, along[kept]):
+        if axis != -1 and not _goes_along(axes, room, target, axis, along[kept]):
             return 0, False
         known = _known(axes, room, target, found, left, kept, axis)
         if known < 0:
@@ -246,13 +276,14 @@ def write_axis_values(axes, x0, values, x):
     n = len(x0)
     for m in range(n):
         x[m] = x0[m]
-    for r in range(len(axes.columns)):
-        value = -axes.offset[r]
+    c = len(axes.back)
+    for r in range(c):
+        value = -axes.back[r, c + n]
         for m in range(n):
-            value -= axes.others[r, m] * x0[m]
-        for m in range(len(axes.rows)):
-            value += axes.inverse[r, m] * values[axes.rows[m]]
-        x[axes.columns[r]] = value
+            value -= axes.back[r, c + m] * x0[m]
+        for m in range(c):
+            value += axes.back[r, m] * values[axes.joints[ROWS_OF, m]]
+        x[axes.joints[COLUMNS_OF, r]] = value
 
 
 @jit_within
@@ -271,7 +302,7 @@ def _sort_in(axes, x0, x, row, found, left, along, kept):
         for m in range(TOLD):
             left[k, m] = left[k - 1, m]
     for m in range(n):
-        found[at, m] = x[m] / axes.factors[m]
+        found[at, m] = x[m] / axes.each[FACTORS, m]
     left[at, 0], left[at, 1], left[at, 2] = row[0], row[1], row[2]
     left[at, 3], left[at, 4], left[at, 5] = far, row[3], row[4]
 
@@ -286,20 +317,20 @@ def _known(axes, room, target, found, left, kept, axis):
     for i in range(kept):
         apart = 0.0
         for m in range(len(x)):
-            apart = max(apart, abs(way_of(axes, m, found[i, m] * axes.factors[m], x[m])))
+            apart = max(apart, abs(way_of(axes, m, found[i, m] * axes.each[FACTORS, m], x[m])))
             if apart >= CLOSE_BRANCHES:
                 break
         if apart < SAME_BRANCH:
             return 1
         if apart < CLOSE_BRANCHES:
-            if axis >= 0 or left[i, 4] >= 0.0:
+            if axis != -1 or left[i, 4] != -1.0:
                 return -1
             for m in range(len(x)):
-                x[m] -= 0.5 * way_of(axes, m, found[i, m] * axes.factors[m], x[m])
+                x[m] -= 0.5 * way_of(axes, m, found[i, m] * axes.each[FACTORS, m], x[m])
             write_pose(axes, room)
             distance, angle = missed(axes, room, target)
             if max(distance, angle) < BETWEEN_BRANCHES:
                 return 1
             for m in range(len(x)):
-                x[m] += way_of(axes, m, found[i, m] * axes.factors[m], x[m])
+                x[m] += way_of(axes, m, found[i, m] * axes.each[FACTORS, m], x[m])
     return 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, Final
@@ -18,8 +17,6 @@ from chainbuild.ik.branches.arms.virtual_joints import common_rotary_axis, with_
 from chainbuild.ik.branches.compiled.constants import (
     COLUMNS,
     ROWS,
-    TOLD,
-    UNSURE,
     direct_constants,
     spherical_constants,
 )
@@ -40,14 +37,7 @@ from chainbuild.kinematics.product import product_of
 _MAX_PREPARED: Final = 64  # every value of a held axis makes another chain
 # Distances of poses beside a doubtful one [arm lengths, rad]: where one loses digits, another does not.
 _DISTANCES: Final = (1e-3, 1e-2, 1e-4, 1e-3, 3e-3, 1e-1, 1e-3, 3e-2, 3e-3, 1e-3)
-# Where poses beside a doubtful one tell more than the plain path: other closed forms know themselves what is free.
-_SEARCHED: Final = ("general", "three parallel axes")
 _SHARE: Final = 0.2  # of the sum of a machine's lengths: what moves the tool about as far as a turn of 1 rad
-_IDLE: Final = 2  # pairs of poses that bring nothing new
-_ANYWHERE: Final = np.random.default_rng(20240229).uniform(-math.pi, math.pi, (ROWS, 6))  # the last resort
-_REACHED: Final = 1e-9  # m and rad: what is left at a solution at most
-_NEARLY: Final = 3e-7  # the same where solutions are singular several times over, within the tolerance of `ik`
-_MOST_PLACES: Final = 64  # more than that are on curves
 _NOWHERE: Final = np.empty(0)
 
 
@@ -81,69 +71,32 @@ class QuickForm:
     isolated: tuple[Matrix, ...]
     beside: Matrices
 
-    @property
-    def is_searched(self) -> bool:
-        """Whether `places_at` tells more of a doubtful pose than the plain path."""
-        return self.form in _SEARCHED
-
     def write(
         self, targets: Matrix, x0: Vector, found: Matrix, left: Matrix, along: Matrix, counts: Integers
-    ) -> tuple[int, bool]:
-        """Write the branches of poses (N, 4, 4), as `entries.finish_poses` does; return what that returns."""
-        entries, values = _entries(), np.empty((len(targets), ROWS, COLUMNS))
-        keep = self.keep if x0 is self.x0 else self.by_axes @ x0 + self.at_zero
-        entries.FORMS[self.form](self.constants, targets, tolerances.ROTATION_MATRIX, keep, values, counts)
-        last: tuple[int, bool] = entries.finish_poses(*self.axes, targets, x0, values, counts, found, left, along)
-        return last
+    ) -> tuple[int, bool, Matrices]:
+        """Write the branches of poses (N, 4, 4), as `entries.finish_poses` does.
 
-    def places_at(self, target: Matrix, x0: Vector) -> tuple[Matrix, bool]:
-        """Return solutions (k, n_axes) [SI] of a doubtful pose, whatever the limits, and whether all are isolated.
-
-        Those of poses beside it lead there: of pairs on either side of the pose, at several distances, until two pairs
-        after one another bring nothing new. Where solutions go on as curves, closed forms know better.
+        Returns:
+            What `entries.finish_poses` returns, and the joint values (N, ROWS, COLUMNS) that the form wrote.
         """
-        entries, places, count, curved, idle = _entries(), np.empty((_MOST_PLACES, len(x0))), 0, False, 0
+        entries, values = compiled_entries(), np.empty((len(targets), ROWS, COLUMNS))
+        self.write_values(targets, x0, values, counts)
+        last: tuple[int, bool] = entries.finish_poses(*self.axes, targets, x0, values, counts, found, left, along)
+        return (*last, values)
+
+    def write_values(self, targets: Matrix, x0: Vector, values: Matrix, counts: Integers) -> None:
+        """Write what the form says of poses (N, 4, 4), see `entries`."""
         keep = self.keep if x0 is self.x0 else self.by_axes @ x0 + self.at_zero
-        for n, first in enumerate(range(0, len(self.beside), 2)):
-            moves = self.beside[first : first + 2]
-            if n == 0:
-                moves = np.concatenate([np.eye(4)[None], moves])
-            targets = np.broadcast_to(target, moves.shape).copy()
-            targets[:, :3, :3] = moves[:, :3, :3] @ target[:3, :3]
-            targets[:, :3, 3] += moves[:, :3, 3]
-            values, counts = np.empty((len(moves), ROWS, COLUMNS)), np.empty(len(moves), np.int64)
-            entries.FORMS[self.form](self.constants, targets, tolerances.ROTATION_MATRIX, keep, values, counts)
-            known = count
-            count, goes_on = entries.beside_pose(*self.axes, target, x0, values, counts, _REACHED, places, count)
-            curved |= goes_on
-            told = bool(((counts > 0) | (counts < UNSURE)).any())  # else these poses say nothing
-            idle = 0 if count > known else idle + told
-            if (count and idle >= _IDLE) or (curved and self.form != "general"):
-                break
-        return places[:count], not curved
-
-    def place_near(self, target: Matrix, x0: Vector) -> Matrix:
-        """Return one solution (1, n_axes) [SI] that descents from anywhere lead to, or none (0, n_axes)."""
-        values, counts, places = np.full((1, ROWS, COLUMNS), -1.0), np.array([ROWS]), np.empty((1, len(x0)))
-        values[0, :, :6] = _ANYWHERE
-        count, _ = _entries().beside_pose(*self.axes, target, x0, values, counts, _NEARLY, places, 0)
-        return places[:count]
-
-    def finished(self, target: Matrix, x0: Vector, places: Matrix) -> tuple[int, bool, Matrix, Matrix, Matrix]:
-        """Return what `entries.finish_poses` returns and writes for solutions (k, n_axes) [SI] of a pose."""
-        values, counts = np.full((1, ROWS, COLUMNS), -1.0), np.array([len(places)])
-        values[0, : len(places), :6] = places @ self.by_axes.T + self.at_zero
-        rows, left, along = (np.empty((1, ROWS, size)) for size in (len(x0), TOLD, len(x0)))
-        last = _entries().finish_poses(*self.axes, target[None], x0, values, counts, rows, left, along)
-        return (*last, rows, left, along)
+        form = compiled_entries().FORMS[self.form]
+        form(self.constants, targets, tolerances.ROTATION_MATRIX, keep, values, counts)
 
 
 @cache
-def _entries() -> Any:
+def compiled_entries() -> Any:
     """Return the module of compiled entry points; numba is imported here, at first use."""
-    from chainbuild.ik.branches.compiled import entries as compiled_entries
+    from chainbuild.ik.branches.compiled import entries
 
-    return compiled_entries
+    return entries
 
 
 def quick_form(mechanism: Mechanism, start: Vector | None, held: Held | None) -> tuple[QuickForm | None, Vector]:
@@ -241,26 +194,24 @@ def _packed(query: BranchQuery, form: str, joints: Indices) -> tuple[Vector, Int
         return None
     others = np.zeros((len(columns), len(mechanism.axes)))
     others[:, block.others] = block.inverse @ block.from_others
-    factors = mechanism.kinematics.si_factors
+    sums, together = _sums(mechanism)
     parts = (
-        product.fixed[:, :3], product.prismatic, product.A, product.b, block.inverse, others, block.inverse @ block.b,
-        query.lower, query.upper, query.slack, query.periodic, factors, *_sums(mechanism),
+        product.fixed[:, :3], product.prismatic, product.A, product.b,
+        np.column_stack([block.inverse, others, block.inverse @ block.b]),
+        (query.lower, query.upper, query.slack, query.periodic, mechanism.kinematics.si_factors, together), sums,
     )  # fmt: skip
     flat = [np.asarray(part, dtype=float).ravel() for part in parts]
     axis = mechanism.chain.tool_column if mechanism.task == "direction" else -1
     ends = np.cumsum([len(part) for part in flat])
     movers = query.undetermined_axes(joints, [True] * len(joints), structure.free)
     indices: tuple[Indices | list[int], ...] = (block.rows, columns, movers, linear, structure.free)
-    sums = len(mechanism.limits.sums)
-    sizes = (*product.A.shape, len(columns), len(linear), len(structure.free), axis, sums, *ends)
+    sizes = (*product.A.shape, len(columns), len(linear), len(structure.free), axis, len(sums), *ends)
     return np.concatenate(flat), np.concatenate([sizes, *indices]).astype(np.int64)
 
 
-def _sums(mechanism: Mechanism) -> tuple[Matrix, Vector, Vector, Vector]:
-    """Return the limits on sums of SI axis values: rows (s, n_axes), lower and upper, and which axes take part."""
+def _sums(mechanism: Mechanism) -> tuple[Matrix, Vector]:
+    """Return the limits on sums of SI axis values, rows with the lower and the upper one, and which axes take part."""
     limits, factors = mechanism.limits, mechanism.kinematics.si_factors
     rows: Matrix = np.array([one.sum.coefficients for one in limits.sums]).reshape(-1, len(factors)) / factors
-    offset = np.array([one.sum.offset for one in limits.sums])
-    lower = np.array([one.lower for one in limits.sums]) - offset
-    upper = np.array([one.upper for one in limits.sums]) - offset
-    return rows, lower, upper, np.array([float(n in limits.together) for n in range(len(factors))])
+    ends = np.array([(one.lower - one.sum.offset, one.upper - one.sum.offset) for one in limits.sums]).reshape(-1, 2)
+    return np.column_stack([rows, ends]), np.array([float(n in limits.together) for n in range(len(factors))])

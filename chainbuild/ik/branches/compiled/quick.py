@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import ThreadPoolExecutor
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
 from chainbuild.arrays import Integers, Matrix, Vector
-from chainbuild.ik.branches.compiled.constants import DOUBTFUL, REFUSED, ROWS, TOLD
+from chainbuild.ik.branches.compiled.constants import REFUSED, ROWS, TOLD, UNSURE
+from chainbuild.ik.branches.compiled.doubtful.settle import Doubtful, is_searched, settled
 from chainbuild.ik.branches.compiled.forms import QuickForm, quick_form
 from chainbuild.ik.branches.core.branches import Branches, named
 from chainbuild.ik.branches.status_turn import status_turn_rows
@@ -23,18 +24,6 @@ from chainbuild.kinematics.mechanism import Mechanism
 
 _PART: Final = 1024  # poses that one core takes at a time
 _NONE_FREE: Final = tuple(((),) * count for count in range(ROWS + 1))
-
-
-class Doubtful(NamedTuple):
-    """What is known of a pose that the plain path decides: where some solutions are on curves, or none was found.
-
-    Attributes:
-        places: (k, n_axes) solutions in SI, whatever the limits: all but for curves.
-        near: (0 or 1, n_axes) the last resort: a solution for a pose of which nobody finds any.
-    """
-
-    places: Matrix
-    near: Matrix
 
 
 def quick_branches(
@@ -57,26 +46,22 @@ def quick_branches(
         return None
     n = len(x0)
     rows, left, along = np.empty((1, ROWS, n)), np.empty((1, ROWS, TOLD)), np.empty((1, ROWS, n))
-    count, loose = form.write(target[None], x0, rows, left, along, np.empty(1, np.int64))
+    count, loose, values = form.write(target[None], x0, rows, left, along, np.empty(1, np.int64))
     if count == REFUSED:
         raise refusal(target)
-    if count == DOUBTFUL:
-        if not form.is_searched:
+    if count <= UNSURE:
+        if not is_searched(form):
             return None
-        places, isolated_ones = form.places_at(target, x0)
-        if not len(places):
-            return Doubtful(places, form.place_near(target, x0))
-        if not isolated_ones or len(places) > ROWS:
-            return Doubtful(places, places[:0])
-        count, loose, rows, left, along = form.finished(target, x0, places)
-        if count == DOUBTFUL:
-            return Doubtful(places, places[:0])
+        known = settled(form, target, x0, values[0], count)
+        if isinstance(known, Doubtful):
+            return known
+        count, loose, rows, left, along = known
     free: tuple[tuple[str, ...], ...] = _NONE_FREE[count]
     directions, told = form.isolated[:count], left[0, :count]
     if loose:
         names, axes = mechanism.labels.names, told[:, 4].astype(int).tolist()
         free = tuple((names[n],) if n >= 0 else () for n in axes)
-        directions = tuple(along[0, k : k + 1] if n >= 0 else directions[k] for k, n in enumerate(axes))
+        directions = tuple(along[0, k : k + 1] if n != -1 else directions[k] for k, n in enumerate(axes))
     found = Branches(
         rows[0, :count], told[:, 0], told[:, 1], told[:, 2].astype(np.int64), free, mechanism.task, mechanism.labels,
         method=form.method, free_directions=directions,
@@ -84,7 +69,9 @@ def quick_branches(
     return named(found, form.method, status_turn_rows(mechanism, found.axes)) if form.has_status else found
 
 
-def write_branches_of(form: QuickForm, targets: Matrix, x0: Vector, found: Matrix, counts: Integers) -> None:
+def write_branches_of(
+    form: QuickForm, targets: Matrix, x0: Vector, found: Matrix, counts: Integers
+) -> dict[int, Doubtful]:
     """Write the branches of many poses on all cores.
 
     Args:
@@ -92,23 +79,30 @@ def write_branches_of(form: QuickForm, targets: Matrix, x0: Vector, found: Matri
         targets: (N, 4, 4) tool in the workpiece frame [m].
         x0: (n_axes,) start in SI.
         found: (N, ROWS, n_axes) out: axis values, mm and degrees, nearest to the start first.
-        counts: (N,) out: numbers of branches, DOUBTFUL or REFUSED.
+        counts: (N,) out: numbers of branches, below 0 where the plain path has to look.
+
+    Returns:
+        What is known of such poses.
     """
+    doubtful: dict[int, Doubtful] = {}
 
     def write(part: slice) -> None:
         left, along = np.empty((part.stop - part.start, ROWS, TOLD)), np.empty((part.stop - part.start, ROWS, len(x0)))
-        form.write(targets[part], x0, found[part], left, along, counts[part])
-        doubtful = np.flatnonzero(counts[part] == DOUBTFUL) if form.is_searched else ()
-        for n in (part.start + np.asarray(doubtful, dtype=np.int64)).tolist():
-            places, isolated_ones = form.places_at(targets[n], x0)
-            if isolated_ones and 0 < len(places) <= ROWS:
-                counts[n], _, rows, _, _ = form.finished(targets[n], x0, places)
-                found[n] = np.nan
-                found[n, : max(counts[n], 0)] = rows[0, : max(counts[n], 0)]
+        _, _, values = form.write(targets[part], x0, found[part], left, along, counts[part])
+        for n in np.flatnonzero(counts[part] <= UNSURE).tolist() if is_searched(form) else ():
+            row = part.start + n
+            known = settled(form, targets[row], x0, values[n], int(counts[row]))
+            if isinstance(known, Doubtful):
+                doubtful[row] = known
+            else:
+                counts[row] = known[0]
+                found[row] = np.nan
+                found[row, : known[0]] = known[2][0, : known[0]]
 
     parts = [slice(n, min(n + _PART, len(targets))) for n in range(0, len(targets), _PART)]
     if len(parts) == 1:
         write(parts[0])
-        return
+        return doubtful
     with ThreadPoolExecutor(os.cpu_count()) as threads:
         list(threads.map(write, parts))
+    return doubtful

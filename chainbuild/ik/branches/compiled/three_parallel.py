@@ -60,7 +60,7 @@ def three_parallel_branches(constants, T, keep, values):
         pair_count, sure = _pairs(rows, alone, pairs, work)
     else:
         pair_count, sure = paired_roots(rows, pairs, work)
-    count = 0
+    count = 0 * pair_count  # not a number written out, for which numba would compile what is called once more
     for n in range(pair_count):
         count, settled = _complete(constants, E, pairs[n], keep, values, count)
         sure = sure and settled
@@ -162,7 +162,7 @@ def _complete(c, E, pair, keep, values, row):
     c6 = u * x + v * y + w * z - along
     size = math.sqrt(c6 * c6 + s6 * s6)
     if size > _PARALLEL:
-        return _with_links(c, E, pair, c6 / size, s6 / size, values, row, -1, False)
+        return _with_links(c, E, pair, c6 / size, s6 / size, values, row, -1.0, 0.0)
     return _with_free_last(c, E, pair, keep[0 if c[_BACKWARDS] != 0.0 else 5], values, row)
 
 
@@ -187,12 +187,12 @@ def _with_free_last(c, E, pair, keep, values, row):
     level = a * math.cos(keep) + b * math.sin(keep) + middle
     if not (low - slack <= level <= high + slack and abs(over) > slack and abs(under) > slack):
         return row, False
-    joined = over > 0.0 or under > 0.0
+    joined = 1.0 if over > 0.0 or under > 0.0 else 0.0
     first_row = row
-    row, sure = _with_links(c, E, pair, math.cos(keep), math.sin(keep), values, row, 5, joined)
+    row, sure = _with_links(c, E, pair, math.cos(keep), math.sin(keep), values, row, 5.0, joined)
     if over > 0.0 and under > 0.0:
         other = 2.0 * math.atan2(b, a) - keep
-        row, settled = _with_links(c, E, pair, math.cos(other), math.sin(other), values, row, 5, True)
+        row, settled = _with_links(c, E, pair, math.cos(other), math.sin(other), values, row, 5.0, 1.0)
         sure = sure and settled
     return row, sure and row > first_row
 
@@ -210,7 +210,7 @@ def _with_links(c, E, pair, c6, s6, values, row, loose, joined):
         values: Out.
         row: How many there are.
         loose: Which joint is free, in the order of the arm; -1: none.
-        joined: Whether both bends are of one family.
+        joined: 1 where both bends are of one family, 0 elsewhere.
     """
     c1, s1, c5, s5 = pair[0], pair[1], pair[2], pair[3]
     x, y, sine, cosine = _planar(c, E, pair, c6, s6)
@@ -235,8 +235,8 @@ def _with_links(c, E, pair, c6, s6, values, row, loose, joined):
             place = place[::-1]
         place[0], place[1], place[2] = first, second, c[_SIGNS] * third
         place[3], place[4], place[5] = c[_SIGNS + 1] * fourth, fifth, last
-        values[row + n, 6] = -1.0 if loose < 0 else (5 - loose if c[_BACKWARDS] != 0.0 else loose)
-        values[row + n, 7] = row if joined else -1.0
+        values[row + n, 6] = -1.0 if loose < 0.0 else (5.0 - loose if c[_BACKWARDS] != 0.0 else loose)
+        values[row + n, 7] = row if joined > 0.0 else -1.0
     return row + count, True
 
 

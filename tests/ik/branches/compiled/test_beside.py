@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,10 +11,11 @@ import pytest
 
 from chainbuild.chain.assemble import Fixed, Mark, Move
 from chainbuild.chain.elements import Axis
-from chainbuild.ik.branches.compiled import forms
-from chainbuild.ik.branches.compiled.constants import COLUMNS
-from chainbuild.ik.branches.compiled.forms import quick_form
-from chainbuild.ik.branches.compiled.quick import Doubtful, quick_branches
+from chainbuild.ik.branches.compiled.constants import COLUMNS, ROWS, UNSURE
+from chainbuild.ik.branches.compiled.doubtful.settle import Doubtful, settled
+from chainbuild.ik.branches.compiled.forms import compiled_entries, quick_form
+from chainbuild.ik.branches.compiled.quick import quick_branches
+from chainbuild.ik.branches.core.branches import Branches
 from chainbuild.robot import Robot
 from tests.bench.arms.geometry import OTHER, Arm
 from tests.bench.arms.peers import robot_of
@@ -95,10 +97,11 @@ def from_one(name: str, T: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Return the solutions of a pose (4, 4) that joint values (6,) alone lead to."""
     form, x0 = quick_form(robot(name), None, None)
     assert form is not None
-    values, places = np.zeros((1, 32, COLUMNS)), np.empty((64, 6))
+    values, places = np.zeros((1, 32, COLUMNS)), np.empty((64, 9))
     values[0, 0, :6] = q
-    count, _ = forms._entries().beside_pose(*form.axes, T, x0, values, np.array([1]), 1e-9, places, 0)
-    return places[:count]
+    curves = np.empty((1024, 6)), np.empty(1024, np.int64), np.empty(64, np.int64), np.zeros(5, np.int64)
+    count = compiled_entries().beside_pose(*form.axes, T, x0, values, np.array([1]), 1e-9, *curves, places, 0)
+    return places[:count, :6]
 
 
 def test_a_branch_beside_a_fold_is_found_from_the_other_one() -> None:
@@ -144,7 +147,7 @@ def shifted(shift_m: np.ndarray) -> np.ndarray:
 
 
 def test_curves_of_general_arms_tell_their_direction() -> None:
-    """Found through the plain path: a step along the direction leaves the tool in place to the second order."""
+    """A step along the direction leaves the tool in place to the second order."""
     curves = 0
     for name in ("jaco", "crx", "gofa"):
         arm = arms()[name]
@@ -160,6 +163,53 @@ def test_curves_of_general_arms_tell_their_direction() -> None:
     assert curves >= 3
 
 
+def folded() -> tuple[np.ndarray, np.ndarray]:
+    """Return joint values of the crx with axis 4 on axis 1, and how these turn against one another: the tool stays."""
+    right = math.pi / 2.0
+    return np.array([0.4, -right, -right, -1.1, -right, -right]), np.array([1.0, 0.0, 0.0, -1.0, 0.0, 0.0])
+
+
+def test_a_curve_is_one_branch_the_place_nearest_to_the_start() -> None:
+    arm, (q, along) = arms()["crx"], folded()
+    T = arm.pose(q)
+    for turn in (-2.0, 0.3, 1.7):
+        place = q + turn * along
+        assert np.abs(arm.pose(place) - T).max() < 1e-12
+        found = robot("crx").ik_all(T, start=np.degrees(place))
+        assert isinstance(quick_branches(robot("crx"), T, np.degrees(place), None), Branches)
+        assert np.abs(np.radians(found[0].axes) - place).max() < 1e-6
+        curved = [row for row in found if len(row.free_directions)]
+        assert len(curved) == 1
+        assert abs(curved[0].free_directions[0] @ along) == pytest.approx(math.sqrt(2.0), abs=1e-6)
+        assert curved[0].free_directions[0][0] > 0.0
+    # From anywhere the nearest place is the one across from the start.
+    aside = q + 0.2 * np.abs(along)
+    found = [row for row in robot("crx").ik_all(T, start=np.degrees(aside)) if len(row.free_directions)]
+    assert np.abs(np.radians(found[0].axes) - q).max() < 1e-6
+
+
+def within(arm: Arm, lower: float, upper: float) -> Robot:
+    """Return an arm whose axis 1 has limits."""
+    chain = robot_of(arm).chain
+    first = replace(chain.axes[0], lower=lower, upper=upper, endless=False)
+    return Robot(replace(chain, axes=(first, *chain.axes[1:])))
+
+
+def test_of_a_curve_the_place_inside_the_limits_that_is_nearest_counts() -> None:
+    """Axis 1 may stand from 60 to 90 degrees: one end of that piece is nearest to a start below it."""
+    arm, (q, along) = arms()["crx"], folded()
+    T = arm.pose(q)
+    narrow = within(arm, 60.0, 90.0)
+    found = narrow.ik_all(T, start=[70.0, *np.degrees(q[1:])])
+    assert isinstance(quick_branches(narrow, T, np.array([70.0, *np.degrees(q[1:])]), None), Branches)
+    curved = [row for row in found if len(row.free_directions)]
+    assert len(curved) == 1
+    first, fourth = np.radians(curved[0].axes[[0, 3]])
+    assert 60.0 <= curved[0].axes[0] <= 90.0
+    assert math.remainder(fourth - q[3] - along[3] * (first - q[0]), math.tau) == pytest.approx(0.0, abs=1e-6)
+    assert np.abs(narrow.fk(curved[0].axes).homogeneous - T).max() < 1e-9
+
+
 def test_many_poses_have_the_branches_of_each() -> None:
     poses = [T for _, T in doubtful_poses("crx", 1e-3, 40)][:6]
     assert len(poses) == 6
@@ -171,7 +221,7 @@ def test_many_poses_have_the_branches_of_each() -> None:
         assert max(distance(np.radians(known), np.radians(row)).min() for row in alone) < 1e-9
 
 
-def test_solutions_on_a_curve_are_left_to_the_plain_path_which_tells_their_direction() -> None:
+def test_solutions_on_a_curve_tell_their_direction() -> None:
     """A stretched wrist, whose axes 4 and 6 turn against one another; calibrated, they no longer do."""
     arm = arms()["kr6 calibrated"]
     straight = arms()["kr6"]
@@ -187,13 +237,25 @@ def test_what_no_pose_beside_finds_is_searched_for(monkeypatch: pytest.MonkeyPat
     _, T = doubtful_poses(name, 1e-3, 40)[0]
     form, x0 = quick_form(robot(name), None, None)
     assert form is not None
-    known, _ = form.places_at(T, x0)
-    nowhere = forms._entries().FORMS | {"general": lambda *room: room[-1].fill(-3)}
-    monkeypatch.setattr(forms._entries(), "FORMS", nowhere)
-    assert not len(form.places_at(T, x0)[0])
-    places = form.place_near(T, x0)
-    assert len(places) == 1
-    assert all(distance(known, place).min() < 1e-5 for place in places)
+    known = settled(form, T, x0, *written(name, T))
+    assert not isinstance(known, Doubtful)
+    branches = np.radians(known[2][0, : known[0]])
+    nowhere = compiled_entries().FORMS | {"general": lambda *room: room[-1].fill(UNSURE)}
+    monkeypatch.setattr(compiled_entries(), "FORMS", nowhere)
+    found = settled(form, T, x0, np.empty((ROWS, COLUMNS)), UNSURE)
+    assert isinstance(found, Doubtful)
+    assert not len(found.places)
+    assert len(found.near) == 1
+    assert all(distance(branches, place).min() < 1e-5 for place in found.near)
+
+
+def written(name: str, T: np.ndarray) -> tuple[np.ndarray, int]:
+    """Return what the form writes for a pose."""
+    form, x0 = quick_form(robot(name), None, None)
+    assert form is not None
+    values, counts = np.empty((1, ROWS, COLUMNS)), np.empty(1, np.int64)
+    form.write_values(T[None], x0, values, counts)
+    return values[0], int(counts[0])
 
 
 def test_a_pose_out_of_reach_has_no_branches() -> None:

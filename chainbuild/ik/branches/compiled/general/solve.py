@@ -140,7 +140,7 @@ def add_solutions(constants, part, room, half, angle, size, noise, values, found
     """
     G, T, J, q = room.G, room.T, room.J, room.q
     z, complex_T, complex_J = room.z, room.complex_T, room.complex_J
-    perhaps, aside, regular = 0, 0, True
+    perhaps, aside, regular = 0, 0 * size, True
     for k in range(size):
         a, b = room.real[k], room.imaginary[k]
         far = b > _BESIDE * (1.0 + a * a + b * b)
@@ -188,7 +188,7 @@ def general_branches(constants, T, values):
     P, product, motion, null = np.empty((6, 14)), np.empty((10, 15)), np.empty((15, 15)), np.empty((13, 20))
     combined, A = np.empty((10, 6)), np.empty((21, 21))
     scaled(constants, T, room.G)
-    found, starts = 0, 0
+    found, starts = int(0.0 * constants[0]), 0
     for n in range(int(constants[0])):
         part = constants[OPENINGS + n * PER_OPENING : OPENINGS + (n + 1) * PER_OPENING]
         half, apart = write_equations(

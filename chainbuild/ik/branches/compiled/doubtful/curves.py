@@ -1,0 +1,281 @@
+"""Curves of solutions, followed once: which places they pass, and where they come nearest to the start, compiled.
+
+The twin of `core.beside` for curves. A curve is kept as its points, so that a place found later is told from a new one.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from chainbuild.ik.branches.compiled.axes import LOWER, PERIODIC, UPPER, way_of
+from chainbuild.ik.branches.compiled.constants import FOLLOWED, PIECES, POINTS, STATE, UNKNOWN
+from chainbuild.ik.branches.compiled.doubtful.steps import (
+    ARRIVED,
+    corrected,
+    inverted,
+    put,
+    weakest,
+    weakest_at,
+)
+from chainbuild.ik.branches.compiled.finish import copy_rows, inside_by_turns
+from chainbuild.ik.search.compiled.kernels import jit, jit_within
+
+_FIRST_STEP: Final = 0.05  # rad or m along a curve
+_SHORTEST: Final = 1e-4  # a curve that needs shorter steps ends
+_BENT: Final = 0.35  # rad that a curve turns in one step: where it turns more, another one may come close
+_LARGEST: Final = 0.5  # rad or m of one step
+_MOST: Final = 300  # steps along a curve: twice as many as a turn of all axes takes
+_ROOM: Final = 0.5  # m or rad beyond a limit: no member of a family is so far out
+_THERE: Final = 1e-5  # m and rad: as far apart as solutions that count as one
+_SHORT: Final = 0.1  # rad or m: what goes on no farther is no curve
+# How following a curve ended: where it began, where steps no longer led on, beyond limits or many turns, without room.
+_CLOSED: Final = 1
+_ENDED: Final = 0
+_BEYOND: Final = 2
+_FULL: Final = -1
+_ALONG: Final = 0.8  # squared cosine of directions that are one where curves cross
+_NEARER: Final = 8  # steps along a curve to where it is nearest to the start
+_STILL: Final = 1e-12  # rad or m of such a step that ends them
+
+
+class Curves(NamedTuple):
+    """The curves of one pose."""
+
+    points: Any  # (·, n) solutions one after another
+    pieces: Any  # (·,) piece of each: a curve has two, one for each way
+    owners: Any  # (·,) curve of a piece
+    known: Any  # (5,) POINTS, PIECES, STATE, ENDS and CLUSTERED
+
+
+@jit
+def _short_way(axes, start, end, way):
+    """Write the way (f,) of the free axes from one place to another, by whole turns as short as possible."""
+    for m in range(len(axes.free)):
+        way[m] = way_of(axes, axes.free[m], start[axes.free[m]], end[axes.free[m]])
+
+
+@jit
+def _share_of(axes, start, end, other, way):
+    """Return how far along a piece of a curve another place is, as a share; not a number where it is not near."""
+    _short_way(axes, start, other, way)
+    along, whole, size = 0.0, 0.0, 0.0
+    for m in range(len(axes.free)):
+        step = end[axes.free[m]] - start[axes.free[m]]
+        along, whole, size = along + way[m] * step, whole + step * step, size + way[m] * way[m]
+    share = along / whole
+    aside = max(size - share * along, 0.0)
+    return share if -0.1 < share < 1.1 and aside < 0.09 * whole else math.nan
+
+
+@jit
+def _passes(axes, room, target, start, end, other, way, spare):
+    """Tell whether the piece of a curve between two of its places passes another one."""
+    v = spare[0]
+    share = _share_of(axes, start, end, other, way)
+    if not share > -1.0:
+        return False
+    for m in range(len(room.x)):
+        room.x[m] = start[m] + share * (end[m] - start[m])
+    for _ in range(4):
+        if not corrected(axes, room, target) < ARRIVED:
+            return False
+        _short_way(axes, room.x, other, way)
+        left, along = 0.0, 0.0
+        for m in range(len(axes.free)):
+            left = max(left, abs(way[m]))
+        if left < _THERE:
+            return True
+        for m in range(len(axes.free)):
+            v[m] = end[axes.free[m]] - start[axes.free[m]]
+        rows = copy_rows(axes, room)
+        inverted(room, rows, len(axes.free), spare, 0.0, v)
+        inverted(room, rows, len(axes.free), spare, 0.0, v)
+        for m in range(len(axes.free)):
+            along += way[m] * v[m]
+        for m in range(len(axes.free)):
+            room.x[axes.free[m]] += along * v[m]
+    return False
+
+
+@jit
+def _is_along(axes, start, end, line):
+    """Tell whether a piece of a curve goes along a unit direction (f,), or no direction counts, all 0."""
+    along, whole, size = 0.0, 0.0, 0.0
+    for m in range(len(axes.free)):
+        step = end[axes.free[m]] - start[axes.free[m]]
+        along, whole, size = along + step * line[m], whole + step * step, size + line[m] * line[m]
+    return size == 0.0 or along * along > _ALONG * whole
+
+
+@jit
+def piece_through(axes, room, target, curves, place, line, first):
+    """Return the piece of a curve, not before the first, that passes a place (n,) along a direction (f,), or -1."""
+    way, spare = np.empty(len(axes.free)), np.empty((1, len(axes.free)))
+    for i in range(curves.known[POINTS] - 1):
+        if (
+            curves.pieces[i] >= first
+            and curves.pieces[i] == curves.pieces[i + 1]
+            and _is_along(axes, curves.points[i], curves.points[i + 1], line)
+            and _passes(axes, room, target, curves.points[i], curves.points[i + 1], place, way, spare)
+        ):
+            return curves.pieces[i]
+    return -1
+
+
+@jit
+def _kept(curves, x, piece):
+    """Write a point behind the others; return False where there is no room."""
+    n = curves.known[POINTS]
+    if n == len(curves.points):
+        return False
+    for m in range(curves.points.shape[1]):
+        curves.points[n, m] = x[m]
+    curves.pieces[n] = piece
+    curves.known[POINTS] = n + 1
+    return True
+
+
+@jit
+def _is_beyond(axes, x):
+    """Tell whether an axis is so far beyond its limits that no member of a family is farther along."""
+    for m in range(axes.each.shape[1]):
+        lower, upper = axes.each[LOWER, m] - _ROOM, axes.each[UPPER, m] + _ROOM
+        if axes.each[PERIODIC, m] == 0.0 and not lower <= x[m] <= upper:
+            return True
+    return False
+
+
+@jit_within
+def _followed(axes, room, target, place, direction, sign, curves, piece):
+    """Follow a curve from a place; return how that ended.
+
+    Where steps no longer lead on: what is nearly a curve is as good as one for a piece.
+    """
+    f, n = len(axes.free), len(room.x)
+    at, ahead, tangent, turned = place.copy(), place.copy(), sign * direction, direction.copy()
+    way, spare, w = np.empty(f), np.empty((1, f)), np.empty(f)
+    length, passed, apart = _FIRST_STEP, 0.0, math.inf
+    fits = _kept(curves, at, piece)
+    for _ in range(_MOST):
+        put(axes, room, at, length, tangent)
+        bend, aside, size = math.inf, math.inf, 0.0
+        if corrected(axes, room, target) < ARRIVED:
+            bend, aside = 0.0, 0.0
+            for m in range(f):
+                turned[m] = room.x[axes.free[m]] - at[axes.free[m]]
+                aside += (turned[m] - length * tangent[m]) ** 2
+            rows = copy_rows(axes, room)
+            inverted(room, rows, f, spare, 0.0, turned)
+            inverted(room, rows, f, spare, 0.0, turned)
+            for m in range(f):
+                bend += (turned[m] - tangent[m]) ** 2
+            bend, aside = math.sqrt(bend), math.sqrt(aside)
+        if bend > _BENT or aside > _BENT * length:
+            length /= 2.0
+            if length < _SHORTEST:
+                return _ENDED
+            continue
+        # Towards a crossing of curves the next singular value vanishes: another curve may pass close by instead.
+        for m in range(f):
+            spare[0, m] = turned[m]
+        last, apart = apart, weakest(room, copy_rows(axes, room), f, spare, 1.0, w)
+        for m in range(n):
+            ahead[m] = room.x[m]
+        passed += length
+        if passed > 3.0 * length and _passes(axes, room, target, at, ahead, place, way, spare):
+            for m in range(n):
+                ahead[m] = at[m]
+            for m in range(f):
+                ahead[axes.free[m]] += way_of(axes, axes.free[m], at[axes.free[m]], place[axes.free[m]])
+            return _CLOSED if _kept(curves, ahead, piece) and fits else _FULL
+        fits = _kept(curves, ahead, piece) and fits
+        if not fits:
+            return _FULL
+        if _is_beyond(axes, ahead):
+            return _BEYOND
+        crossing = 0.5 * length * apart / (last - apart) if apart < last < math.inf else math.inf
+        size = length * (2.0 if bend < 0.3 * _BENT else 1.0)
+        length = max(min(size, _LARGEST, crossing), _SHORTEST)
+        for m in range(n):
+            at[m] = ahead[m]
+        for m in range(f):
+            tangent[m] = turned[m]
+    return _BEYOND
+
+
+@jit_within
+def follow_curve(axes, room, target, curves, place, direction):
+    """Follow a curve through a place (n,) both ways, behind those known; return its first piece, or -1: it is none.
+
+    What ends on either side after a short way is a solution beside which the pose is nearly kept.
+    """
+    piece, first = curves.known[PIECES], curves.known[POINTS]
+    if piece + 2 > len(curves.owners):
+        curves.known[STATE] = UNKNOWN
+        return -1
+    curves.known[PIECES] = piece + 2
+    curves.owners[piece], curves.owners[piece + 1] = piece, piece
+    longest, ended, other = 0.0, _ENDED, _ENDED
+    for side in range(2):
+        if ended != _CLOSED:
+            other = ended
+            ended = _followed(axes, room, target, place, direction, 1.0 - 2.0 * side, curves, piece + side)
+    for i in range(first, curves.known[POINTS]):
+        for m in range(curves.points.shape[1]):
+            longest = max(longest, abs(curves.points[i, m] - place[m]))
+    if ended == _ENDED and other == _ENDED and longest < _SHORT:
+        curves.known[PIECES], curves.known[POINTS] = piece, first
+        return -1
+    full = _FULL in (ended, other)
+    curves.known[STATE] = UNKNOWN if full else max(curves.known[STATE], FOLLOWED)
+    return piece
+
+
+@jit
+def _distance(x, x0):
+    far = 0.0
+    for m in range(len(x)):
+        far += (x[m] - x0[m]) ** 2
+    return far
+
+
+@jit_within
+def nearest_on_curve(axes, room, target, x0, curves, owner, best):
+    """Write the place of a curve inside all limits that is nearest to the start; return whether there is one.
+
+    Args:
+        axes: The machine's axes.
+        room: Scratch.
+        target: (4, 4) tool in the workpiece frame [m].
+        x0: (n,) start in SI.
+        curves: The curves.
+        owner: Which of them.
+        best: (n,) out [SI].
+    """
+    nearest, spare, x = math.inf, np.empty((1, len(axes.free))), room.x
+    v = spare[0]
+    for i in range(curves.known[POINTS]):
+        if curves.owners[curves.pieces[i]] == owner:
+            for m in range(len(x)):
+                x[m] = curves.points[i, m]
+            if inside_by_turns(axes, x, x0) > 0 and _distance(x, x0) < nearest:
+                nearest = _distance(x, x0)
+                for m in range(len(x)):
+                    best[m] = x[m]
+    for _ in range(_NEARER if nearest < math.inf else 0):
+        put(axes, room, best, 0.0, v)
+        weakest_at(axes, room, target, spare)
+        along = 0.0
+        for m in range(len(axes.free)):
+            along += (x0[axes.free[m]] - best[axes.free[m]]) * v[m]
+        put(axes, room, best, max(-_LARGEST, min(_LARGEST, along)), v)
+        met = corrected(axes, room, target) < ARRIVED
+        if abs(along) < _STILL or not (met and inside_by_turns(axes, x, x0) > 0 and _distance(x, x0) < nearest):
+            break
+        nearest = _distance(x, x0)
+        for m in range(len(x)):
+            best[m] = x[m]
+    return nearest < math.inf
