@@ -33,6 +33,7 @@ _NOWHERE: Final = -1.0
 _WEAK: Final = 2e-2  # share of the Jacobian's size: a weaker direction may lead to a branch nearby
 _LOST: Final = 1e-6  # the same below which solutions may go on as a curve
 _LOST_TOO: Final = 1e-5  # for a second one: where several are lost, a solution is less exact in all of them
+_NEIGHBOURS: Final = 1.0  # rad or m: between two branches of a valley that are nearer there may be a third
 _AWAY: Final = (1e-3, 5e-3, 2.5e-2, 0.15)  # rad or m along a weak direction: past the middle of two branches is enough
 _CLUSTER: Final = 5e-3  # share of the Jacobian's size: two directions so weak have branches between them, too
 _VALLEY: Final = 1e-3  # share of the Jacobian's size: a direction so weak may lead through a valley
@@ -212,7 +213,7 @@ def _along_valley(axes, room, target, curves, places, count, at, direction, sign
             count = _with_place(axes, room, target, ARRIVED, curves, places, count, floor, -1.0, _NOWHERE)
             for k in range(known, count):
                 places[k, n] = -1.0  # has been looked at from here
-        is_lower = height < before
+        is_lower = step == 0 or height < before  # the first one may be next to a solution, too
         for m in range(n):
             floor[m] = ahead[m]
             back = max(back, abs(way_of(axes, m, places[at, m], floor[m])))
@@ -247,13 +248,31 @@ def _around(axes, room, target, curves, places, count, at):
             for side in range(2):
                 put(axes, room, place, step * (1.0 - 2.0 * side), along)
                 count = _with_place(axes, room, target, ARRIVED, curves, places, count, place, _BACK * step, _NOWHERE)
-    if not next_weak < _CLUSTER * size:
-        return count
-    curves.known[CLUSTERED] = 1
-    for k in range(4):
-        put(axes, room, place, _AWAY[0] * (1.0 - 2.0 * (k % 2)), v if k < 2 else w)
-        count = _with_place(axes, room, target, ARRIVED, curves, places, count, place, -1.0, float(at))
+    is_cluster = next_weak < _CLUSTER * size
+    for other in range(at if weak < _VALLEY * size else 0):
+        apart = _way_between(axes, places[other], place, along)
+        if places[other, n] < _ITS_OWN * _VALLEY and apart < _NEIGHBOURS:
+            put(axes, room, place, -0.5, along)
+            count = _with_place(axes, room, target, ARRIVED, curves, places, count, place, -1.0, _NOWHERE)
+            if is_cluster:
+                put(axes, room, place, 1.0, along)
+                count = _with_place(axes, room, target, ARRIVED, curves, places, count, place, -1.0, float(at))
+    if is_cluster:
+        curves.known[CLUSTERED] = 1
+        for k in range(4):
+            put(axes, room, place, _AWAY[0] * (1.0 - 2.0 * (k % 2)), v if k < 2 else w)
+            count = _with_place(axes, room, target, ARRIVED, curves, places, count, place, -1.0, float(at))
     return count
+
+
+@jit
+def _way_between(axes, start, end, way):
+    """Write the way (f,) of the free axes between two places, by whole turns as short as possible; return how long."""
+    longest = 0.0
+    for m in range(len(axes.free)):
+        way[m] = way_of(axes, axes.free[m], start[axes.free[m]], end[axes.free[m]])
+        longest = max(longest, abs(way[m]))
+    return longest
 
 
 @jit_within

@@ -26,7 +26,7 @@ from chainbuild.ik.branches.compiled.forms import QuickForm, compiled_entries
 _SEARCHED: Final = ("general", "three parallel axes")
 _FOLLOWED: Final = ("general",)  # the same where solutions are on curves
 _ENOUGH: Final = 4  # what pairs of poses that bring nothing new must amount to
-_ENOUGH_BESIDE: Final = 6  # the same beside curves and clusters of branches, which move far or vanish on either side
+_ENOUGH_BESIDE: Final = 8  # the same beside curves and clusters of branches, which move far or vanish on either side
 # What one does, by how many of its poses are sure: a branch that both leave out would have to vanish on either side.
 _WEIGHT: Final = (1, 2, 4)
 _ANYWHERE: Final = np.random.default_rng(20240229).uniform(-math.pi, math.pi, (ROWS, 6))  # the last resort
