@@ -21,6 +21,7 @@ from chainbuild.ik.branches.compiled.doubtful.steps import (
     goes_on,
     inverted,
     put,
+    short_way,
     stepped,
     weakest,
     weakest_at,
@@ -250,7 +251,7 @@ def _around(axes, room, target, curves, places, count, at):
                 count = _with_place(axes, room, target, ARRIVED, curves, places, count, place, _BACK * step, _NOWHERE)
     is_cluster = next_weak < _CLUSTER * size
     for other in range(at if weak < _VALLEY * size else 0):
-        apart = _way_between(axes, places[other], place, along)
+        apart = short_way(axes, places[other], place, along)
         if places[other, n] < _ITS_OWN * _VALLEY and apart < _NEIGHBOURS:
             put(axes, room, place, -0.5, along)
             count = _with_place(axes, room, target, ARRIVED, curves, places, count, place, -1.0, _NOWHERE)
@@ -263,16 +264,6 @@ def _around(axes, room, target, curves, places, count, at):
             put(axes, room, place, _AWAY[0] * (1.0 - 2.0 * (k % 2)), v if k < 2 else w)
             count = _with_place(axes, room, target, ARRIVED, curves, places, count, place, -1.0, float(at))
     return count
-
-
-@jit
-def _way_between(axes, start, end, way):
-    """Write the way (f,) of the free axes between two places, by whole turns as short as possible; return how long."""
-    longest = 0.0
-    for m in range(len(axes.free)):
-        way[m] = way_of(axes, axes.free[m], start[axes.free[m]], end[axes.free[m]])
-        longest = max(longest, abs(way[m]))
-    return longest
 
 
 @jit_within

@@ -17,6 +17,7 @@ from chainbuild.ik.branches.compiled.doubtful.steps import (
     corrected,
     inverted,
     put,
+    short_way,
     weakest,
     weakest_at,
 )
@@ -51,16 +52,9 @@ class Curves(NamedTuple):
 
 
 @jit
-def _short_way(axes, start, end, way):
-    """Write the way (f,) of the free axes from one place to another, by whole turns as short as possible."""
-    for m in range(len(axes.free)):
-        way[m] = way_of(axes, axes.free[m], start[axes.free[m]], end[axes.free[m]])
-
-
-@jit
 def _share_of(axes, start, end, other, way):
     """Return how far along a piece of a curve another place is, as a share; not a number where it is not near."""
-    _short_way(axes, start, other, way)
+    short_way(axes, start, other, way)
     along, whole, size = 0.0, 0.0, 0.0
     for m in range(len(axes.free)):
         step = end[axes.free[m]] - start[axes.free[m]]
@@ -82,10 +76,8 @@ def _passes(axes, room, target, start, end, other, way, spare):
     for _ in range(4):
         if not corrected(axes, room, target) < ARRIVED:
             return False
-        _short_way(axes, room.x, other, way)
-        left, along = 0.0, 0.0
-        for m in range(len(axes.free)):
-            left = max(left, abs(way[m]))
+        left = short_way(axes, room.x, other, way)
+        along = 0.0
         if left < _THERE:
             return True
         for m in range(len(axes.free)):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from chainbuild.ik.branches.compiled.axes import look
+from chainbuild.ik.branches.compiled.axes import look, way_of
 from chainbuild.ik.branches.compiled.finish import copy_rows
 from chainbuild.ik.search.compiled.kernels import damped_step, jit, solve_in_place
 
@@ -85,6 +85,16 @@ def put(axes, room, place, step, direction):
         room.x[m] = place[m]
     for m in range(len(axes.free)):
         room.x[axes.free[m]] += step * direction[m]
+
+
+@jit
+def short_way(axes, start, end, way):
+    """Write the way (f,) of the free axes between two places, by whole turns as short as possible; return how long."""
+    longest = 0.0
+    for m in range(len(axes.free)):
+        way[m] = way_of(axes, axes.free[m], start[axes.free[m]], end[axes.free[m]])
+        longest = max(longest, abs(way[m]))
+    return longest
 
 
 @jit
