@@ -22,6 +22,8 @@ from chainbuild.ik.search.compiled import kernels
 from chainbuild.ik.search.compiled.entries import kept_jit
 from chainbuild.ik.search.compiled.kernels import FAST
 from chainbuild.tolerances import ROTATION_MATRIX
+from tests.bench.arms.geometry import OTHER, Arm
+from tests.bench.arms.truth import descend
 from tests.kit.general_arms import DRAWN, arm_of, at_random, calibrated, rounded
 from tests.kit.parallel_arms import pose_by_hand
 
@@ -58,10 +60,16 @@ def apart(row: np.ndarray, others: Rows) -> float:
 
 
 def plain(serial: Serial, T: np.ndarray, within: float) -> Rows:
-    """Return the plain elimination's solutions of a pose, once each."""
+    """Return the plain elimination's solutions of a pose, once each; what lies between two that nearly meet is none."""
+    near = [values for values, _ in solver_of(serial).solve(T, np.zeros(6))]
+    near = [values for values in near if np.abs(pose_by_hand(serial, values) - T).max() < within]
+    if not near:
+        return np.empty((0, 6))
+    axes, points = (np.array([getattr(s, part) for s in serial.screws]) for part in ("direction", "point"))
+    settled, left = descend(Arm("", OTHER, False, axes, points, serial.M), np.array(near), np.array([T] * len(near)))
     found = np.empty((0, 6))
-    for values, _ in solver_of(serial).solve(T, np.zeros(6)):
-        if np.abs(pose_by_hand(serial, values) - T).max() < within and apart(values, found) > SAME:
+    for values in settled[left < 1e-12]:
+        if apart(values, found) > SAME:
             found = np.vstack((found, values))
     return found
 

@@ -15,7 +15,7 @@ import numpy as np
 from chainbuild.ik.branches.compiled.axes import look, way_of
 from chainbuild.ik.branches.compiled.constants import CLUSTERED, ENDS, ISOLATED, PIECES, STATE, UNKNOWN, UNSURE
 from chainbuild.ik.branches.compiled.doubtful.curves import follow_curve, piece_through
-from chainbuild.ik.branches.compiled.doubtful.descents import descended, is_place, parted
+from chainbuild.ik.branches.compiled.doubtful.descents import descended, is_place
 from chainbuild.ik.branches.compiled.doubtful.steps import (
     ARRIVED,
     goes_on,
@@ -29,8 +29,6 @@ from chainbuild.ik.branches.compiled.doubtful.steps import (
 from chainbuild.ik.branches.compiled.finish import copy_rows, write_axis_values
 from chainbuild.ik.search.compiled.kernels import jit, jit_within
 
-# Numbers that are handed over are not integers: numba compiles a function anew for each integer that is written out.
-_NOWHERE: Final = -1.0
 _WEAK: Final = 2e-2  # share of the Jacobian's size: a weaker direction may lead to a branch nearby
 _LOST: Final = 1e-6  # the same below which solutions may go on as a curve
 _LOST_TOO: Final = 1e-5  # for a second one: where several are lost, a solution is less exact in all of them
@@ -155,7 +153,7 @@ def _join(axes, room, target, curves, places, count, piece):
 
 
 @jit
-def _with_place(axes, room, target, reached, curves, places, count, origin, near, at):
+def _with_place(axes, room, target, reached, curves, places, count, origin, near):
     """Bring room.x to the target and write it behind the first places if it is none of them; return how many then.
 
     Args:
@@ -168,14 +166,10 @@ def _with_place(axes, room, target, reached, curves, places, count, origin, near
         count: How many there are.
         origin: (n,) from where a step began: what comes back to it
         near: nearer than that is given up.
-        at: Number of a place near which the solution has to be, apart from those known there; _NOWHERE: anywhere.
     """
     if count == len(places) or (curves.known[ENDS] != 0 and curves.known[STATE] != ISOLATED):
         return count
-    if at == _NOWHERE:
-        left = descended(axes, room, target, places, count, origin, near)
-    else:
-        left = parted(axes, room, target, places, count, int(at))
+    left = descended(axes, room, target, places, count, origin, near)
     if not left < reached or is_place(axes, room, target, left, places, count):
         return count
     for m in range(len(room.x)):
@@ -211,7 +205,7 @@ def _along_valley(axes, room, target, curves, places, count, at, direction, sign
         if is_lower and (ends or height > before):
             known = count
             put(axes, room, floor, 0.0, tangent)
-            count = _with_place(axes, room, target, ARRIVED, curves, places, count, floor, -1.0, _NOWHERE)
+            count = _with_place(axes, room, target, ARRIVED, curves, places, count, floor, -1.0)
             for k in range(known, count):
                 places[k, n] = -1.0  # has been looked at from here
         is_lower = step == 0 or height < before  # the first one may be next to a solution, too
@@ -248,21 +242,18 @@ def _around(axes, room, target, curves, places, count, at):
         for step in _AWAY:
             for side in range(2):
                 put(axes, room, place, step * (1.0 - 2.0 * side), along)
-                count = _with_place(axes, room, target, ARRIVED, curves, places, count, place, _BACK * step, _NOWHERE)
+                count = _with_place(axes, room, target, ARRIVED, curves, places, count, place, _BACK * step)
     is_cluster = next_weak < _CLUSTER * size
     for other in range(at if weak < _VALLEY * size else 0):
         apart = short_way(axes, places[other], place, along)
         if places[other, n] < _ITS_OWN * _VALLEY and apart < _NEIGHBOURS:
             put(axes, room, place, -0.5, along)
-            count = _with_place(axes, room, target, ARRIVED, curves, places, count, place, -1.0, _NOWHERE)
+            count = _with_place(axes, room, target, ARRIVED, curves, places, count, place, -1.0)
             if is_cluster:
                 put(axes, room, place, 1.0, along)
-                count = _with_place(axes, room, target, ARRIVED, curves, places, count, place, -1.0, float(at))
+                count = _with_place(axes, room, target, ARRIVED, curves, places, count, place, -1.0)
     if is_cluster:
         curves.known[CLUSTERED] = 1
-        for k in range(4):
-            put(axes, room, place, _AWAY[0] * (1.0 - 2.0 * (k % 2)), v if k < 2 else w)
-            count = _with_place(axes, room, target, ARRIVED, curves, places, count, place, -1.0, float(at))
     return count
 
 
@@ -289,7 +280,7 @@ def places_beside(axes, room, target, x0, values, counts, reached, curves, place
         rows = counts[k] if counts[k] >= 0 else UNSURE - counts[k]
         for i in range(rows):
             write_axis_values(axes, x0, values[k, i], room.x)
-            count = _with_place(axes, room, target, reached, curves, places, count, x0, -1.0, _NOWHERE)
+            count = _with_place(axes, room, target, reached, curves, places, count, x0, -1.0)
     while looked_at < count and (curves.known[ENDS] == 0 or curves.known[STATE] == ISOLATED):
         count = _around(axes, room, target, curves, places, count, looked_at)
         looked_at += 1

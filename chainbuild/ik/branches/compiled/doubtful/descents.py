@@ -11,9 +11,8 @@ from typing import Final
 
 from chainbuild.ik.branches.compiled.axes import look, way_of
 from chainbuild.ik.branches.compiled.doubtful.steps import FLOOR, stepped
-from chainbuild.ik.branches.compiled.finish import copy_rows
 from chainbuild.ik.branches.core.branches import BETWEEN_BRANCHES, CLOSE_BRANCHES, SAME_BRANCH
-from chainbuild.ik.search.compiled.kernels import damped_step, jit
+from chainbuild.ik.search.compiled.kernels import jit
 
 _STEPS: Final = 30  # damped Newton steps: a start near a branch takes five, where branches meet twenty
 _EXACT: Final = 1e-15  # m and rad: rounding
@@ -22,9 +21,6 @@ _HOPELESS_AFTER: Final = 10  # steps: what is not near by then is given up
 _HOPELESS: Final = 0.05  # m and rad
 _DAMPING: Final = 0.1  # times the squared error
 _MOST_DAMPED: Final = 0.01  # far from a solution, where more only takes longer
-_PARTING: Final = 30  # steps that leave known solutions
-_NEXT_TO: Final = 0.02  # rad or m of one of them
-_FAR: Final = 0.05  # rad or m: solutions that are close together are not so far
 _A_QUARTER: Final = 0.05  # share of the error before, by which it may differ from a quarter
 _SHARES: Final = (0.5, 0.3)  # of the way between two places: in the middle of two solutions may be a third
 _BETWEEN: Final = 3  # steps from there to a solution
@@ -117,37 +113,3 @@ def _is_between(axes, room, target, start, place, share, beside, reached):
     for m in range(len(room.x)):
         away = max(away, abs(room.x[m] - between[m]))
     return left < reached and away < beside
-
-
-@jit
-def parted(axes, room, target, places, count, at):
-    """Bring room.x to a solution near a place that is none of the first ones; return what is left of the way there.
-
-    Newton's steps for the remaining motion times what is infinite at those places: their direction stays, and their
-    length makes them leave known solutions (Farrell, Birkisson and Funke 2015, "Deflation techniques").
-    """
-    left = math.inf
-    for _ in range(_PARTING):
-        before, left = left, max(look(axes, room, target))
-        if not left < math.inf or left < _EXACT or (left < _SLOW_BELOW and left > 0.5 * before):
-            break
-        damping, largest, slope = max(FLOOR, min(_MOST_DAMPED, _DAMPING * left * left)), _NEXT_TO, 0.0
-        rows = copy_rows(axes, room)
-        damped_step(rows, room.Jf, room.error, room.H, room.g, room.step, damping)
-        for i in range(count):
-            square, along = 0.0, 0.0
-            for m in range(len(axes.free)):
-                way = way_of(axes, axes.free[m], places[i, axes.free[m]], room.x[axes.free[m]])
-                square, along = square + way * way, along + way * room.step[m]
-            if square < 1.0:
-                slope -= 2.0 * along / max(square * (1.0 + square), FLOOR)
-        factor = 1.0 / (1.0 - slope) if slope != 1.0 else 1.0
-        for m in range(len(axes.free)):
-            largest = max(largest, abs(factor * room.step[m]))
-        away = 0.0
-        for m in range(len(axes.free)):
-            room.x[axes.free[m]] += factor * room.step[m] * (_NEXT_TO / largest)
-            away = max(away, abs(room.x[axes.free[m]] - places[at, axes.free[m]]))
-        if away > _FAR:
-            return math.inf
-    return left

@@ -98,25 +98,28 @@ def _places_at(
     Those of poses beside it lead there: of pairs on either side of the pose, at several distances, until enough of
     them bring nothing new.
     """
-    entries, idle, state = compiled_entries(), 0, curves[-1]
+    entries, idle, known, known_of = compiled_entries(), 0, 0, curves[-1]
     places = np.empty((_MOST_PLACES, len(x0) + _TOLD_OF))
-    told_of = values[None], np.array([count])
-    known = entries.beside_pose(*form.axes, target, x0, *told_of, _REACHED, *curves, places, 0)
-    for first in range(0, len(form.beside), 2):
-        if state[STATE] != ISOLATED and state[ENDS]:
-            break
-        moves = form.beside[first : first + 2]
-        targets = np.broadcast_to(target, moves.shape).copy()
-        targets[:, :3, :3] = moves[:, :3, :3] @ target[:3, :3]
-        targets[:, :3, 3] += moves[:, :3, 3]
-        values, counts = np.empty((len(moves), ROWS, COLUMNS)), np.empty(len(moves), np.int64)
-        form.write_values(targets, x0, values, counts)
-        reached = entries.beside_pose(*form.axes, target, x0, values, counts, _REACHED, *curves, places, known)
-        told = ((counts > 0) | (counts < UNSURE)).any()  # else these poses say nothing
-        idle = 0 if reached > known else idle + int(told) * _WEIGHT[int((counts >= 0).sum())]
+    targets = form.beside.copy()
+    targets[:, :3, :3] = targets[:, :3, :3] @ target[:3, :3]
+    targets[:, :3, 3] += target[:3, 3]
+    # The pose itself is looked at together with the first pair.
+    rows, counts = np.empty((3, ROWS, COLUMNS)), np.array([count, 0, 0])
+    rows[0] = values
+    for first in range(0, len(targets), 2):
+        form.write_values(targets[first : first + 2], x0, rows[1:], counts[1:])
+        new = slice(min(first, 1), 3)
+        reached = entries.beside_pose(*form.axes, target, x0, rows[new], counts[new], _REACHED, *curves, places, known)
+        one, other = counts[1:].tolist()
+        if reached > known:
+            idle = 0
+        elif first and (min(one, other) < UNSURE or max(one, other) > 0):  # else these poses say nothing
+            idle += _WEIGHT[(one >= 0) + (other >= 0)]
         known = reached
-        is_plain = state[STATE] == ISOLATED and not state[CLUSTERED]
-        if known and first and idle >= (_ENOUGH if is_plain else _ENOUGH_BESIDE):  # two pairs at least
+        if known_of[STATE] != ISOLATED and known_of[ENDS]:
+            break
+        is_plain = known_of[STATE] == ISOLATED and not known_of[CLUSTERED]
+        if known and first and idle >= (_ENOUGH if is_plain else _ENOUGH_BESIDE):
             break
     return places[:known]
 

@@ -28,6 +28,7 @@ def stepped(axes, room, damping, factor):
         room.x[axes.free[m]] += room.step[m] * (factor * _LONGEST / longest)
 
 
+# Counts that are handed over are no integers: numba compiles a function anew for each integer that is written out.
 @jit
 def inverted(room, rows, n, others, count, v):
     """Iterate a unit direction (n,) once towards the weakest but for the first of others; return how weak it is."""
