@@ -188,7 +188,7 @@ def general_branches(constants, T, values):
     P, product, motion, null = np.empty((6, 14)), np.empty((10, 15)), np.empty((15, 15)), np.empty((13, 20))
     combined, A = np.empty((10, 6)), np.empty((21, 21))
     scaled(constants, T, room.G)
-    found, starts, tried = int(0.0 * constants[0]), 0, 0
+    found, starts = int(0.0 * constants[0]), 0
     for n in range(int(constants[0])):
         part = constants[OPENINGS + n * PER_OPENING : OPENINGS + (n + 1) * PER_OPENING]
         half, apart = write_equations(
@@ -197,14 +197,12 @@ def general_branches(constants, T, values):
         angle, size, largest = write_best_companion(room.rows, half, room.nine, room.B, A)
         if not (apart > _APART and largest < _USELESS and eigenvalues_of(A, size, room.real, room.imaginary)):
             continue
-        noise, before = _NOISE * largest * largest, found + starts
+        noise = _NOISE * largest * largest
         found, perhaps, starts = add_solutions(constants, part, room, half, angle, size, noise, values, found, starts)
         if perhaps == found > 0:
             return found, True
-        # Where a second opening brings nothing new, the pose itself is singular: a third would not tell more.
-        if perhaps < 0 or 0 < perhaps < found or (tried > 0 and found + starts == before):
+        if perhaps < 0 or 0 < perhaps < found:
             break
-        tried += 1
     for k in range(starts):
         for n in range(JOINTS):
             values[found + k, n] = values[len(values) - starts + k, n]
