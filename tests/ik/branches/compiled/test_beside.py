@@ -195,19 +195,27 @@ def within(arm: Arm, lower: float, upper: float) -> Robot:
     return Robot(replace(chain, axes=(first, *chain.axes[1:])))
 
 
-def test_of_a_curve_the_place_inside_the_limits_that_is_nearest_counts() -> None:
-    """Axis 1 may stand from 60 to 90 degrees: one end of that piece is nearest to a start below it."""
+@pytest.mark.parametrize(("lower", "upper"), [(60.0, 90.0), (-95.0, -70.0), (150.0, 170.0), (-170.0, -160.0)])
+def test_of_a_curve_the_place_inside_the_limits_that_is_nearest_counts(lower: float, upper: float) -> None:
+    """Of axis 1 a piece is left, whose end next to the start is nearest; the start itself is outside."""
     arm, (q, along) = arms()["crx"], folded()
-    T = arm.pose(q)
-    narrow = within(arm, 60.0, 90.0)
-    found = narrow.ik_all(T, start=[70.0, *np.degrees(q[1:])])
-    assert isinstance(quick_branches(narrow, T, np.array([70.0, *np.degrees(q[1:])]), None), Branches)
+    T, start = arm.pose(q), np.degrees(q)
+    narrow = within(arm, lower, upper)
+    start[0] = lower + 2.0
+    found = narrow.ik_all(T, start=start)
+    assert isinstance(quick_branches(narrow, T, start, None), Branches)
     curved = [row for row in found if len(row.free_directions)]
     assert len(curved) == 1
     first, fourth = np.radians(curved[0].axes[[0, 3]])
-    assert 60.0 <= curved[0].axes[0] <= 90.0
+    assert lower <= curved[0].axes[0] <= upper
     assert math.remainder(fourth - q[3] - along[3] * (first - q[0]), math.tau) == pytest.approx(0.0, abs=1e-6)
     assert np.abs(narrow.fk(curved[0].axes).homogeneous - T).max() < 1e-9
+    # No place of the curve inside the limits is nearer to the start: a thousand of them, whole turns aside.
+    places = np.linspace(math.radians(lower), math.radians(upper), 1001)
+    turned = q[3] + along[3] * (places - q[0])
+    apart = np.hypot(places - math.radians(start[0]), np.remainder(turned - q[3] + math.pi, math.tau) - math.pi)
+    ours = math.hypot(first - math.radians(start[0]), math.remainder(fourth - q[3], math.tau))
+    assert ours < apart.min() + 2e-3
 
 
 def test_many_poses_have_the_branches_of_each() -> None:

@@ -32,6 +32,6 @@ def test_no_branch_is_lost(case: dict[str, Any]) -> None:
     assert isinstance(found, Branches)
     rows = np.radians(found.axes)
     (judged,) = truths(arm, T[None], q[None], [[rows]], np.random.default_rng(3))
-    assert len(judged.branches) >= 4
+    assert 4 <= len(judged.branches) <= len(rows)
     assert all(distance(rows, branch).min() < 1e-4 for branch in judged.branches)
     assert judged.wrong == [0]

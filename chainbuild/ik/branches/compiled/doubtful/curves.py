@@ -29,7 +29,7 @@ _SHORTEST: Final = 1e-4  # a curve that needs shorter steps ends
 _BENT: Final = 0.35  # rad that a curve turns in one step: where it turns more, another one may come close
 _LARGEST: Final = 0.5  # rad or m of one step
 _MOST: Final = 300  # steps along a curve: twice as many as a turn of all axes takes
-_ROOM: Final = 0.5  # m or rad beyond a limit: no member of a family is so far out
+_ROOM: Final = 0.5  # m or rad beyond a limit: what leads on from there is left
 _THERE: Final = 1e-5  # m and rad: as far apart as solutions that count as one
 _SHORT: Final = 0.1  # rad or m: what goes on no farther is no curve
 # How following a curve ended: where it began, where steps no longer led on, beyond limits or many turns, without room.
@@ -38,7 +38,7 @@ _ENDED: Final = 0
 _BEYOND: Final = 2
 _FULL: Final = -1
 _ALONG: Final = 0.8  # squared cosine of directions that are one where curves cross
-_NEARER: Final = 8  # steps along a curve to where it is nearest to the start
+_NEARER: Final = 24  # steps along a curve to where it is nearest to the start, or as near as limits permit
 _STILL: Final = 1e-12  # rad or m of such a step that ends them
 
 
@@ -131,13 +131,13 @@ def _kept(curves, x, piece):
 
 
 @jit
-def _is_beyond(axes, x):
-    """Tell whether an axis is so far beyond its limits that no member of a family is farther along."""
+def _beyond(axes, x):
+    """Return how far the axis that is farthest beyond its limits is; not above 0 inside them."""
+    farthest = -math.inf
     for m in range(axes.each.shape[1]):
-        lower, upper = axes.each[LOWER, m] - _ROOM, axes.each[UPPER, m] + _ROOM
-        if axes.each[PERIODIC, m] == 0.0 and not lower <= x[m] <= upper:
-            return True
-    return False
+        if axes.each[PERIODIC, m] == 0.0:
+            farthest = max(farthest, axes.each[LOWER, m] - x[m], x[m] - axes.each[UPPER, m])
+    return farthest
 
 
 @jit_within
@@ -186,7 +186,8 @@ def _followed(axes, room, target, place, direction, sign, curves, piece):
         fits = _kept(curves, ahead, piece) and fits
         if not fits:
             return _FULL
-        if _is_beyond(axes, ahead):
+        far, near = _beyond(axes, ahead), _beyond(axes, at)
+        if far > _ROOM and far > near:
             return _BEYOND
         crossing = 0.5 * length * apart / (last - apart) if apart < last < math.inf else math.inf
         size = length * (2.0 if bend < 0.3 * _BENT else 1.0)
@@ -257,17 +258,21 @@ def nearest_on_curve(axes, room, target, x0, curves, owner, best):
                 nearest = _distance(x, x0)
                 for m in range(len(x)):
                     best[m] = x[m]
+    share = 1.0
     for _ in range(_NEARER if nearest < math.inf else 0):
         put(axes, room, best, 0.0, v)
         weakest_at(axes, room, target, spare)
         along = 0.0
         for m in range(len(axes.free)):
             along += (x0[axes.free[m]] - best[axes.free[m]]) * v[m]
-        put(axes, room, best, max(-_LARGEST, min(_LARGEST, along)), v)
-        met = corrected(axes, room, target) < ARRIVED
-        if abs(along) < _STILL or not (met and inside_by_turns(axes, x, x0) > 0 and _distance(x, x0) < nearest):
+        if abs(share * along) < _STILL:
             break
-        nearest = _distance(x, x0)
-        for m in range(len(x)):
-            best[m] = x[m]
+        put(axes, room, best, share * max(-_LARGEST, min(_LARGEST, along)), v)
+        met = corrected(axes, room, target) < ARRIVED
+        if met and inside_by_turns(axes, x, x0) > 0 and _distance(x, x0) < nearest:
+            nearest = _distance(x, x0)
+            for m in range(len(x)):
+                best[m] = x[m]
+        else:
+            share *= 0.5  # towards a limit
     return nearest < math.inf
