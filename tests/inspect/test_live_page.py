@@ -64,10 +64,17 @@ def arm(live: Live) -> Live:
     live.page.call("set", [0, -90, 90, 0, 30, 0])
     live.settled()
     if live.session.values:
-        live.page.one("#parameters .reset").click()
-        until(lambda: not live.session.values, live.page)
+        until(lambda: restored(live), live.page)
         live.page.until(f"document.querySelector('{DATUM}').dataset.value === '35'")
     return live
+
+
+def restored(live: Live) -> bool:
+    """Return whether the data are those of the file again; a click is lost where the panel is drawn anew under it."""
+    if live.session.values:
+        live.page.one("#parameters .reset").click()
+        live.page.tab.wait_for_timeout(500)
+    return not live.session.values
 
 
 def changed_file(tmp_path: Path) -> Robot:
