@@ -13,6 +13,8 @@ import numpy as np
 from chainbuild.errors import ChainbuildError
 from chainbuild.formats.load import load
 from chainbuild.frames import transform
+from chainbuild.ik.branches.compiled.doubtful.settle import settle_ahead
+from chainbuild.ik.branches.compiled.forms import quick_form
 from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.branches.many import ik_all_batch
 from chainbuild.ik.plan import plan_of
@@ -54,13 +56,15 @@ def warm_up(*, progress: Progress = False) -> Mapping[str, float]:
     arm, machine = Mechanism(load(_ARM).chain()), Mechanism(load(_MACHINE).chain())
     start, zeros = np.array(_ARM_DEG), np.zeros((1, len(machine.axes)))
     poses = np.array([arm.fk(start + shift).homogeneous for shift in (0.0, 0.1)])
+    others = tuple(_other_arms(arm))
     calls: Mapping[str, Callable[[], object]] = {
         "one pose": partial(search, IkRequest(arm, poses[0], start)),
         "many poses": partial(solve_batch, arm, np.tile(poses, (_MANY, 1, 1)), start),
         "a path": partial(solve_path, arm, poses, start),
         "all branches of many poses": partial(ik_all_batch, arm, poses),
         "all branches of a pose": partial(ik_all, arm, poses[0]),
-        **{f"all branches: {plan_of(one).name}": _branches_of(one) for one in (machine, *_other_arms(arm))},
+        **{f"all branches: {plan_of(one).name}": _branches_of(one) for one in (machine, *others)},
+        "all branches of a singular pose": partial(_settle_ahead, others[-1]),
         "linear axes of many positions": partial(linear_axes_batch, machine, np.zeros((1, 3)), zeros),
     }
     took: dict[str, float] = {}
@@ -75,6 +79,12 @@ def warm_up(*, progress: Progress = False) -> Mapping[str, float]:
 
 def _branches_of(mechanism: Mechanism) -> Callable[[], object]:
     return partial(ik_all, mechanism, mechanism.fk(np.full(len(mechanism.axes), _BENT_DEG)))
+
+
+def _settle_ahead(mechanism: Mechanism) -> None:
+    form, x0 = quick_form(mechanism, None, None)
+    if form is not None:
+        settle_ahead(form, mechanism.fk(np.full(len(mechanism.axes), _BENT_DEG)).homogeneous, x0)
 
 
 def _other_arms(arm: Mechanism) -> Iterator[Mechanism]:

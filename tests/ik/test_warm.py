@@ -15,6 +15,7 @@ from tests.kit.command_line import Run
 
 def test_every_entry_point_is_called(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("numba")
+    from chainbuild.ik.branches.compiled import entries as branches
     from chainbuild.ik.branches.opw import compiled as opw
     from chainbuild.ik.search.compiled import entries, slides
 
@@ -27,15 +28,17 @@ def test_every_entry_point_is_called(run: Run, monkeypatch: pytest.MonkeyPatch) 
 
         return call
 
-    for module in (entries, opw, slides):
-        for name in ("search_one", "search_many", "track_many", "write_branches", "write_linear_axes"):
+    names = {"search_one", "search_many", "track_many", "write_branches", "write_linear_axes"}
+    names |= {"finish_poses", "beside_pose", "nearest_places"}
+    for module in (entries, opw, slides, branches):
+        for name in names:
             if (entry := getattr(module, name, None)) is not None:
                 monkeypatch.setattr(module, name, noting(name, entry))
     outcome = run("warm", "--json")
     assert outcome.code == 0
-    assert set(called) == {"search_one", "search_many", "track_many", "write_branches", "write_linear_axes"}
+    assert set(called) == names
     seconds = json.loads(outcome.out)["seconds"]
-    assert len(seconds) == 9
+    assert len(seconds) == 10
     assert all(value > 0.0 for value in seconds.values())
 
 

@@ -85,6 +85,19 @@ def settled(form: QuickForm, target: Matrix, x0: Vector, values: Matrix, count: 
     return Doubtful(places[:, :-_TOLD_OF], places[:0, :-_TOLD_OF])
 
 
+def settle_ahead(form: QuickForm, target: Matrix, x0: Vector) -> None:
+    """Call all that `settled` may call, so that it is compiled.
+
+    Args:
+        form: The form.
+        target: (4, 4) tool in the workpiece frame [m].
+        x0: (n_axes,) start in SI.
+    """
+    settled(form, target, x0, np.empty((ROWS, COLUMNS)), UNSURE)
+    curves, places = _no_curves(len(x0), ends=False), np.empty((1, len(x0) + _TOLD_OF))
+    compiled_entries().nearest_places(*form.axes, target, x0, *curves, places, 0)
+
+
 def _places_at(
     form: QuickForm,
     target: Matrix,
