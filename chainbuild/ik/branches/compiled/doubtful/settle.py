@@ -42,10 +42,10 @@ Settled = tuple[int, bool, Matrix, Matrix, Matrix]  # what `entries.finish_poses
 
 
 class Doubtful(NamedTuple):
-    """What is known of a pose that the plain path decides: where some solutions are on curves, or none was found.
+    """What is known of a pose that the plain path decides: surfaces, curves that are not followed, or nothing found.
 
     Attributes:
-        places: (k, n_axes) solutions in SI, whatever the limits: all but for curves.
+        places: (k, n_axes) solutions in SI, whatever the limits: all but for those on such curves and surfaces.
         near: (0 or 1, n_axes) the last resort: a solution for a pose of which nobody finds any.
     """
 
