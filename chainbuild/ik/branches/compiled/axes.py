@@ -5,13 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any, Final, NamedTuple
 
-import numba
 import numpy as np
 
-from chainbuild.ik.search.compiled.kernels import INNER, jit, pose_and_jacobian, tool_error
-
-# Code put into its caller: handing over a machine as twenty arrays takes longer than what is done with it.
-inlined: Final[Any] = numba.njit(forceinline=True, **INNER)
+from chainbuild.ik.search.compiled.kernels import inlined, jit, pose_and_jacobian, tool_error
 
 TURN: Final = 2.0 * math.pi  # a whole turn
 

@@ -22,7 +22,6 @@ from chainbuild.ik.branches.compiled.axes import (
     TOGETHER,
     TURN,
     UPPER,
-    inlined,
     look,
     missed,
     way_of,
@@ -37,7 +36,7 @@ from chainbuild.ik.branches.core.branches import (
     POLISH_TO,
     SAME_BRANCH,
 )
-from chainbuild.ik.search.compiled.kernels import damped_step, jit, jit_within, solve_in_place
+from chainbuild.ik.search.compiled.kernels import damped_step, inlined, jit, solve_in_place
 from chainbuild.tolerances import IK_POSITION_M, IK_ROTATION_RAD, LIMIT_SLACK
 
 _FLOOR: Final = 1e-14  # damping that keeps the factorisation alive at singular points
@@ -48,7 +47,7 @@ _MOST_MOVED: Final = 0.999  # share of the largest motion that is as large but f
 _SEVERAL: Final = 1e6  # inverse square of a singular value: beyond it a second direction is free
 
 
-@jit_within
+@jit
 def _place_linear(axes, room, target):
     """Move the linear axes to bring the tip to the target's position; return False where they lie in one plane."""
     for _ in range(_LINEAR_STEPS):
@@ -74,7 +73,7 @@ def _place_linear(axes, room, target):
     return True
 
 
-@jit_within
+@inlined
 def _polished(axes, room, target):
     """Improve room.x by Newton steps; return distance, angle and steps, or an infinite distance for no solution."""
     write_pose(axes, room)
@@ -94,7 +93,7 @@ def _polished(axes, room, target):
     return distance, angle, steps
 
 
-@jit_within
+@inlined
 def inside_by_turns(axes, x, x0):
     """Move periodic axes by whole turns into their limits, near to x0: 1 inside, 0 outside, -1 only just inside."""
     inside = 1
@@ -165,7 +164,7 @@ def _iterate(room, rows, n, share, v):
     return math.sqrt(total)
 
 
-@jit_within
+@jit
 def _goes_along(axes, room, target, axis, along):
     """Write the unit direction in which a solution goes on; return whether there is that one only.
 
@@ -200,7 +199,7 @@ def _goes_along(axes, room, target, axis, along):
     return rest < _STILL and _iterate(room, rows, n, 1.0, v) < _SEVERAL
 
 
-@jit_within
+@inlined
 def finished(axes, room, target, x0, values, count, found, left, along):
     """Write the branches among joint values, nearest to x0 first.
 
@@ -270,7 +269,7 @@ def _one_of_each(found, left, along, kept):
     return count
 
 
-@jit_within
+@inlined
 def write_axis_values(axes, x0, values, x):
     """Write the axis values of joint values."""
     n = len(x0)
@@ -286,7 +285,7 @@ def write_axis_values(axes, x0, values, x):
         x[axes.joints[COLUMNS_OF, r]] = value
 
 
-@jit_within
+@inlined
 def _sort_in(axes, x0, x, row, found, left, along, kept):
     """Write a branch to where its distance to x0 puts it among those before; its direction stands behind them."""
     n, far = len(x0), 0.0
@@ -307,7 +306,7 @@ def _sort_in(axes, x0, x, row, found, left, along, kept):
     left[at, 3], left[at, 4], left[at, 5] = far, row[3], row[4]
 
 
-@jit_within
+@inlined
 def _known(axes, room, target, found, left, kept, axis):
     """Tell whether room.x is a branch that is known: 1, 0, or -1 where it lies in the middle of what lost its digits.
 

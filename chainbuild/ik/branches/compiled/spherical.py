@@ -24,7 +24,7 @@ from chainbuild.ik.branches.compiled.small import (
     two_turns_kept,
     vector,
 )
-from chainbuild.ik.search.compiled.kernels import jit, jit_within
+from chainbuild.ik.search.compiled.kernels import inlined, jit
 
 _FIFTH: Final = 0.4 * math.pi  # of a turn
 
@@ -151,7 +151,7 @@ def _after_skew(constants, p, d, arms):
     return count, sure
 
 
-@jit_within
+@inlined
 def spherical_branches(constants, T, keep, values):
     """Write the joint values of a pose, and which is free; return how many rows, and whether none can be missing."""
     from_tool, backwards = constants[_FROM_TOOL] != 0.0, constants[_BACKWARDS] != 0.0

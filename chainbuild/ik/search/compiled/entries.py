@@ -25,6 +25,7 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, InTreeCach
 
 from chainbuild import tolerances
 from chainbuild.ik import rules
+from chainbuild.ik.search.compiled import inner
 from chainbuild.ik.search.compiled import (
     kernels as compiled_kernels,
 )
@@ -178,6 +179,7 @@ cached_jit: Final[Any] = kept_jit(**FAST)
 cached_parallel_jit: Final[Any] = kept_jit(parallel=True, **FAST)
 
 _MODULES: Final = (
+    inner,
     compiled_kernels,
     compiled_limits,
     compiled_search,

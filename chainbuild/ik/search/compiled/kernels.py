@@ -12,12 +12,12 @@ from typing import Any, Final, NamedTuple
 import numba
 import numpy as np
 
+from chainbuild.ik.search.compiled.inner import INNER
+
 FAST: Final[Mapping[str, Any]] = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz", "arcp"}}
-# Without the wrappers that Python and C would call: a quarter less to compile.
-INNER: Final[Mapping[str, Any]] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, **FAST}
-jit: Final[Any] = numba.njit(**INNER)
-# For a large function with one caller: it becomes part of it before both are compiled, once instead of twice.
-jit_within: Final[Any] = numba.njit(inline="always", **INNER)
+jit: Final[Any] = numba.njit(**INNER, **FAST)
+# Code put into its callers: handing over a machine as many arrays takes longer than what is done with it.
+inlined: Final[Any] = numba.njit(forceinline=True, **INNER, **FAST)
 
 
 class Arrays(NamedTuple):
@@ -101,6 +101,13 @@ def work_of(n):
         np.empty(size), np.empty(n), np.empty(9), np.empty(12),
         np.empty((3, 4)), np.empty(13), np.empty(6, np.float32),
     )  # fmt: skip
+
+
+@jit
+def copy_to(to, values):
+    """Write values (n,) to another array; a loop, since numba compiles a text of its error for `to[:] = values`."""
+    for n in range(len(to)):
+        to[n] = values[n]
 
 
 @jit

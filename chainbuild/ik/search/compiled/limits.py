@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from chainbuild.ik import rules
-from chainbuild.ik.search.compiled.kernels import jit
+from chainbuild.ik.search.compiled.kernels import copy_to, jit
 
 _TURN: Final = 2.0 * math.pi  # rad
 
@@ -81,12 +81,12 @@ def near(problem, y, wanted):
     moved = y.copy()
     for n in range(len(y)):
         if periodic[n] != 0.0:
-            turns = np.round((wanted[n] - y[n]) / _TURN)
+            turns = np.rint((wanted[n] - y[n]) / _TURN)
             back = -1.0 if turns > 0.0 else 1.0
             while turns != 0.0 and not (lower[n] <= y[n] + turns * _TURN <= upper[n]):
                 turns += back
             moved[n] += turns * _TURN
     if len(problem.sums) > 0 and excess(problem, moved) > rules.INSIDE_SLACK:
         return False
-    y[:] = moved
+    copy_to(y, moved)
     return True

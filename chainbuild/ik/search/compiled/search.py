@@ -12,7 +12,7 @@ import numpy as np
 
 from chainbuild import tolerances
 from chainbuild.ik import rules
-from chainbuild.ik.search.compiled.kernels import damped_step, jit, pose_and_jacobian, tool_error, weigh
+from chainbuild.ik.search.compiled.kernels import copy_to, damped_step, jit, pose_and_jacobian, tool_error, weigh
 from chainbuild.ik.search.compiled.limits import excess, near, onto_sums, turn_inside, turned_inside
 from chainbuild.ik.search.compiled.starts import next_start, rank_starts, remove_edge_penalty
 
@@ -117,14 +117,14 @@ def approach(problem, target, y, work):
         moved = squared_error(problem, target, y, work)
         if moved < squared:
             gain, squared, damping = squared - moved, moved, damping * rules.NEAREST_SHRINK
-            kept[:] = y
+            copy_to(kept, y)
             if gain <= rules.NEAREST_GAIN * squared:
                 break
         else:
             damping *= rules.NEAREST_GROWTH
-            y[:] = kept
+            copy_to(y, kept)
             squared_error(problem, target, y, work)
-    y[:] = kept
+    copy_to(y, kept)
     return squared, taken
 
 
@@ -189,7 +189,7 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
     best = wanted.copy()
     for attempt in range(restarts + 1):
         if attempt == 0 and has_start:
-            y[:] = start
+            copy_to(y, start)
         else:
             if attempt == (1 if has_start else 0):
                 rank_starts(problem, work, target, distances)
@@ -219,17 +219,17 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
                     return _OK, iterations, attempt, distance, angle
             if beyond < least:
                 least = beyond
-                outside[:] = y
+                copy_to(outside, y)
         elif inside and squared < nearest:
             nearest = squared
-            best[:] = y
+            copy_to(best, y)
         if least == np.inf and (
             attempt + 1 >= rules.MAX_FAILED_DESCENTS or (attempt == 0 and too_far(problem, target))
         ):
             break
     if has_start and least < np.inf:
         # The branch of the start shows best which limit is violated.
-        y[:] = start
+        copy_to(y, start)
         inside = attempt < 0  # numba would compile the descent once more for a literal
         met, _, taken = descend(
             problem, target, y, work, inside, accuracy[0], close_enough, rules.MAX_STEPS, rules.STALL_SHARE
@@ -237,8 +237,8 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
         iterations += taken
         if met:
             turn_inside(problem, y)
-            outside[:] = y
-    y[:] = best
+            copy_to(outside, y)
+    copy_to(y, best)
     nearest, taken = approach(problem, target, y, work)
     distance, angle = errors(problem, target, y, work)
     outcome = _STALLED if nearest < rules.STALLED_BELOW**2 else _UNREACHABLE
@@ -288,7 +288,7 @@ def track(problem, work, targets, last, accuracy, most, y, counts, misses):
     inside = len(targets) > 0
     for i in range(len(targets)):
         now = y[i]
-        now[:] = last
+        copy_to(now, last)
         if i >= 2:  # extrapolated axis values
             for n in range(len(now)):
                 now[n] = min(max(2.0 * last[n] - y[i - 2, n], problem.lower[n]), problem.upper[n])

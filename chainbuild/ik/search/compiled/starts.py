@@ -12,7 +12,7 @@ import numba
 import numpy as np
 
 from chainbuild.ik import rules
-from chainbuild.ik.search.compiled.kernels import jit
+from chainbuild.ik.search.compiled.kernels import copy_to, jit
 from chainbuild.ik.search.compiled.limits import turned_inside
 from chainbuild.ik.search.starts.turned import LARGEST_STEP, NO_RADIUS
 
@@ -104,7 +104,7 @@ def _look(problem, work, target):
 def next_start(problem, work, distances, attempt, wanted, y):
     """Write a start not yet taken to y: the one whose pose is nearest, later on any in turns with it."""
     if len(distances) == 0:
-        y[:] = wanted
+        copy_to(y, wanted)
         return
     for _ in range(rules.TURN_TRIES):
         taken = attempt % len(distances)
@@ -117,7 +117,7 @@ def next_start(problem, work, distances, attempt, wanted, y):
             break
         if _turned(problem, work, taken, wanted, y):
             return
-    y[:] = problem.points[taken % len(problem.points)]
+    copy_to(y, problem.points[taken % len(problem.points)])
 
 
 @jit
@@ -144,7 +144,7 @@ def _turned(problem, work, taken, wanted, y):
     for m in (first, last):
         value, far = y[m], wanted[m] - y[m]
         if not -math.pi <= far <= math.pi:
-            value += _TURN * np.round(far / _TURN)
+            value += _TURN * np.rint(far / _TURN)
         value = turned_inside(problem, m, value)
         if not lower[m] <= value <= upper[m]:
             return False

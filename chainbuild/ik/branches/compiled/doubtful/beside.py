@@ -27,7 +27,7 @@ from chainbuild.ik.branches.compiled.doubtful.steps import (
     weakest_at,
 )
 from chainbuild.ik.branches.compiled.finish import copy_rows, write_axis_values
-from chainbuild.ik.search.compiled.kernels import jit, jit_within
+from chainbuild.ik.search.compiled.kernels import jit
 
 _WEAK: Final = 2e-2  # share of the Jacobian's size: a weaker direction may lead to a branch nearby
 _LOST: Final = 1e-6  # the same below which solutions may go on as a curve
@@ -57,7 +57,7 @@ _BACK: Final = 0.1  # share of such a step: what comes so near to where it began
 _ITS_OWN: Final = 0.05
 
 
-@jit_within
+@jit
 def _lines(axes, room, target, place, null, count, lines):
     """Write the directions (·, f) in which solutions go on, where up to three do not move the tool; return how many.
 
@@ -89,7 +89,7 @@ def _lines(axes, room, target, place, null, count, lines):
     return found
 
 
-@jit_within
+@jit
 def _told(axes, room, target, curves, places, count, left):
     """Complete what is known of the place behind the first ones; return how many there are then.
 
@@ -135,7 +135,7 @@ def _told(axes, room, target, curves, places, count, left):
     return max(count, first + 1)
 
 
-@jit_within
+@jit
 def _join(axes, room, target, curves, places, count, piece):
     """Join the curve of a piece to those of the first places that it passes."""
     n, anyhow = len(room.x), np.zeros(len(axes.free))
@@ -177,7 +177,7 @@ def _with_place(axes, room, target, reached, curves, places, count, origin, near
     return _told(axes, room, target, curves, places, count, left)
 
 
-@jit_within
+@jit
 def _along_valley(axes, room, target, curves, places, count, at, direction, sign):
     """Add the solutions along the valley of a place, where the tool hardly moves, looked for where its floor is lowest.
 
@@ -218,7 +218,7 @@ def _along_valley(axes, room, target, curves, places, count, at, direction, sign
     return count, is_back
 
 
-@jit_within
+@jit
 def _around(axes, room, target, curves, places, count, at):
     """Add the solutions next to an isolated place; return how many there are then."""
     n, f, place = len(room.x), len(axes.free), places[at]
@@ -257,7 +257,7 @@ def _around(axes, room, target, curves, places, count, at):
     return count
 
 
-@jit_within
+@jit
 def places_beside(axes, room, target, x0, values, counts, reached, curves, places, count):
     """Add the solutions that those of poses beside a target lead to, and these to others; return how many there are.
 

@@ -22,7 +22,7 @@ from chainbuild.ik.branches.compiled.doubtful.steps import (
     weakest_at,
 )
 from chainbuild.ik.branches.compiled.finish import copy_rows, inside_by_turns
-from chainbuild.ik.search.compiled.kernels import jit, jit_within
+from chainbuild.ik.search.compiled.kernels import jit
 
 _FIRST_STEP: Final = 0.05  # rad or m along a curve
 _SHORTEST: Final = 1e-4  # a curve that needs shorter steps ends
@@ -140,7 +140,7 @@ def _beyond(axes, x):
     return farthest
 
 
-@jit_within
+@jit
 def _followed(axes, room, target, place, direction, sign, curves, piece):
     """Follow a curve from a place; return how that ended.
 
@@ -199,7 +199,7 @@ def _followed(axes, room, target, place, direction, sign, curves, piece):
     return _BEYOND
 
 
-@jit_within
+@jit
 def follow_curve(axes, room, target, curves, place, direction):
     """Follow a curve through a place (n,) both ways, behind those known; return its first piece, or -1: it is none.
 
@@ -235,7 +235,7 @@ def _distance(x, x0):
     return far
 
 
-@jit_within
+@jit
 def nearest_on_curve(axes, room, target, x0, curves, owner, best):
     """Write the place of a curve inside all limits that is nearest to the start; return whether there is one.
 

@@ -30,7 +30,7 @@ from chainbuild.ik.branches.compiled.general.solutions import (
     polish,
     write_values,
 )
-from chainbuild.ik.search.compiled.kernels import jit, jit_within
+from chainbuild.ik.search.compiled.kernels import jit
 
 _USELESS: Final = 1e7  # entries of the matrix above which its eigenvalues have no digits
 _APART: Final = 1e-9  # share below which the eliminated joints are not told apart
@@ -129,7 +129,7 @@ def is_new(values, count, q):
     return True
 
 
-@jit_within
+@jit
 def add_solutions(constants, part, room, half, angle, size, noise, values, found, starts):
     """Write the solutions of one opening behind those found before.
 
@@ -172,7 +172,7 @@ def add_solutions(constants, part, room, half, angle, size, noise, values, found
     return found, perhaps if regular else -1, starts
 
 
-@jit_within
+@jit
 def general_branches(constants, T, values):
     """Write the solutions of a pose.
 

@@ -1,0 +1,58 @@
+"""Functions behind entry points: no machine code of their own where numba allows it, the same answers where not."""
+
+from __future__ import annotations
+
+import runpy
+from collections.abc import Mapping
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+pytest.importorskip("numba")
+
+import numba
+
+from chainbuild.ik.search.compiled import inner
+
+
+def tripled(x):  # type: ignore[no-untyped-def]
+    return 3.0 * x
+
+
+def called_by_compiled_code(options: Mapping[str, Any]):  # type: ignore[no-untyped-def]
+    function = numba.njit(**options)(tripled)
+
+    @numba.njit
+    def entry(x):  # type: ignore[no-untyped-def]
+        return function(x) + 1.0
+
+    return entry(2.0), function
+
+
+def has_machine_code(function: Any) -> bool:
+    (overload,) = function.overloads.values()
+    return bool(overload.library.get_pointer_to_function(overload.fndesc.llvm_func_name))
+
+
+def test_the_installed_numba_was_tried() -> None:
+    assert inner._TRIED[0] <= numba.version_info.short <= inner._TRIED[1]  # else try it, then write it there
+    assert "pipeline_class" in inner.INNER
+
+
+def test_an_inner_function_has_no_machine_code() -> None:
+    value, function = called_by_compiled_code(inner.INNER)
+    assert value == 7.0
+    assert not has_machine_code(function)
+
+
+@pytest.mark.parametrize("version", [(0, 61), (1, 0)])
+def test_with_a_numba_not_tried_it_is_compiled_as_ever(
+    monkeypatch: pytest.MonkeyPatch, version: tuple[int, int]
+) -> None:
+    monkeypatch.setattr(numba, "version_info", SimpleNamespace(short=version))
+    options = runpy.run_path(str(inner.__file__))["INNER"]
+    assert "pipeline_class" not in options
+    value, function = called_by_compiled_code(options)
+    assert value == 7.0
+    assert has_machine_code(function)
