@@ -109,7 +109,7 @@ def one_core() -> None:
         import numba
     except ImportError:
         return
-    numba.set_num_threads(1)
+    numba.config.NUMBA_NUM_THREADS = 1
 
 
 def arm_of(machine: Machine) -> tuple[Serial, OpwArm] | None:

@@ -95,15 +95,15 @@ def batches(machine: Machine, count: int) -> dict[str, float]:
 
     robot, axes = machine.robot, machine.axes(count, seed=2)
     T = robot.fk_batch(axes)
-    cores, path = numba.get_num_threads(), straight(machine, 2000)
-    numba.set_num_threads(1)
+    cores, path = numba.config.NUMBA_NUM_THREADS, straight(machine, 2000)
+    numba.config.NUMBA_NUM_THREADS = 1
     found = {
         "forward, NumPy": per_item(lambda: robot.fk_batch(axes), count),
         "inverse, cold, one core": per_item(lambda: robot.ik_batch(T), count),
         "inverse along a path": per_item(lambda: robot.ik_path(*path), len(path[0])),
         **clear_blocks(machine, min(count, 20_000)),
     }
-    numba.set_num_threads(cores)
+    numba.config.NUMBA_NUM_THREADS = cores
     return found
 
 

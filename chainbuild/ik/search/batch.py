@@ -31,6 +31,7 @@ BAR: Final = "inverse kinematics"  # what the progress bar is labelled with
 _ALONE: Final = 512  # fewer poses are left to one core: waking another that is busy can take milliseconds
 Alone = Callable[[IkRequest], IkResult]
 
+_PART: Final = 256  # poses that one core takes at a time: few, since one that is out of reach takes as long as hundreds
 _CHUNK: Final = 8192  # poses between updates of the progress bar and checks for interrupts
 
 
@@ -119,18 +120,26 @@ def _compiled(
     options: IkOptions,
     advance: Any,
 ) -> None:
+    from chainbuild.ik.search.compiled.cores import on_all_cores
+
     task = (problem.middle, options.accuracy, options.max_restarts)
     starts = problem.middle[None] if first is None else first
+    search_many = compiled.entries().search_many
     for begin in range(0, len(targets), _CHUNK):
-        part = slice(begin, begin + _CHUNK)
-        own = starts if len(starts) == 1 else starts[part]
-        rows = (columns.y[part], columns.counts[part], columns.misses[part])
-        compiled.entries().search_many(*packed.arrays, targets[part], own, first is not None, *task, *rows)
+        chunk = slice(begin, begin + _CHUNK)
+        poses, own = targets[chunk], starts if len(starts) == 1 else starts[chunk]
+        rows = (columns.y[chunk], columns.counts[chunk], columns.misses[chunk])
+
+        def write(part: slice, poses: Matrix = poses, own: Matrix = own, rows: tuple[Any, ...] = rows) -> None:
+            near = own if len(own) == 1 else own[part]
+            search_many(*packed.arrays, poses[part], near, first is not None, *task, *(row[part] for row in rows))
+
+        on_all_cores(write, len(poses), _PART)
         bad = np.flatnonzero(rows[1][:, 0] == rules.NOT_RIGID)
         if len(bad):
             raise at_row(refusal(targets[begin + bad[0]]), begin + int(bad[0]))
         if problem.rechecked:
-            _recheck(problem, targets[part], own if first is not None else None, rows, options)
+            _recheck(problem, poses, own if first is not None else None, rows, options)
         if problem.held_beyond:
             rows[1][rows[1][:, 0] == rules.OK, 0] = rules.LIMITS
         advance(len(rows[0]))

@@ -6,8 +6,6 @@ decide about whole turns, and at poses that a form calls doubtful and those besi
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from typing import Final
 
 import numpy as np
@@ -19,6 +17,7 @@ from chainbuild.ik.branches.compiled.forms import QuickForm, quick_form
 from chainbuild.ik.branches.core.branches import Branches, named
 from chainbuild.ik.branches.status_turn import status_turn_rows
 from chainbuild.ik.request import Held
+from chainbuild.ik.search.compiled.cores import on_all_cores
 from chainbuild.ik.search.solver import refusal
 from chainbuild.kinematics.mechanism import Mechanism
 
@@ -99,10 +98,5 @@ def write_branches_of(
                 found[row] = np.nan
                 found[row, : known[0]] = known[2][0, : known[0]]
 
-    parts = [slice(n, min(n + _PART, len(targets))) for n in range(0, len(targets), _PART)]
-    if len(parts) == 1:
-        write(parts[0])
-        return doubtful
-    with ThreadPoolExecutor(os.cpu_count()) as threads:
-        list(threads.map(write, parts))
+    on_all_cores(write, len(targets), _PART)
     return doubtful

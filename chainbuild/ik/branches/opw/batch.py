@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 
 _STRAIGHT: Final = 2.0 * ON_AXIS  # sine of θ5: what the formulas take for straight, and rounding
 _SAME_BRANCH: Final = 1e-3  # degrees: far above rounding, far below the distance of branches
+_PART: Final = 1024  # poses that one core takes at a time
+_ALONE: Final = 8192  # fewer poses are left to one core: waking another that is busy can take milliseconds
 _CHUNK: Final = 2048  # poses at a time: their data stay in the processor's cache
 _LAST_ROW: Final = (0.0, 0.0, 0.0, 1.0)  # of a rigid transform
 
@@ -61,8 +63,14 @@ def ortho_parallel_batch(mechanism: Mechanism, targets: Array, *, limits: bool, 
     axes, doubtful = np.empty((len(targets), BRANCHES, 6)), np.empty(len(targets), dtype=bool)
     if compiled and packing.available():
         from chainbuild.ik.branches.opw.compiled import write_branches
+        from chainbuild.ik.search.compiled.cores import on_all_cores
 
-        write_branches(targets, constants, axes.reshape(-1, BRANCHES * 6), doubtful)
+        flat = axes.reshape(-1, BRANCHES * 6)
+        on_all_cores(
+            lambda part: write_branches(targets[part], constants, flat[part], doubtful[part]),
+            len(targets),
+            _PART if len(targets) >= _ALONE else _ALONE,
+        )
     else:
         _write_branches(targets, constants, axes, doubtful)
     _refuse_what_is_not_rigid(targets, np.flatnonzero(doubtful))

@@ -20,12 +20,11 @@ from chainbuild.ik.branches.opw import formulas as opw_branches
 from chainbuild.ik.branches.opw.formulas import affine, all_branches, arctan2, constant_rows, root, sine_cosine, where
 from chainbuild.ik.search.compiled import kernels as compiled_kernels
 from chainbuild.ik.search.compiled.entries import kept_jit
-from chainbuild.ik.search.compiled.kernels import FAST
+from chainbuild.ik.search.compiled.inner import INNER
+from chainbuild.ik.search.compiled.kernels import FAST, jit
 
-_BLOCK: Final = 1024  # poses that one core takes at a time
 _LANE: Final = 64  # poses between writing answers
-_ALONE: Final = 8192  # fewer poses are left to one core: waking another that is busy can take milliseconds
-_INLINE: Final[Any] = {"forceinline": True, **FAST}
+_INLINE: Final[Any] = {"forceinline": True, **INNER, **FAST}
 _FORMULAS: Final = (
     "constant_rows", "six", "all_branches", "upper_branches", "product", "shoulders", "elbows", "in_range",
     "both_elbows", "wrist_angles", "flipped", "finished", "inside", "confirmed",
@@ -61,7 +60,7 @@ def _affine_by_entries(x, rows):
     )  # fmt: skip
 
 
-@numba.njit(forceinline=True, **FAST)
+@numba.njit(**_INLINE)
 def _entry(x, rows, n):
     a = rows[n]
     return a[0] * x[0] + a[1] * x[1] + a[2] * x[2] + a[3] * x[3] + a[4] * x[4] + a[5] * x[5] + rows[6][n]
@@ -118,14 +117,14 @@ def _sine_cosine_without_jumps(angle):
     return sign * r * sine, sign * cosine
 
 
-@numba.njit(forceinline=True, **FAST)
+@numba.njit(**_INLINE)
 def _put(found, i, slot, x):
     at = slot * 6 * _LANE + i
     found[at], found[at + _LANE], found[at + 2 * _LANE] = x[0], x[1], x[2]
     found[at + 3 * _LANE], found[at + 4 * _LANE], found[at + 5 * _LANE] = x[3], x[4], x[5]
 
 
-@numba.njit(**FAST)
+@jit
 def _lane(poses, constants, found):
     """Find the branches of up to `_LANE` poses: 48 numbers each, every one in a run of its own."""
     rows = constant_rows(constants)
@@ -146,7 +145,7 @@ def _lane(poses, constants, found):
         _put(found, i, 7, x[7])
 
 
-@numba.njit(**FAST)
+@jit
 def _block(poses, constants, axes, doubtful):
     """Find the branches of poses, lane by lane; intermediate data fit into the processor's nearest cache."""
     found = np.empty(48 * _LANE)
@@ -163,9 +162,9 @@ def _block(poses, constants, axes, doubtful):
 
 
 def _all_branches(fingerprint: int) -> Any:
-    @kept_jit(parallel=True, **FAST)
+    @kept_jit(nogil=True, **FAST)
     def write_branches(poses, constants, axes, doubtful):
-        """Find the branches of poses on all cores.
+        """Find the branches of poses; threads share them, see `on_all_cores`.
 
         Args:
             poses: (N, 4, 4) tool in the workpiece frame [m].
@@ -173,14 +172,8 @@ def _all_branches(fingerprint: int) -> Any:
             axes: (N, 48) out: eight times six axis values, mm and degrees; see `opw_branches.finished`.
             doubtful: (N,) out: True where no branch confirms a pose or its last row is not 0 0 0 1.
         """
-        if len(poses) < _ALONE:
+        if fingerprint >= 0:
             _block(poses, constants, axes, doubtful)
-            return
-        count = (len(poses) + _BLOCK - 1) // _BLOCK + 0 * fingerprint
-        for n in numba.prange(count):
-            first = np.int64(n) * _BLOCK
-            last = min(first + _BLOCK, len(poses))
-            _block(poses[first:last], constants, axes[first:last], doubtful[first:last])
 
     return write_branches
 

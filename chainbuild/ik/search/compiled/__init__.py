@@ -1,4 +1,4 @@
 """The compiled twins of the plain search (extra `fast`).
 
-In reading order: `packing`, `inner`, `kernels`, `limits`, `starts`, `search`, `entries`, `slides`.
+In reading order: `packing`, `inner`, `kernels`, `limits`, `starts`, `search`, `entries`, `slides`, `cores`.
 """

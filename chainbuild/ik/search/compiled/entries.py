@@ -175,8 +175,7 @@ def _tell(text: str, *, again: bool = False) -> None:
             print(f"chainbuild: {text}", file=sys.stderr, flush=True)
 
 
-cached_jit: Final[Any] = kept_jit(**FAST)
-cached_parallel_jit: Final[Any] = kept_jit(parallel=True, **FAST)
+cached_jit: Final[Any] = kept_jit(nogil=True, **FAST)
 
 _MODULES: Final = (
     inner,
@@ -219,9 +218,9 @@ def _search_one(fingerprint: int) -> Any:
 
 
 def _search_many(fingerprint: int) -> Any:
-    @cached_parallel_jit
+    @cached_jit
     def search_many(data, rows, sizes, targets, starts, has_start, wanted, accuracy, restarts, y, counts, misses):
-        """Search for many targets on all cores.
+        """Search for many targets one after another; threads share them, see `on_all_cores`.
 
         Args:
             data: The problem in one array,
@@ -237,11 +236,11 @@ def _search_many(fingerprint: int) -> Any:
             counts: (N, 3) out: outcome, steps, starts after the first.
             misses: (N, 2) out: distance and angle left.
         """
-        for i in numba.prange(len(targets)):
+        problem, work, outside = unpack(data, rows, sizes), work_of(sizes[1]), np.empty(sizes[1])
+        for i in range(len(targets)):
             counts[i, 0] = rules.NOT_RIGID + 0 * fingerprint
             if is_rigid(targets[i], accuracy[3]):
-                problem, work, outside = unpack(data, rows, sizes), work_of(sizes[1]), np.empty(sizes[1])
-                start = starts[np.int64(i) % len(starts)]  # one for all, or one a pose
+                start = starts[i % len(starts)]  # one for all, or one a pose
                 near_to = start if has_start else wanted
                 ended = search(problem, work, targets[i], start, has_start, near_to, accuracy, restarts, y[i], outside)
                 counts[i, 0], counts[i, 1], counts[i, 2], misses[i, 0], misses[i, 1] = ended

@@ -13,6 +13,7 @@ import numba
 import numpy as np
 
 from chainbuild.ik.search.compiled.entries import kept_jit
+from chainbuild.ik.search.compiled.inner import INNER
 
 _OPTIONS: Final[Mapping[str, Any]] = {"error_model": "numpy"}  # a division by 0 gives infinity, as in NumPy
 
@@ -38,7 +39,9 @@ def write_linear_axes(fixed, prismatic, A, b, solved, positions, found, distance
         for m in range(3):
             values[solved[m]] = 0.0
         rates[:] = 0.0
-        T[:] = fixed[0, :3]
+        for r in range(3):
+            for column in range(4):
+                T[r, column] = fixed[0, r, column]
         for n in range(k):
             u = b[n]
             for axis in range(len(values)):
@@ -71,7 +74,7 @@ def write_linear_axes(fixed, prismatic, A, b, solved, positions, found, distance
             values[solved[m]] = steps[m]
 
 
-@numba.njit(**_OPTIONS)
+@numba.njit(**INNER, **_OPTIONS)
 def _solve(M, v, steps):
     """Write the solution of M·steps = v for a (3, 3) matrix by cross products."""
     for m in range(3):
