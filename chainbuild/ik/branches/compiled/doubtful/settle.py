@@ -109,29 +109,36 @@ def _places_at(
     """Return the solutions (k, n_axes + 3) of a doubtful pose as `beside.places_beside` writes them, one of each curve.
 
     Those of poses beside it lead there: of pairs on either side of the pose, at several distances, until enough of
-    them bring nothing new.
+    them bring nothing new. A pair is enough where the form is sure of both and they lead to the same.
     """
     entries, idle, known, known_of = compiled_entries(), 0, 0, curves[-1]
     places = np.empty((_MOST_PLACES, len(x0) + _TOLD_OF))
     targets = form.beside.copy()
     targets[:, :3, :3] = targets[:, :3, :3] @ target[:3, :3]
     targets[:, :3, 3] += target[:3, 3]
-    # The pose itself is looked at together with the first pair.
     rows, counts = np.empty((3, ROWS, COLUMNS)), np.array([count, 0, 0])
     rows[0] = values
+    # The pose itself with the first one beside it, then the one on the other side.
+    looks: tuple[slice, ...] = (slice(0, 2), slice(2, 3))
     for first in range(0, len(targets), 2):
         form.write_values(targets[first : first + 2], x0, rows[1:], counts[1:])
-        new = slice(min(first, 1), 3)
-        reached = entries.beside_pose(*form.axes, target, x0, rows[new], counts[new], _REACHED, *curves, places, known)
+        before = told = known
+        for new in looks:
+            before, told = told, entries.beside_pose(
+                *form.axes, target, x0, rows[new], counts[new], _REACHED, *curves, places, told
+            )  # fmt: skip
         one, other = counts[1:].tolist()
-        if reached > known:
+        is_plain = known_of[STATE] == ISOLATED and not known_of[CLUSTERED]
+        if not first and is_plain and min(one, other) > 0 and told == before:
+            return places[:told]  # either side is sure to be whole, and the second one tells nothing new
+        looks = (slice(1, 3),)
+        if told > known:
             idle = 0
         elif first and (min(one, other) < UNSURE or max(one, other) > 0):  # else these poses say nothing
             idle += _WEIGHT[(one >= 0) + (other >= 0)]
-        known = reached
+        known = told
         if known_of[STATE] != ISOLATED and known_of[ENDS]:
             break
-        is_plain = known_of[STATE] == ISOLATED and not known_of[CLUSTERED]
         if known and first and idle >= (_ENOUGH if is_plain else _ENOUGH_BESIDE):
             break
     return places[:known]
