@@ -14,6 +14,9 @@ from chainbuild.ik.search.compiled.kernels import jit
 
 # A vector whose part across an axis is below this share of its length: its turn keeps half the digits at most.
 BARELY: Final = 1e-7
+# The same of the end of two turns: the first loses digits that the turn after both, taken from it, gives back. Nearer
+# the axis the plain path looks at how far the first may turn.
+_BESIDE_AXIS: Final = 2e-8
 
 
 @jit
@@ -120,14 +123,21 @@ def to_height(k, p, h, d):
 @jit
 def two_turns(k1, k2, p, q):
     """Return the pairs with Rot(k1, a)·Rot(k2, b)·p = q, |p| = |q| (subproblem 2): count, a, b, a', b', sure."""
+    count, first, second, first_too, second_too, sure, certain = _pairs(k1, k2, p, q)
+    return count, first, second, first_too, second_too, sure and certain
+
+
+@jit
+def _pairs(k1, k2, p, q):
+    """Return the pairs as `two_turns` does, and whether the second and the first angles are sure."""
     pole_length = math.copysign(length(q), dot(k1, q))
     pole = pole_length * k1[0], pole_length * k1[1], pole_length * k1[2]
     count, one, other, sure = to_distance(k2, p, pole, length(minus(q, pole)))
     if count == 0:
-        return 0, 0.0, 0.0, 0.0, 0.0, sure
+        return 0, 0.0, 0.0, 0.0, 0.0, sure, True
     first, sure_1 = one_turn(k1, turned(k2, one, p), q)
     second, sure_2 = one_turn(k1, turned(k2, other, p), q)
-    return 2, first, one, second, other, sure_1 and sure_2
+    return 2, first, one, second, other, sure, sure_1 and sure_2
 
 
 @jit
@@ -138,7 +148,7 @@ def two_turns_kept(k1, k2, p, q, keep1, keep2):
         count, a, b, a', b', which of the two is free (-1: none), sure.
     """
     outer, inner, scale = length(across(k1, q)), length(across(k2, p)), length(q)
-    if not min(outer, inner) > BARELY * scale:
+    if not (outer > _BESIDE_AXIS * scale and inner > BARELY * scale):
         if inner <= ON_AXIS * scale and outer > BARELY * scale:
             first, sure = one_turn(k1, p, q)
             return 1, first, keep2, 0.0, 0.0, 1, sure
@@ -146,5 +156,5 @@ def two_turns_kept(k1, k2, p, q, keep1, keep2):
             second, sure = one_turn(k2, p, q)
             return 1, keep1, second, 0.0, 0.0, 0, sure
         return 0, 0.0, 0.0, 0.0, 0.0, -1, False
-    count, first, second, first_too, second_too, sure = two_turns(k1, k2, p, q)
+    count, first, second, first_too, second_too, sure, _ = _pairs(k1, k2, p, q)
     return count, first, second, first_too, second_too, -1, sure

@@ -159,6 +159,29 @@ def test_near_singular_poses_are_right_or_left_to_the_plain_path() -> None:
     assert 14 <= sure <= 22  # some of the nearest are left to the plain path
 
 
+@pytest.mark.parametrize("distance", [2.2e-8, 3e-8, 6e-8, 1e-7, 3e-7])
+@pytest.mark.parametrize("wrist", [1.0, -1.0])
+def test_wrists_that_are_nearly_stretched_are_sure(distance: float, wrist: float) -> None:
+    """As many branches as a thousandth beside, their own among them, and none on a curve."""
+    robot, rng = arm(), np.random.default_rng(7)
+    for _ in range(20):
+        axes = random_axes(robot, rng)
+        axes[4] = np.degrees(1e-3)
+        wanted = quick_branches(robot, robot.fk(axes).homogeneous, None, None)
+        axes[4] = wrist * np.degrees(distance)
+        T = robot.fk(axes)
+        found = quick_branches(robot, T.homogeneous, None, None)
+        assert isinstance(wanted, Branches)
+        assert isinstance(found, Branches)
+        assert len(found) == len(wanted)
+        assert not any(len(free) for free in found.free_directions)
+        apart = np.abs((found.axes - axes + 180.0) % 360.0 - 180.0)
+        assert apart.max(axis=1).min() < np.degrees(2e-14 / distance)  # a hundred roundings of T
+        for row in found.axes:
+            missed = pin.log6(T.inverse() * robot.fk(row))
+            assert max(np.abs(missed.vector)) < 1e-12
+
+
 @pytest.mark.parametrize("name", sorted(STRETCHED))
 def test_free_axes_are_told_as_by_the_plain_path(name: str) -> None:
     """A stretched wrist, a tool along the rotary axis: one of a family, with its free axis and direction."""
