@@ -264,6 +264,15 @@ def test_poses_that_are_not_rigid_are_refused_by_number(spoil, message: str, com
     assert caught.value.message == f"pose 66: {single.value.message}"
 
 
+@both_paths
+def test_a_pose_that_is_not_rigid_is_found_among_those_of_all_cores(compiled: bool) -> None:
+    robot = arm()
+    targets = np.tile(robot.fk_batch(np.array(poses(robot, 100))), (90, 1, 1))
+    targets[5000, 3, 0] = 0.5
+    with pytest.raises(ChainbuildError, match=r"pose 5000: "):
+        ik_all_batch(robot, targets, compiled=compiled)
+
+
 def test_what_is_refused() -> None:
     robot = Robot.load("gantry_robot_kin210")
     with pytest.raises(ChainbuildError, match=r"needs a plan that finds every branch: .* axes are free") as caught:

@@ -72,6 +72,13 @@ def test_starts_one_for_all_or_one_a_pose(compiled: bool) -> None:
     assert near_first.axes[1, 5] == pytest.approx(30.0)  # the turn nearest to the common start
 
 
+def test_every_part_of_a_large_table_has_its_own_starts() -> None:
+    robot, rng = arm(), np.random.default_rng(11)
+    axes = np.array([random_axes(robot, rng) for _ in range(1500)])
+    table = robot.ik_batch(robot.fk_batch(axes), axes)
+    np.testing.assert_allclose(table.axes, axes, atol=1e-6)
+
+
 def test_input_axes_are_taken_from_each_start() -> None:
     robot = chainbuild.Robot.load("irb2600_track")
     held = [axis.held for axis in robot.axes]
