@@ -60,7 +60,7 @@ def ortho_parallel_batch(mechanism: Mechanism, targets: Array, *, limits: bool, 
     constants = _constants(mechanism, limits)
     if constants is None:
         raise ChainbuildError("no ortho-parallel arm with a spherical wrist")
-    axes, doubtful = np.empty((len(targets), BRANCHES, 6)), np.empty(len(targets), dtype=bool)
+    axes, doubtful = np.empty((len(targets), BRANCHES, 6)), np.zeros(len(targets), dtype=bool)
     if compiled and packing.available():
         from chainbuild.ik.branches.opw.compiled import write_branches
         from chainbuild.ik.search.compiled.cores import on_all_cores
