@@ -1,13 +1,15 @@
 """A path through a wrist singularity: our largest step against the best that a dense search over branches finds.
 
 The search knows every branch of every pose with every whole turn, and chooses the sequence whose largest step of any
-axis is smallest (dynamic programming over the whole path): no tracker can do better.
+axis is smallest (dynamic programming over the whole path): no tracker can do better. On a robot whose control keeps the
+pose status along a path, so does the search.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from chainbuild.ik.branches.status_turn import has_status, status_and_decided
 from tests.bench.machines import Machine
 
 
@@ -42,7 +44,7 @@ def least_largest_step(machine: Machine, poses: np.ndarray, start: np.ndarray) -
     """Return the smallest largest step over all sequences of branches from the start on."""
     layer, cost = start[None], np.zeros(1)
     for pose in poses:
-        following = branches(machine, pose, layer)
+        following = keeping(machine, branches(machine, pose, layer), start)
         steps = np.abs(following[:, None] - layer[None]).max(axis=2)
         cost = np.maximum(steps, cost[None]).min(axis=1)
         layer = following
@@ -58,6 +60,15 @@ def branches(machine: Machine, pose: np.ndarray, before: np.ndarray) -> np.ndarr
         if near.success:
             found.append(near.axes)
     return np.unique(np.round(np.array(found), 7), axis=0)
+
+
+def keeping(machine: Machine, found: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Return the solutions with the pose status of the start, where there are some and the control keeps it."""
+    if not has_status(machine.robot):
+        return found
+    bits, decided = status_and_decided(machine.robot, np.vstack([start, found]))
+    same = ((bits[1:] ^ bits[0]) & decided[1:] & decided[0]) == 0
+    return found[same] if same.any() else found
 
 
 def report(machine: Machine) -> str:
