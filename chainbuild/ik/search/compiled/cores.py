@@ -18,6 +18,10 @@ def on_all_cores(write: Callable[[slice], object], count: int, part: int) -> Non
         count: How many rows there are.
         part: How many of them a call takes at most.
     """
+    if count <= part:
+        if count:
+            write(slice(0, count))
+        return
     from numba import config
 
     parts = [slice(first, min(first + part, count)) for first in range(0, count, part)]

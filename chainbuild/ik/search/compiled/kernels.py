@@ -1,6 +1,6 @@
 """The damped search as compiled code: the same steps as the plain path, on arrays.
 
-Nothing here checks its input, and nothing here is called from Python: `compiled_entries.py` holds the entry points.
+Nothing here checks its input, and nothing here is called from Python: `entries.py` holds the entry points.
 """
 
 from __future__ import annotations
