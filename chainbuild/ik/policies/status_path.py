@@ -32,7 +32,7 @@ from chainbuild.progress import Progress
 if TYPE_CHECKING:
     from chainbuild.kinematics.inputs import Pose
 
-_HALF_TURN_DEG: Final = 180.0
+_HALF_TURN_DEG: Final = 180.0  # a solution so far away is as far the other way round
 _SAME_DEG: Final = 1e-5  # axis values closer than this are the same solution: both are verified to less
 
 
