@@ -16,6 +16,7 @@ from chainbuild.ik import rules
 from chainbuild.ik.request import DEFAULT, Held, IkOptions, IkRequest, matrix_of
 from chainbuild.ik.result import STATUSES, IkResult
 from chainbuild.ik.search.compiled import packing as compiled
+from chainbuild.ik.search.compiled.cores import on_all_cores
 from chainbuild.ik.search.problem import Problem, problem_of
 from chainbuild.ik.search.solver import find, refusal, search
 from chainbuild.ik.search.table import FailureWords, IkTable
@@ -120,8 +121,6 @@ def _compiled(
     options: IkOptions,
     advance: Any,
 ) -> None:
-    from chainbuild.ik.search.compiled.cores import on_all_cores
-
     task = (problem.middle, options.accuracy, options.max_restarts)
     starts = problem.middle[None] if first is None else first
     search_many = compiled.entries().search_many

@@ -26,6 +26,7 @@ from chainbuild.ik.branches.opw.formulas import (
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.search.batch import at_row
 from chainbuild.ik.search.compiled import packing
+from chainbuild.ik.search.compiled.cores import on_all_cores
 from chainbuild.ik.search.solver import refusal
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.tolerances import LIMIT_SLACK
@@ -63,7 +64,6 @@ def ortho_parallel_batch(mechanism: Mechanism, targets: Array, *, limits: bool, 
     axes, doubtful = np.empty((len(targets), BRANCHES, 6)), np.zeros(len(targets), dtype=bool)
     if compiled and packing.available():
         from chainbuild.ik.branches.opw.compiled import write_branches
-        from chainbuild.ik.search.compiled.cores import on_all_cores
 
         flat = axes.reshape(-1, BRANCHES * 6)
         on_all_cores(
