@@ -12,6 +12,7 @@ import pytest
 pytest.importorskip("numba")
 
 import numba
+from numba.core.compiler import Flags
 
 from chainbuild.ik.search.compiled import inner
 
@@ -56,3 +57,29 @@ def test_with_a_numba_not_tried_it_is_compiled_as_ever(
     value, function = called_by_compiled_code(options)
     assert value == 7.0
     assert has_machine_code(function)
+
+
+def hashes_taken(options: Mapping[str, Any]) -> int:
+    """Return how often numba takes the hash of flags while a function is compiled."""
+    taken, usual = [], Flags.__hash__
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(Flags, "__hash__", lambda flags: (taken.append(flags), usual(flags))[1])
+        assert numba.njit(**options)(lambda x: max(x, 1.0) + min(x, 1.0))(2.0) == 3.0
+    return len(taken)
+
+
+def test_the_hash_of_flags_is_taken_once() -> None:
+    hashes_taken({})  # numba's own functions are compiled, too
+    assert hashes_taken(inner.ENTRY) == 1
+    assert hashes_taken({}) > 4
+
+
+def test_kept_flags_are_those_that_they_were_taken_from() -> None:
+    flags = Flags()
+    flags.fastmath = True
+    kept = inner._Flags(flags).copy()
+    assert kept == flags
+    assert flags == kept
+    assert hash(kept) == hash(flags)
+    assert kept.fastmath
+    assert kept != Flags()

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import importlib.util
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +15,7 @@ import pytest
 pytest.importorskip("numba")
 
 import numba
+from numba.core import event as numba_events
 from numba.core.caching import CacheImpl
 
 from chainbuild.ik.branches.opw.compiled import write_branches
@@ -35,6 +39,7 @@ def load(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Load:
         assert spec is not None
         assert spec.loader is not None
         module = importlib.util.module_from_spec(spec)
+        monkeypatch.setitem(sys.modules, "doubling", module)  # what is kept names its module
         spec.loader.exec_module(module)
         return kept_jit()(module.doubled)
 
@@ -117,3 +122,31 @@ def test_a_folder_that_fails_later_is_noted(
 def test_every_entry_point_is_kept_so() -> None:
     found = (entries.search_one, entries.search_many, entries.track_many, write_branches, write_linear_axes)
     assert all(isinstance(entry._cache, KeptCode) for entry in found)
+
+
+def test_the_collector_rests_and_the_bar_stands_until_an_entry_point_is_compiled(
+    load: Load, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[tuple[str, int]] = []
+
+    class Ends(numba_events.Listener):
+        def on_start(self, event: Any) -> None: ...
+
+        def on_end(self, event: Any) -> None:
+            seen.append((event.data["dispatcher"].__name__, gc.get_threshold()[0]))
+
+    @contextmanager
+    def shown(text: str) -> Iterator[None]:
+        seen.append((text, gc.get_threshold()[0]))
+        yield
+        seen.append(("end", gc.get_threshold()[0]))
+
+    monkeypatch.setattr(entries, "working", shown)
+    usual = gc.get_threshold()
+    halved = numba.njit(**entries.inner.INNER)(lambda x: 0.5 * x)
+    quartered = kept_jit()(lambda x: 0.5 * halved(x))
+    with numba_events.install_listener("numba:compile", Ends()):
+        assert quartered(8.0) == 2.0
+    inner_end = ("<lambda>", entries._OBJECTS)
+    assert seen[:3] == [("compiling the solver", entries._OBJECTS), inner_end, ("end", entries._OBJECTS)]
+    assert gc.get_threshold() == usual

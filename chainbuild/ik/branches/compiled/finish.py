@@ -50,26 +50,25 @@ _SEVERAL: Final = 1e6  # inverse square of a singular value: beyond it a second 
 @jit
 def _place_linear(axes, room, target):
     """Move the linear axes to bring the tip to the target's position; return False where they lie in one plane."""
+    J, error, H, g, slides = room.J, room.error, room.H, room.g, axes.linear
     for _ in range(_LINEAR_STEPS):
         look(axes, room, target)
-        J, e, (i, j, k) = room.J, room.error, (axes.linear[0], axes.linear[1], axes.linear[2])
-        a = J[0, i], J[1, i], J[2, i]
-        b = J[0, j], J[1, j], J[2, j]
-        c = J[0, k], J[1, k], J[2, k]
-        bc = b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]
-        det = a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2]
-        sizes = (
-            (a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
-            * (b[0] * b[0] + b[1] * b[1] + b[2] * b[2])
-            * (c[0] * c[0] + c[1] * c[1] + c[2] * c[2])
-        )
-        if not det * det > _DEPENDENT * _DEPENDENT * sizes:
+        lost = 1.0  # the squares of their lengths by that of the volume they span
+        for i in range(len(slides)):
+            for j in range(i + 1):
+                H[i, j] = 0.0
+                for r in range(3):
+                    H[i, j] += J[r, slides[i]] * J[r, slides[j]]
+            lost *= H[i, i]
+            g[i] = 0.0
+            for r in range(3):
+                g[i] += J[r, slides[i]] * error[r]
+        solve_in_place(H, g, len(slides))
+        for i in range(len(slides)):
+            lost *= H[i, i] * H[i, i]
+            room.x[slides[i]] += g[i]
+        if not _DEPENDENT * _DEPENDENT * lost < 1.0:
             return False
-        ea = e[1] * c[2] - e[2] * c[1], e[2] * c[0] - e[0] * c[2], e[0] * c[1] - e[1] * c[0]
-        eb = b[1] * e[2] - b[2] * e[1], b[2] * e[0] - b[0] * e[2], b[0] * e[1] - b[1] * e[0]
-        room.x[i] += (e[0] * bc[0] + e[1] * bc[1] + e[2] * bc[2]) / det
-        room.x[j] += (a[0] * ea[0] + a[1] * ea[1] + a[2] * ea[2]) / det
-        room.x[k] += (a[0] * eb[0] + a[1] * eb[1] + a[2] * eb[2]) / det
     return True
 
 

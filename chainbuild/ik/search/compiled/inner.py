@@ -4,8 +4,11 @@ numba optimizes every function by itself, makes machine code of it, and does bot
 a part of. Inner functions are called by compiled code only, which links their intermediate code: the entry point, with
 all of them inside, is the only one that needs optimization and machine code.
 
-numba lets a decorator name its own compiler; what this one overrides in it is not documented. With a numba that this
-was not tried with, inner functions are compiled as numba does it: the same answers, later.
+numba asks for the flags of a compilation at every look-up of a function and takes their hash from some thirty
+properties each time, a fifth of all its work: here what is asked for is kept.
+
+numba lets a decorator name its own compiler; what these override in it is not documented. With a numba that they were
+not tried with, functions are compiled as numba does it: the same answers, later.
 """
 
 from __future__ import annotations
@@ -18,13 +21,47 @@ import numba
 _TRIED: Final = ((0, 62), (0, 68))
 # Without the wrappers that Python and C would call.
 INNER: Final[dict[str, Any]] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+# Options of entry points.
+ENTRY: Final[dict[str, Any]] = {}
 
 if _TRIED[0] <= numba.version_info.short <= _TRIED[1]:
     from numba import _dynfunc  # type: ignore[attr-defined]
     from numba.core.codegen import JITCodeLibrary
-    from numba.core.compiler import CompilerBase, DefaultPassBuilder
+    from numba.core.compiler import Compiler, DefaultPassBuilder, Flags
     from numba.core.compiler_machinery import register_pass
     from numba.core.typed_passes import NativeLowering
+
+    class _Kept(Flags):
+        """Flags that stay as they are, with their values and hash."""
+
+        def __init__(self, flags: Flags) -> None:
+            super().__init__(flags)
+            self._all = Flags.values(self)
+            self._hash = Flags.__hash__(self)
+
+        def values(self) -> dict[str, Any]:
+            """Return the values by name; nobody writes to them."""
+            return self._all
+
+        def __eq__(self, other: object) -> bool:
+            return super().__eq__(other)
+
+        def __hash__(self) -> int:
+            return self._hash
+
+    class _Flags(Flags):
+        """Flags whose copy, which numba takes for the time of a compilation, stays as it is."""
+
+        def copy(self) -> _Kept:
+            """Return the copy."""
+            return _Kept(self)
+
+    class _EntryCompiler(Compiler):
+        """numba's compiler with such flags."""
+
+        def __init__(self, *given: Any) -> None:
+            super().__init__(*given)
+            self.state.flags = _Flags(self.state.flags)
 
     class _InnerLibrary(JITCodeLibrary):
         """The code of one function, ready to be linked into a caller's."""
@@ -58,8 +95,8 @@ if _TRIED[0] <= numba.version_info.short <= _TRIED[1]:
             state["cr"] = lowered._replace(cfunc=key)
             return True
 
-    class _InnerCompiler(CompilerBase):
-        """numba's compiler with that lowering."""
+    class _InnerCompiler(_EntryCompiler):
+        """The same with that lowering."""
 
         def define_pipelines(self) -> list[Any]:
             """Return numba's passes with its lowering replaced."""
@@ -70,4 +107,4 @@ if _TRIED[0] <= numba.version_info.short <= _TRIED[1]:
             manager.finalize()
             return [manager]
 
-    INNER["pipeline_class"] = _InnerCompiler
+    INNER["pipeline_class"], ENTRY["pipeline_class"] = _InnerCompiler, _EntryCompiler
