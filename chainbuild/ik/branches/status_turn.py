@@ -92,34 +92,58 @@ def status_and_decided(mechanism: Mechanism, values: Matrix) -> tuple[Integers, 
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Part:
-    """What a joint carries, turned by the joint and seen from the part before.
+class _Arm:
+    """Where axes 2 to 4 take elbow and wrist, in the plane of the column's x and z.
+
+    Each coordinate is a sum of products of 1, the cosine or the sine of each of the three angles.
 
     Attributes:
-        place: Place of the joint among the joint values.
-        along: (3, 3) points by this: their part along the axis.
-        across: (3, 3) points by this: moved on by a quarter turn, without their part along the axis.
-        R: (3, 3) points by this: in the axes of the part before.
-        origin: (3,) the joint [m], there.
+        A: (n_axes, 3) axis values by this: the three angles, where the axis map is affine.
+        b: (3,) the angles where all axes are 0.
+        places: The three joints among the joint values.
+        coefficients: (27, 4) the products by this: from axis 2 to axis 3 and from axis 2 to the wrist, x and z [m].
+        shoulder_x: Axis 2, in front of axis 1 [m].
     """
 
-    place: int
-    along: Matrix
-    across: Matrix
-    R: Matrix
-    origin: Vector
+    A: Matrix
+    b: Vector
+    places: list[int]
+    coefficients: Matrix
+    shoulder_x: float
 
     @classmethod
-    def of(cls, joint: Joint, place: int) -> _Part:
-        T, d = joint.T_parent_joint, joint.direction
-        return cls(place, np.outer(d, d), np.cross(np.eye(3), -d), T[:3, :3].T, T[:3, 3])
+    def of(cls, mechanism: Mechanism) -> _Arm:
+        """Return that of a robot.
 
-    def placed(self, points: Matrix, q: Matrix) -> Matrix:
-        """Return points (N, 3) on the joint as seen from the part before, at joint values (N, n_q)."""
-        c, s = np.cos(q[:, self.place, None]), np.sin(q[:, self.place, None])
-        along = points @ self.along
-        turned: Matrix = along + c * (points - along) + s * (points @ self.across)
-        return turned @ self.R + self.origin
+        Raises:
+            ChainbuildError: the wrist axes do not meet in a point.
+        """
+        chain = mechanism.chain
+        # In chain order, which is the arm's own also where it carries the workpiece.
+        places = sorted(joints_between_tips(chain))
+        links = link_placements(chain, mechanism.q(np.zeros(len(chain.axes))))
+        if wrist_centre([_line(chain.joints[place], links, n) for n, place in enumerate(places[3:])]) is None:
+            raise ChainbuildError("the wrist axes do not meet in a point, so status is not defined")
+        shoulder, elbow, fore, hand = (chain.joints[place] for place in places[1:5])
+        from_here = [_turning(shoulder), _turning(elbow), _turning(fore)]
+        from_here[0][0, :3, 3] = 0.0  # as seen from axis 2
+        wrist = np.einsum("aij,bjk,ckl,l->abci", *from_here, hand.T_parent_joint[:, 3])
+        arm = np.zeros((3, 3, 3, 4))
+        arm[:, 0, 0] = from_here[0] @ elbow.T_parent_joint[:, 3]
+        axis_map, turning = chain.axis_map, places[1:4]
+        A, b = np.zeros((len(chain.axes), 3)), np.zeros(3)
+        if isinstance(axis_map, AffineMap):
+            A, b = (axis_map.A * axis_map.si_factors).T[:, turning], axis_map.b[turning]
+        coefficients = np.concatenate([arm[..., :3:2], wrist[..., :3:2]], axis=3).reshape(27, 4)
+        return cls(A, b, turning, coefficients, float(shoulder.T_parent_joint[0, 3]))
+
+    def angles(self, mechanism: Mechanism, values: Matrix) -> Matrix:
+        """Return the three angles of rows of axis values (N, 6)."""
+        axis_map = mechanism.chain.axis_map
+        if isinstance(axis_map, AffineMap):
+            angles: Matrix = values @ self.A + self.b
+            return angles
+        return np.array([joint_values(axis_map, row)[self.places] for row in values]).reshape(len(values), 3)
 
 
 def _margins(mechanism: Mechanism, values: Matrix) -> Matrix:
@@ -128,41 +152,30 @@ def _margins(mechanism: Mechanism, values: Matrix) -> Matrix:
     The wrist behind axis 1 [m], in front of the line through axes 2 and 3 [m], axis 5 below zero [degrees]. Link frames
     are where the recipe draws them, whichever way the axes count.
     """
-    shoulder, elbow, fore, hand = mechanism.prepared("status", lambda: _parts(mechanism))
-    q = _joint_rows(mechanism, values)
-    x2, _, z2 = shoulder.origin.tolist()
-    x3, _, z3 = shoulder.placed(elbow.origin[None], q).T
-    xw, _, zw = shoulder.placed(elbow.placed(fore.placed(hand.origin[None], q), q), q).T
-    length = np.maximum(np.hypot(x3 - x2, z3 - z2), tolerances.ZERO_VECTOR)
-    in_front = ((z3 - z2) * (xw - x2) - (x3 - x2) * (zw - z2)) / length
-    return np.stack((-xw, in_front, -values[:, HAND_AXIS]), axis=1)
+    arm = mechanism.prepared("status", lambda: _Arm.of(mechanism))
+    angles = arm.angles(mechanism, values)
+    waves = np.ones((len(values), 3, 3))
+    waves[:, 1], waves[:, 2] = np.cos(angles), np.sin(angles)
+    products = waves[:, :, None, 0, None] * waves[:, None, :, 1, None] * waves[:, None, None, :, 2]
+    x3, z3, xw, zw = (products.reshape(-1, 27) @ arm.coefficients).T
+    margins = np.empty((len(values), 3))
+    margins[:, 0] = -arm.shoulder_x - xw
+    margins[:, 1] = (z3 * xw - x3 * zw) / np.maximum(np.hypot(x3, z3), tolerances.ZERO_VECTOR)
+    margins[:, 2] = -values[:, HAND_AXIS]
+    return margins
 
 
-def _parts(mechanism: Mechanism) -> tuple[_Part, ...]:
-    """Return axes 2, 3, 4 and 5 of an arm, the first as seen from its column.
-
-    Raises:
-        ChainbuildError: the wrist axes do not meet in a point.
-    """
-    chain = mechanism.chain
-    # In chain order, which is the arm's own also where it carries the workpiece.
-    places = sorted(joints_between_tips(chain))
-    links = link_placements(chain, mechanism.q(np.zeros(len(chain.axes))))
-    if wrist_centre([_line(chain.joints[place], links, n) for n, place in enumerate(places[3:])]) is None:
-        raise ChainbuildError("the wrist axes do not meet in a point, so status is not defined")
-    return tuple(_Part.of(chain.joints[place], place) for place in places[1:5])
+def _turning(joint: Joint) -> Matrix:
+    """Return the placement of what a joint carries: the parts of 1, the cosine and the sine of its angle (3, 4, 4)."""
+    d, parts = joint.direction, np.zeros((3, 4, 4))
+    along, skew = np.outer(d, d), np.cross(np.eye(3), -d).T
+    parts[0, :3, :3], parts[1, :3, :3], parts[2, :3, :3] = along, np.eye(3) - along, skew
+    parts[0, 3, 3] = 1.0
+    placed: Matrix = joint.T_parent_joint @ parts
+    return placed
 
 
 def _line(joint: Joint, links: dict[str, Matrix], n: int) -> Screw:
     """Return where a joint turns, in the base."""
     T = links[joint.child]
     return Screw(joint.kind, T[:3, :3] @ joint.direction, T[:3, 3], n)
-
-
-def _joint_rows(mechanism: Mechanism, values: Matrix) -> Matrix:
-    """Return joint values (N, n_q) of rows of axis values."""
-    axis_map = mechanism.chain.axis_map
-    if isinstance(axis_map, AffineMap):
-        rows: Matrix = (values * axis_map.si_factors) @ axis_map.A.T + axis_map.b
-        return rows
-    return np.array([joint_values(axis_map, row) for row in values]).reshape(len(values), -1)

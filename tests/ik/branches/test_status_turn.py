@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 import chainbuild
+from chainbuild.chain.axismap import AffineMap
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.status_turn import status_turn
 from chainbuild.robot import Robot
+from tests.kit.arms45 import bent_arm, status_by_frames
 from tests.kit.kin_robots import robot_of
 from tests.kit.kin_types import build
 from tests.kit.robots import arm
@@ -77,6 +79,18 @@ def test_reversed_axes_do_not_change_what_is_seen() -> None:
     for _ in range(50):
         axes = rng.uniform(-170.0, 170.0, 6)
         assert status_turn(mirrored, axes * [-1, -1, -1, 1, 1, 1])[0] == status_turn(plain, axes)[0]
+
+
+def test_zeros_and_couplings_of_the_axis_map_count() -> None:
+    chain = bent_arm().chain
+    assert isinstance(chain.axis_map, AffineMap)
+    coupled = chain.axis_map.A.copy()
+    coupled[2, 1] += 0.5  # the third joint follows the second axis, too
+    b = np.array([0.3, -0.4, 0.5, 0.6, -0.7, 0.8])
+    robot = Robot(replace(chain, axis_map=AffineMap.of(coupled, b, ["rotary"] * 6)))
+    rng = np.random.default_rng(9)
+    rows = rng.uniform(-170.0, 170.0, (200, 6))
+    assert [status_turn(robot, row) for row in rows] == [status_by_frames(robot, row) for row in rows]
 
 
 def test_other_kinematics_have_none() -> None:
