@@ -121,6 +121,20 @@ def to_height(k, p, h, d):
 
 
 @jit
+def to_height_kept(k, p, h, d, keep):
+    """Return the turns as `to_height` does; where p lies on k and is at that height, one with its angle kept.
+
+    Returns:
+        count, both, whether the turn is free, sure.
+    """
+    along, scale = dot(k, p), max(length(p), abs(d))
+    if length(across(k, p)) <= ON_AXIS * scale:
+        return 1, keep, keep, True, abs(d - dot(h, k) * along) <= TOUCH * scale
+    count, one, other, sure = to_height(k, p, h, d)
+    return count, one, other, False, sure
+
+
+@jit
 def two_turns(k1, k2, p, q):
     """Return the pairs with Rot(k1, a)·Rot(k2, b)·p = q, |p| = |q| (subproblem 2): count, a, b, a', b', sure."""
     count, first, second, first_too, second_too, sure, certain = _pairs(k1, k2, p, q)

@@ -11,19 +11,21 @@ from chainbuild.ik.branches.compiled.angle_pairs import VANISHED, wave_roots
 from chainbuild.ik.branches.compiled.constants import MEETING_AXES, SKEW_AXES, SPHERICAL
 from chainbuild.ik.branches.compiled.small import (
     BARELY,
+    across,
     dot,
     length,
     minus,
     one_turn,
     plus,
     to_distance,
-    to_height,
+    to_height_kept,
     turned,
     turned_about,
     two_turns,
     two_turns_kept,
     vector,
 )
+from chainbuild.ik.branches.core.subproblems import TOUCH
 from chainbuild.ik.search.compiled.kernels import inlined, jit
 
 _FIFTH: Final = 0.4 * math.pi  # of a turn
@@ -59,13 +61,17 @@ def product(R, v):
 
 
 @jit
-def _after_parallel(constants, p, d, arms):
-    """Write the values of a turn before two parallel turns that bring p to d; see `arms.positioner`."""
+def _after_parallel(constants, p, d, arms, keep):
+    """Write the values of a turn before two parallel turns that bring p to d; see `arms.positioner`.
+
+    Returns:
+        How many, whether the first turn is free and has the value to keep, and whether they are sure.
+    """
     a, point_a = vector(constants, _ROW), vector(constants, _ROW + 3)
     b, point_b = vector(constants, _ROW + 6), vector(constants, _ROW + 9)
     c, point_c = vector(constants, _ROW + 12), vector(constants, _ROW + 15)
     back = -a[0], -a[1], -a[2]
-    count, one, other, sure = to_height(back, minus(d, point_a), b, dot(b, minus(p, point_a)))
+    count, one, other, free, sure = to_height_kept(back, minus(d, point_a), b, dot(b, minus(p, point_a)), keep)
     flat_p = plus(p, -dot(b, minus(p, point_b)), b)
     pivot = plus(point_c, -dot(b, minus(point_c, point_b)), b)
     arm = minus(flat_p, pivot)
@@ -82,7 +88,24 @@ def _after_parallel(constants, p, d, arms):
             sure &= sure_turn
             arms[found, 0], arms[found, 1], arms[found, 2] = first, second, third
             found += 1
-    return found, sure
+    return found, free, sure
+
+
+@jit
+def _stays_bent(wrist, forearm, first, image):
+    """Tell whether both bends of a wrist stay apart, and stay bends, all around a free first turn.
+
+    Args:
+        wrist: Its three axes where all joints are 0.
+        forearm: The first of them as the second and third joint turn it.
+        first: The axis of the first joint.
+        image: The last of them as the pose has it.
+    """
+    w1, w2, w3 = wrist
+    middle = dot(forearm, first) * dot(image, first)
+    swing = length(across(forearm, first)) * length(across(image, first))
+    both, apart = dot(w1, w2) * dot(w2, w3), length(across(w1, w2)) * length(across(w2, w3))
+    return both - apart + TOUCH < middle - swing and middle + swing < both + apart - TOUCH
 
 
 @jit
@@ -160,12 +183,14 @@ def spherical_branches(constants, T, keep, values):
     place = plus(product(R, centre), 1.0, (t[0], t[1], t[2]))
     arms = np.empty((4, 3))
     p, d = (place, centre) if backwards else (centre, place)
+    swings = False
     if constants[_KIND] == MEETING_AXES:
         count, sure = _after_meeting(constants, p, d, arms)
     elif constants[_KIND] == SKEW_AXES:
         count, sure = _after_skew(constants, p, d, arms)
     else:
-        count, sure = _after_parallel(constants, p, d, arms)
+        count, swings, sure = _after_parallel(constants, p, d, arms, keep[5 if from_tool else 0])
+        sure &= not (swings and backwards)
     w1, w2, w3 = vector(constants, _WRIST), vector(constants, _WRIST + 3), vector(constants, _WRIST + 6)
     aside = vector(constants, _ASIDE)
     image, side = product(R, w3), product(R, aside)
@@ -180,6 +205,10 @@ def spherical_branches(constants, T, keep, values):
             tip, edge = turned(k, -arms[n, m], tip), turned(k, -arms[n, m], edge)
         pairs, first, second, first_too, second_too, free, sure_pair = two_turns_kept(w1, w2, w3, tip, kept, 0.0)
         sure &= sure_pair and free != 1
+        if swings:
+            k1, k2, k3 = vector(constants, _ARM), vector(constants, _ARM + 3), vector(constants, _ARM + 6)
+            forearm = turned(k2, arms[n, 1], turned(k3, arms[n, 2], w1))
+            sure &= free != 0 and _stays_bent((w1, w2, w3), forearm, k1, image)
         for _ in range(pairs):
             last, _ = one_turn(w3, aside, turned(w2, -second, turned(w1, -first, edge)))
             row = values[found]
@@ -187,6 +216,7 @@ def spherical_branches(constants, T, keep, values):
             if from_tool:
                 row[0], row[1], row[2], row[3], row[4], row[5] = row[5], row[4], row[3], row[2], row[1], row[0]
             row[6] = loose if free == 0 else -1.0
+            row[7] = found if swings else -1.0
             first, second = first_too, second_too
             found += 1
     return found, sure
