@@ -42,6 +42,7 @@ from chainbuild.tolerances import IK_POSITION_M, IK_ROTATION_RAD, LIMIT_SLACK
 _FLOOR: Final = 1e-14  # damping that keeps the factorisation alive at singular points
 _LINEAR_STEPS: Final = 2  # the second one only corrects the last digits
 _DEPENDENT: Final = 1e-6  # share of their product: a determinant below it means slides turned into one plane
+_KEPT: Final = 1e-9  # sine of half an angle: a free axis so near to its start has its value
 _STILL: Final = 1e-7  # m and rad: what the tool moves along a direction that leaves it where it is
 _MOST_MOVED: Final = 0.999  # share of the largest motion that is as large but for rounding
 _SEVERAL: Final = 1e6  # inverse square of a singular value: beyond it a second direction is free
@@ -146,8 +147,14 @@ def copy_rows(axes, room):
 
 
 @jit
+def _anything(m):
+    """Return a number for each axis. Not ones: parallel axes that leave the tool alone turn by 0 together."""
+    return 1.0 / (1.3 + m)
+
+
+@jit
 def _iterate(room, rows, n, share, v):
-    """Write (JᵀJ + share·v·vᵀ + floor)⁻¹·w to room.g, w being v, or ones where v has a share; return its length."""
+    """Write (JᵀJ + share·v·vᵀ + floor)⁻¹·w to room.g, w being v, or anything where v has a share; return its length."""
     for i in range(n):
         for j in range(i + 1):
             total = share * v[i] * v[j]
@@ -155,7 +162,7 @@ def _iterate(room, rows, n, share, v):
                 total += room.Jf[r, i] * room.Jf[r, j]
             room.H[i, j] = total
         room.H[i, i] += _FLOOR
-        room.g[i] = v[i] if share == 0.0 else 1.0
+        room.g[i] = v[i] if share == 0.0 else _anything(i)
     solve_in_place(room.H, room.g, n)
     total = 0.0
     for i in range(n):
@@ -164,22 +171,22 @@ def _iterate(room, rows, n, share, v):
 
 
 @jit
-def _goes_along(axes, room, target, axis, along):
+def _goes_along(axes, room, target, along):
     """Write the unit direction in which a solution goes on; return whether there is that one only.
 
-    The free axis goes forward; without one, the first of the axes that move most.
+    The first of the axes that move most goes forward.
     """
     look(axes, room, target)
     rows, n, v, most = copy_rows(axes, room), len(axes.free), room.step, 0.0
     for m in range(n):
-        v[m] = 1.0 if axis < 0 or axes.free[m] == axis else 0.0
+        v[m] = _anything(m)
     for _ in range(3):
         size = _iterate(room, rows, n, 0.0, v)
         for m in range(n):
             v[m] = room.g[m] / size
     for m in range(n):
         most = max(most, abs(v[m]))
-    for m in range(n if axis < 0 else 0):
+    for m in range(n):
         if abs(v[m]) > _MOST_MOVED * most:
             most = math.inf
             size = math.copysign(1.0, v[m])
@@ -223,8 +230,8 @@ def finished(axes, room, target, x0, values, count, found, left, along):
         x, loose = room.x, int(values[i, 6])
         axis = axes.joints[MOVERS, loose] if loose >= 0 else (ALONG if values[i, 7] >= 0.0 else -1)
         write_axis_values(axes, x0, values[i], x)
-        if loose >= 0:
-            x[axis] = x0[axis]
+        if loose >= 0 and abs(math.sin(0.5 * (x[axis] - x0[axis]))) < _KEPT:
+            x[axis] = x0[axis]  # without what the form rounded
         if len(axes.linear) and not _place_linear(axes, room, target):
             return 0, False
         distance, angle, steps = _polished(axes, room, target)
@@ -237,7 +244,7 @@ def finished(axes, room, target, x0, values, count, found, left, along):
             return 0, False
         if side == 0:
             continue
-        if axis != -1 and not _goes_along(axes, room, target, axis, along[kept]):
+        if axis != -1 and not _goes_along(axes, room, target, along[kept]):
             return 0, False
         known = _known(axes, room, target, found, left, kept, axis)
         if known < 0:

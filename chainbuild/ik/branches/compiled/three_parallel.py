@@ -1,8 +1,8 @@
 """Six rotary axes of which three neighbouring ones are parallel, as compiled code: the twin of `arms.three_parallel`.
 
 The same equations, on cosines and sines instead of angles. Where axis 6 is parallel to the three it is free and keeps
-its value, as in the twin. Where axis 1 has no effect, the value to keep leads nowhere or equations lose digits, this
-says that it is not sure.
+its value, or takes the nearest that leads somewhere, as in the twin. Where axis 1 has no effect or equations lose
+digits, this says that it is not sure.
 """
 
 from __future__ import annotations
@@ -33,6 +33,8 @@ _SIGNS: Final = 49
 _ALONE: Final = 51
 _SIZE: Final = 52
 _BACKWARDS: Final = 53
+
+_TURN: Final = 2.0 * math.pi
 
 _CENTRE: Final = 1e-14  # squared share of the arm's size: a place so near to axis 2 leaves that axis open
 
@@ -172,6 +174,7 @@ def _with_free_last(c, E, pair, keep, values, row):
 
     The squared distance that the links have to reach is a sinusoid of angle 6. Where it leaves their reach on one side
     or the other, both bends are of one family; where on both, there is another family on the other side of its top.
+    Where it touches an end of their reach the bends cross, and each goes on as the other; twice is as good as never.
     """
     inner, outer = c[_LINKS], c[_LINKS + 1]
     x, y, _, _ = _planar(c, E, pair, 1.0, 0.0)
@@ -185,16 +188,28 @@ def _with_free_last(c, E, pair, keep, values, row):
     slack = TOUCH * (high + middle + wide)
     over, under = middle + wide - high, low - middle + wide
     level = a * math.cos(keep) + b * math.sin(keep) + middle
-    if not (low - slack <= level <= high + slack and abs(over) > slack and abs(under) > slack):
-        return row, False
-    joined = 1.0 if over > 0.0 or under > 0.0 else 0.0
+    if not low - slack <= level <= high + slack:
+        keep = _end_of_reach(a, b, (high if level > high else low) - middle, keep)
+    leaves_both = over > slack and under > slack
+    joined = 1.0 if max(over, under) > slack or (over < -slack) != (under < -slack) else 0.0
     first_row = row
     row, sure = _with_links(c, E, pair, math.cos(keep), math.sin(keep), values, row, 5.0, joined)
-    if over > 0.0 and under > 0.0:
+    if leaves_both:
         other = 2.0 * math.atan2(b, a) - keep
         row, settled = _with_links(c, E, pair, math.cos(other), math.sin(other), values, row, 5.0, 1.0)
         sure = sure and settled
     return row, sure and row > first_row
+
+
+@jit
+def _end_of_reach(a, b, level, keep):
+    """Return the angle t nearest to one to keep with a·cos t + b·sin t = level; there are two."""
+    top, cosine = math.atan2(b, a), level / math.hypot(a, b)
+    spread = math.acos(max(-1.0, min(1.0, cosine)))
+    one, other = top + spread - keep, top - spread - keep
+    one -= _TURN * np.rint(one / _TURN)
+    other -= _TURN * np.rint(other / _TURN)
+    return keep + (one if abs(one) <= abs(other) else other)
 
 
 @jit

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.chain.assemble import rotary, shift, turn
+from chainbuild.chain.assemble import Element, rotary, shift, turn
 from chainbuild.frames import rot_x
 from chainbuild.ik.branches.arms.parallel_axes import parallel_arm, three_parallel_constants
 from chainbuild.ik.branches.arms.three_parallel import ThreeParallelAxes
@@ -22,6 +22,7 @@ from chainbuild.ik.branches.core.serial import Serial
 from chainbuild.ik.branches.every import every_branch
 from chainbuild.ik.request import IkRequest
 from chainbuild.tolerances import ROTATION_MATRIX
+from tests.kit.arms45 import limited
 from tests.kit.compare import same_turns
 from tests.kit.draws import random_axes
 from tests.kit.parallel_arms import (
@@ -40,6 +41,10 @@ from tests.kit.parallel_arms import (
 from tests.kit.robots import robot_from
 
 NOTHING = (0.0,) * 6
+ARM_OF_TWO_LINKS: list[Element] = [
+    shift(z=89.2), rotary("A1", "z"), rotary("A2", "y"), shift(z=425.0), rotary("A3", "y"), shift(z=392.0),
+    rotary("A4", "y"), shift(y=109.0), rotary("A5", "z"), shift(z=94.65), rotary("A6", "y"), shift(y=82.3),
+]  # fmt: skip
 
 
 def compiled(serial: Serial, targets: list[Matrix]) -> list[list[Vector] | None]:
@@ -131,11 +136,7 @@ def test_right_angles_and_what_is_beside_them() -> None:
 
 def test_of_two_bends_in_one_family_one_is_told() -> None:
     """Followed step by step by the plain path, which leaves the same families and isolated branches."""
-    arm = [
-        shift(z=89.2), rotary("A1", "z"), rotary("A2", "y"), shift(z=425.0), rotary("A3", "y"), shift(z=392.0),
-        rotary("A4", "y"), shift(y=109.0), rotary("A5", "z"), shift(z=94.65), rotary("A6", "y"), shift(y=82.3),
-    ]  # fmt: skip
-    robot, rng, families = robot_from(arm), np.random.default_rng(30), 0
+    robot, rng, families = robot_from(ARM_OF_TWO_LINKS), np.random.default_rng(30), 0
     for _ in range(12):
         axes = random_axes(robot, rng)
         axes[4] = 0.0
@@ -148,6 +149,63 @@ def test_of_two_bends_in_one_family_one_is_told() -> None:
         assert sorted(told[0]) == sorted(told[1])
         families += sum(told[0])
     assert families >= 6
+
+
+# Axes 3 and 4 [degrees] where axis 5 is 0: the circle of axis 6 touches the outer or the inner end of the links' reach,
+# leaves it on one side, or never.
+CIRCLES = {
+    "touches the outer end": (0.0, 180.0),
+    "touches the inner end": (180.0, 0.0),
+    "touches the inner end from inside": (180.0, 180.0),
+    "leaves it": (60.0, 0.0),
+    "stays within it": (150.0, 70.0),
+    "from the outer end": (0.0, 90.0),
+    "from the inner end": (180.0, 90.0),
+}
+
+
+@pytest.mark.parametrize("circle", CIRCLES)
+def test_a_free_axis_6_moves_to_where_the_links_reach_and_bends_cross_where_it_touches(circle: str) -> None:
+    robot, rng, moved = limited(robot_from(ARM_OF_TWO_LINKS), every=(-180.0, 180.0)), np.random.default_rng(31), 0
+    for _ in range(8):
+        axes = np.array([*rng.uniform(-170.0, 170.0, 2), *CIRCLES[circle], 0.0, rng.uniform(-170.0, 170.0)])
+        T, start = robot.fk(axes), rng.uniform(-170.0, 170.0, 6)
+        quick = quick_branches(robot, T.homogeneous, start, None)
+        assert isinstance(quick, Branches)
+        wanted = every_branch(BranchQuery.of(IkRequest.of(robot, T, start))).branches
+        assert len(quick) == len(wanted)
+        for n, found in enumerate(quick.axes):
+            gaps = [np.abs(np.sin(np.radians(found - other) / 2.0)).max() for other in wanted.axes]
+            same = int(np.argmin(gaps))
+            assert gaps[same] < 1e-6
+            assert quick.free_axes[n] == wanted.free_axes[same]
+            one, other = quick.free_directions[n], wanted.free_directions[same]
+            assert one.shape == other.shape
+            if len(one):
+                assert float(one[0] @ other[0]) == pytest.approx(1.0, abs=1e-6)
+                moved += abs(found[5] - start[5]) > 1e-6
+    assert (moved > 0) == circle.startswith(("leaves", "from"))
+
+
+@pytest.mark.parametrize("beside", [0.0, 5.0])
+def test_where_only_one_value_of_axis_6_leads_there_the_branch_is_isolated(beside: float) -> None:
+    """Stretched links and hand, though axis 6 is parallel to the three."""
+    robot = limited(robot_from(ARM_OF_TWO_LINKS), every=(-180.0, 180.0))
+    axes = np.array([20.0, -30.0, 0.0, 0.0, 0.0, 70.0])
+    found = robot.ik_all(robot.fk(axes), axes + [beside, 0.0, 0.0, 0.0, 0.0, 10.0 * beside])
+    (stretched,) = (branch for branch in found if same_turns(robot, branch.axes, axes, 0.01))
+    assert len(stretched.free_directions) == 0
+
+
+@pytest.mark.parametrize("circle", [name for name in CIRCLES if name.startswith("touches")])
+def test_where_the_bends_cross_the_plain_path_looks(circle: str) -> None:
+    """Two directions are lost there, which together leave the turn of the tool as it is: ones are across them."""
+    robot = limited(robot_from(ARM_OF_TWO_LINKS), every=(-180.0, 180.0))
+    axes = np.array([20.0, -30.0, *CIRCLES[circle], 0.0, 70.0])
+    T = robot.fk(axes)
+    assert not isinstance(quick_branches(robot, T.homogeneous, axes, None), Branches)
+    (crossing,) = (branch for branch in robot.ik_all(T, axes) if branch.free_axes)
+    assert len(crossing.free_directions) == 2
 
 
 @pytest.mark.parametrize("carries_workpiece", [False, True])
