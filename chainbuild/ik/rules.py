@@ -57,3 +57,8 @@ STALLED_BELOW: Final = 1e-3
 INSIDE_SLACK: Final = math.radians(tolerances.LIMIT_SLACK)
 # Distance by which rounding may move a step along a path beyond its region [m and rad together].
 ROUNDING: Final = 1e-12
+# Whole turns bring an axis near to its start. Where two places are half a turn to either side, rounding would choose:
+# the start counts as this much nearer [rad] to a place beside 0, so that 180 degrees stand for -180 and a way back
+# takes the same turns.
+HALF_TURN_NUDGE: Final = 1e-9
+HALF_TURN_TOWARDS: Final = 1e-3

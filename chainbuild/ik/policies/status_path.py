@@ -17,11 +17,9 @@ from numpy.typing import ArrayLike
 
 from chainbuild.arrays import Integers, Matrix, Vector
 from chainbuild.ik import rules
-from chainbuild.ik.branches.core.branches import Branches
-from chainbuild.ik.branches.core.query import BranchQuery
-from chainbuild.ik.branches.every import every_branch, ik_all
+from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.branches.status_turn import has_status, require_status, status_and_decided
-from chainbuild.ik.request import Held, IkOptions, IkRequest
+from chainbuild.ik.request import Held, IkOptions
 from chainbuild.ik.search.batch import pose_array, start_array
 from chainbuild.ik.search.path import solve_path
 from chainbuild.ik.search.table import IkTable, StatusChange
@@ -32,7 +30,6 @@ from chainbuild.progress import Progress
 if TYPE_CHECKING:
     from chainbuild.kinematics.inputs import Pose
 
-_HALF_TURN_DEG: Final = 180.0  # a solution so far away is as far the other way round
 _SAME_DEG: Final = 1e-5  # axis values closer than this are the same solution: both are verified to less
 
 
@@ -165,18 +162,9 @@ class _Walk:
                 as_solved = bool(np.abs(self.axes[row] - self.solved.axes[row]).max() < _SAME_DEG)
             last = self.axes[row]
 
-    def solutions(self, row: int, last: Vector) -> Branches:
-        """Return the solutions of a row, nearest to the last one first."""
-        request = IkRequest(self.mechanism, self.targets[row], last, self.held)
-        there = ik_all(self.mechanism, request.target, last, self.held)
-        if len(there) and np.abs(np.abs(there.axes - last) - _HALF_TURN_DEG).min() < _SAME_DEG:
-            # Either way is as far: rounding would decide about a whole turn, on the way back perhaps otherwise.
-            return every_branch(BranchQuery.of(request)).branches
-        return there
-
     def place(self, row: int, kept: _Kept, last: Vector) -> _Kept:
         """Put a row on the solution nearest to the last one that keeps the status, if any; return what is then kept."""
-        there = self.solutions(row, last)
+        there = ik_all(self.mechanism, self.targets[row], last, self.held)
         rows = there.axes if len(there) else self.axes[row : row + 1]
         statuses = list(_statuses(self.mechanism, rows))
         stays = [not kept.departs(*status) for status in statuses]

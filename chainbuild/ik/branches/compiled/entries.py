@@ -12,6 +12,7 @@ from typing import Any, Final
 from zlib import crc32
 
 from chainbuild import tolerances
+from chainbuild.ik import rules
 from chainbuild.ik.branches.arms import parallel_axes
 from chainbuild.ik.branches.compiled import (
     angle_pairs,
@@ -189,7 +190,7 @@ def _fingerprint(*modules: Any) -> int:
 
 
 _SMALL: Final = _fingerprint(small, subproblems, form_constants, compiled_kernels, compiled_search)
-_FINISH: Final = _fingerprint(machine_axes, finish, form_constants, branches, compiled_kernels, tolerances)
+_FINISH: Final = _fingerprint(machine_axes, finish, form_constants, branches, compiled_kernels, rules, tolerances)
 finish_poses: Final = _finish(_FINISH)
 beside_pose: Final = _beside(_FINISH ^ _fingerprint(beside, descents, followed_curves, steps))
 nearest_places: Final = _nearest(_FINISH ^ _fingerprint(followed_curves, steps))

@@ -36,6 +36,7 @@ from chainbuild.ik.branches.core.branches import (
     POLISH_TO,
     SAME_BRANCH,
 )
+from chainbuild.ik.rules import HALF_TURN_NUDGE, HALF_TURN_TOWARDS
 from chainbuild.ik.search.compiled.kernels import damped_step, inlined, jit, solve_in_place
 from chainbuild.tolerances import IK_POSITION_M, IK_ROTATION_RAD, LIMIT_SLACK
 
@@ -100,9 +101,9 @@ def inside_by_turns(axes, x, x0):
     for n in range(len(x)):
         lower, upper, slack, value = axes.each[LOWER, n], axes.each[UPPER, n], axes.each[SLACK, n], x[n]
         if axes.each[PERIODIC, n] != 0.0:
-            wanted = (x0[n] - value) / TURN
+            wanted = x0[n] + math.copysign(HALF_TURN_NUDGE, HALF_TURN_TOWARDS - x0[n])
             low, high = (lower - slack - value) / TURN, (upper + slack - value) / TURN
-            turns = min(max(np.rint(wanted), np.ceil(low)), np.floor(high))
+            turns = min(max(np.rint((wanted - value) / TURN), np.ceil(low)), np.floor(high))
             value += TURN * turns
             x[n] = value
         if not lower - slack <= value <= upper + slack:

@@ -34,7 +34,7 @@ _ALONE: Final = 51
 _SIZE: Final = 52
 _BACKWARDS: Final = 53
 
-_TURN: Final = 2.0 * math.pi
+_TURN: Final = 2.0 * math.pi  # rad
 
 _CENTRE: Final = 1e-14  # squared share of the arm's size: a place so near to axis 2 leaves that axis open
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from chainbuild.arrays import Indices, Vector
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.ik import rules
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.region import periodic_axes
 from chainbuild.kinematics.mechanism import Mechanism
@@ -162,6 +163,7 @@ def _combined(x: Vector, columns: Indices, choices: Sequence[Sequence[float]]) -
 def _whole_turns(query: BranchQuery, value: float, n: int) -> list[float]:
     """Return value + whole turns within the limits of axis n, nearest to the start first; else one outside them."""
     lower, upper, wanted = float(query.lower[n]), float(query.upper[n]), float(query.x0[n])
+    wanted += math.copysign(rules.HALF_TURN_NUDGE, rules.HALF_TURN_TOWARDS - wanted)
     slack = float(query.slack[n])
     nearest = round((wanted - value) / math.tau)
     first = nearest - 1 if math.isinf(lower) else math.ceil((lower - slack - value) / math.tau)
