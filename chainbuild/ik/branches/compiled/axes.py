@@ -1,4 +1,4 @@
-"""A machine's axes as arrays, and how far they miss a pose, compiled."""
+"""A machine's axes as arrays, how far they miss a pose, and how they may move without the tool, compiled."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from chainbuild.ik.search.compiled.kernels import inlined, jit, pose_and_jacobian, tool_error
+from chainbuild.ik.search.compiled.kernels import inlined, jit, pose_and_jacobian, solve_in_place, tool_error
 
 TURN: Final = 2.0 * math.pi  # a whole turn
+FLOOR: Final = 1e-14  # damping that keeps the factorisation alive at singular points
+_ITERATIONS: Final = 4  # inverse ones, each of which gains the squared ratio of two singular values
 
 
 # Rows of `Axes.each`.
@@ -60,6 +62,7 @@ class FinishRoom(NamedTuple):
     g: Any
     step: Any
     x: Any  # (n,)
+    null: Any  # (2, f) directions of the free axes
 
 
 @jit
@@ -82,7 +85,7 @@ def finish_room(axes):
     size = max(f, 6)
     return FinishRoom(
         np.empty((3, 4)), np.empty((6, n)), np.empty(6), np.empty(9), np.empty((6, f)), np.empty((size, size)),
-        np.empty(size), np.empty(f), np.empty(n),
+        np.empty(size), np.empty(f), np.empty(n), np.empty((2, f)),
     )  # fmt: skip
 
 
@@ -135,3 +138,53 @@ def way_of(axes, m, start, end):
     """Return how far an axis is from one value to another, but for whole turns that lead to the same pose."""
     way = end - start
     return way - TURN * np.rint(way / TURN) if axes.each[PERIODIC, m] != 0.0 else way
+
+
+@jit
+def copy_rows(axes, room):
+    """Copy the rows of the task and the columns of the free axes of the Jacobian; return how many rows."""
+    rows = 0
+    for r in range(6):
+        if axes.axis < 0 or r != 3 + axes.axis:
+            room.error[rows] = room.error[r]
+            for m in range(len(axes.free)):
+                room.Jf[rows, m] = room.J[r, axes.free[m]]
+            rows += 1
+    return rows
+
+
+# Counts that are handed over are no integers: numba compiles a function anew for each integer that is written out.
+@jit
+def inverted(room, rows, n, others, count, v):
+    """Iterate a unit direction (n,) once towards the weakest but for the first of others; return how weak it is."""
+    for i in range(n):
+        for j in range(i + 1):
+            total = 0.0
+            for r in range(rows):
+                total += room.Jf[r, i] * room.Jf[r, j]
+            for r in range(int(count)):
+                total += others[r, i] * others[r, j]
+            room.H[i, j] = total
+        room.H[i, i] += FLOOR
+        room.g[i] = v[i]
+    solve_in_place(room.H, room.g, n)
+    size = 0.0
+    for i in range(n):
+        size += room.g[i] * room.g[i]
+    size = math.sqrt(size)
+    for i in range(n):
+        v[i] = room.g[i] / size
+    return 1.0 / math.sqrt(size)
+
+
+@jit
+def weakest(room, rows, n, others, count, v):
+    """Write the unit direction (n,) that moves the tool least but for the first of others (·, n); return how much."""
+    weak = 0.0
+    for m in range(n):
+        v[m] = 1.0 + 0.3 * m
+        for r in range(int(count)):
+            v[m] -= others[r, m]
+    for _ in range(_ITERATIONS):
+        weak = inverted(room, rows, n, others, count, v)
+    return weak

@@ -14,6 +14,7 @@ import numpy as np
 from chainbuild.ik.branches.compiled.axes import (
     COLUMNS_OF,
     FACTORS,
+    FLOOR,
     LOWER,
     MOVERS,
     PERIODIC,
@@ -22,9 +23,11 @@ from chainbuild.ik.branches.compiled.axes import (
     TOGETHER,
     TURN,
     UPPER,
+    copy_rows,
     look,
     missed,
     way_of,
+    weakest,
     write_pose,
 )
 from chainbuild.ik.branches.compiled.constants import ALONG, TOLD
@@ -40,13 +43,12 @@ from chainbuild.ik.rules import HALF_TURN_NUDGE, HALF_TURN_TOWARDS
 from chainbuild.ik.search.compiled.kernels import damped_step, inlined, jit, solve_in_place
 from chainbuild.tolerances import IK_POSITION_M, IK_ROTATION_RAD, LIMIT_SLACK
 
-_FLOOR: Final = 1e-14  # damping that keeps the factorisation alive at singular points
 _LINEAR_STEPS: Final = 2  # the second one only corrects the last digits
 _DEPENDENT: Final = 1e-6  # share of their product: a determinant below it means slides turned into one plane
 _KEPT: Final = 1e-9  # sine of half an angle: a free axis so near to its start has its value
 _STILL: Final = 1e-7  # m and rad: what the tool moves along a direction that leaves it where it is
 _MOST_MOVED: Final = 0.999  # share of the largest motion that is as large but for rounding
-_SEVERAL: Final = 1e6  # inverse square of a singular value: beyond it a second direction is free
+_SEVERAL: Final = 1e-3  # m and rad by unit: what moves the tool less is a second direction that is free
 
 
 @jit
@@ -86,7 +88,7 @@ def _polished(axes, room, target):
         look(axes, room, target)
     while max(distance, angle) >= POLISH_FROM and steps < POLISH_STEPS:
         rows = copy_rows(axes, room)
-        damped_step(rows, room.Jf, room.error, room.H, room.g, room.step, _FLOOR)
+        damped_step(rows, room.Jf, room.error, room.H, room.g, room.step, FLOOR)
         for m in range(len(axes.free)):
             room.x[axes.free[m]] += room.step[m]
         distance, angle = look(axes, room, target)
@@ -135,64 +137,23 @@ def _keeps_sums(axes, x):
 
 
 @jit
-def copy_rows(axes, room):
-    """Copy the rows of the task and the columns of the free axes of the Jacobian; return how many rows."""
-    rows = 0
-    for r in range(6):
-        if axes.axis < 0 or r != 3 + axes.axis:
-            room.error[rows] = room.error[r]
-            for m in range(len(axes.free)):
-                room.Jf[rows, m] = room.J[r, axes.free[m]]
-            rows += 1
-    return rows
-
-
-@jit
-def _anything(m):
-    """Return a number for each axis. Not ones: parallel axes that leave the tool alone turn by 0 together."""
-    return 1.0 / (1.3 + m)
-
-
-@jit
-def _iterate(room, rows, n, share, v):
-    """Write (JᵀJ + share·v·vᵀ + floor)⁻¹·w to room.g, w being v, or anything where v has a share; return its length."""
-    for i in range(n):
-        for j in range(i + 1):
-            total = share * v[i] * v[j]
-            for r in range(rows):
-                total += room.Jf[r, i] * room.Jf[r, j]
-            room.H[i, j] = total
-        room.H[i, i] += _FLOOR
-        room.g[i] = v[i] if share == 0.0 else _anything(i)
-    solve_in_place(room.H, room.g, n)
-    total = 0.0
-    for i in range(n):
-        total += room.g[i] * room.g[i]
-    return math.sqrt(total)
-
-
-@jit
 def _goes_along(axes, room, target, along):
     """Write the unit direction in which a solution goes on; return whether there is that one only.
 
     The first of the axes that move most goes forward.
     """
     look(axes, room, target)
-    rows, n, v, most = copy_rows(axes, room), len(axes.free), room.step, 0.0
-    for m in range(n):
-        v[m] = _anything(m)
-    for _ in range(3):
-        size = _iterate(room, rows, n, 0.0, v)
-        for m in range(n):
-            v[m] = room.g[m] / size
+    rows, n, null, most = copy_rows(axes, room), len(axes.free), room.null, 0.0
+    v = null[0]
+    weakest(room, rows, n, null, 0.0, v)
     for m in range(n):
         most = max(most, abs(v[m]))
     for m in range(n):
         if abs(v[m]) > _MOST_MOVED * most:
             most = math.inf
-            size = math.copysign(1.0, v[m])
+            sign = math.copysign(1.0, v[m])
             for k in range(n):
-                v[k] *= size
+                v[k] *= sign
     rest = 0.0
     for r in range(rows):
         total = 0.0
@@ -203,7 +164,7 @@ def _goes_along(axes, room, target, along):
         along[m] = 0.0
     for m in range(n):
         along[axes.free[m]] = v[m]
-    return rest < _STILL and _iterate(room, rows, n, 1.0, v) < _SEVERAL
+    return rest < _STILL and weakest(room, rows, n, null, 1.0, null[1]) > _SEVERAL
 
 
 @inlined

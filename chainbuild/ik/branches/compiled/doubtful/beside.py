@@ -12,21 +12,19 @@ from typing import Final
 
 import numpy as np
 
-from chainbuild.ik.branches.compiled.axes import look, way_of
+from chainbuild.ik.branches.compiled.axes import copy_rows, inverted, look, way_of, weakest
 from chainbuild.ik.branches.compiled.constants import CLUSTERED, ENDS, ISOLATED, PIECES, STATE, UNKNOWN, UNSURE
 from chainbuild.ik.branches.compiled.doubtful.curves import follow_curve, piece_through
 from chainbuild.ik.branches.compiled.doubtful.descents import descended, is_place
 from chainbuild.ik.branches.compiled.doubtful.steps import (
     ARRIVED,
     goes_on,
-    inverted,
     put,
     short_way,
     stepped,
-    weakest,
     weakest_at,
 )
-from chainbuild.ik.branches.compiled.finish import copy_rows, write_axis_values
+from chainbuild.ik.branches.compiled.finish import write_axis_values
 from chainbuild.ik.search.compiled.kernels import jit
 
 _WEAK: Final = 2e-2  # share of the Jacobian's size: a weaker direction may lead to a branch nearby

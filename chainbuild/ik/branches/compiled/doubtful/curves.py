@@ -10,18 +10,16 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from chainbuild.ik.branches.compiled.axes import LOWER, PERIODIC, UPPER, way_of
+from chainbuild.ik.branches.compiled.axes import LOWER, PERIODIC, UPPER, copy_rows, inverted, way_of, weakest
 from chainbuild.ik.branches.compiled.constants import FOLLOWED, PIECES, POINTS, STATE, UNKNOWN
 from chainbuild.ik.branches.compiled.doubtful.steps import (
     ARRIVED,
     corrected,
-    inverted,
     put,
     short_way,
-    weakest,
     weakest_at,
 )
-from chainbuild.ik.branches.compiled.finish import copy_rows, inside_by_turns
+from chainbuild.ik.branches.compiled.finish import inside_by_turns
 from chainbuild.ik.search.compiled.kernels import jit
 
 _FIRST_STEP: Final = 0.05  # rad or m along a curve

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from chainbuild.ik.branches.compiled.axes import look, way_of
-from chainbuild.ik.branches.compiled.doubtful.steps import FLOOR, stepped
+from chainbuild.ik.branches.compiled.axes import FLOOR, look, way_of
+from chainbuild.ik.branches.compiled.doubtful.steps import stepped
 from chainbuild.ik.branches.core.branches import BETWEEN_BRANCHES, CLOSE_BRANCHES, SAME_BRANCH
 from chainbuild.ik.search.compiled.kernels import jit
 

@@ -5,14 +5,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from chainbuild.ik.branches.compiled.axes import look, way_of
-from chainbuild.ik.branches.compiled.finish import copy_rows
-from chainbuild.ik.search.compiled.kernels import damped_step, jit, solve_in_place
+from chainbuild.ik.branches.compiled.axes import FLOOR, copy_rows, look, way_of, weakest
+from chainbuild.ik.search.compiled.kernels import damped_step, jit
 
-FLOOR: Final = 1e-14  # damping that keeps the factorisation alive
 ARRIVED: Final = 1e-11  # m and rad: a place on a curve, or an isolated one: along a valley much is nearly a solution
 _LONGEST: Final = 0.8  # rad or m of one step
-_ITERATIONS: Final = 4  # inverse ones, each of which gains the squared ratio of two singular values
 _TRIED: Final = 1e-2  # rad or m along a lost direction: there the residual of an isolated solution is far from rounding
 _CORRECTIONS: Final = 24  # bring an isolated solution's step back, see `core.beside`
 
@@ -26,43 +23,6 @@ def stepped(axes, room, damping, factor):
         longest = max(longest, abs(room.step[m]))
     for m in range(len(axes.free)):
         room.x[axes.free[m]] += room.step[m] * (factor * _LONGEST / longest)
-
-
-# Counts that are handed over are no integers: numba compiles a function anew for each integer that is written out.
-@jit
-def inverted(room, rows, n, others, count, v):
-    """Iterate a unit direction (n,) once towards the weakest but for the first of others; return how weak it is."""
-    for i in range(n):
-        for j in range(i + 1):
-            total = 0.0
-            for r in range(rows):
-                total += room.Jf[r, i] * room.Jf[r, j]
-            for r in range(int(count)):
-                total += others[r, i] * others[r, j]
-            room.H[i, j] = total
-        room.H[i, i] += FLOOR
-        room.g[i] = v[i]
-    solve_in_place(room.H, room.g, n)
-    size = 0.0
-    for i in range(n):
-        size += room.g[i] * room.g[i]
-    size = math.sqrt(size)
-    for i in range(n):
-        v[i] = room.g[i] / size
-    return 1.0 / math.sqrt(size)
-
-
-@jit
-def weakest(room, rows, n, others, count, v):
-    """Write the unit direction (n,) that moves the tool least but for the first of others (·, n); return how much."""
-    weak = 0.0
-    for m in range(n):
-        v[m] = 1.0 + 0.3 * m
-        for r in range(int(count)):
-            v[m] -= others[r, m]
-    for _ in range(_ITERATIONS):
-        weak = inverted(room, rows, n, others, count, v)
-    return weak
 
 
 @jit
