@@ -14,7 +14,7 @@ pytest.importorskip("numba")
 import numba
 from numba.core.compiler import Flags
 
-from chainbuild.ik.search.compiled import inner
+from chainbuild.ik.search.compiled import inner, kernels
 
 
 def tripled(x):  # type: ignore[no-untyped-def]
@@ -83,3 +83,12 @@ def test_kept_flags_are_those_that_they_were_taken_from() -> None:
     assert hash(kept) == hash(flags)
     assert kept.fastmath
     assert kept != Flags()
+
+
+def test_a_function_first_called_by_one_that_is_put_into_its_callers_is_not_put_there_too() -> None:
+    called = kernels.jit(tripled)
+    between = kernels.inlined(lambda x: called(x) + 1.0)
+    assert numba.njit(lambda x: 2.0 * between(x))(2.0) == 14.0
+    for function, inline in ((called, False), (between, True)):
+        (overload,) = function.overloads.values()
+        assert overload.fndesc.inline is inline

@@ -15,7 +15,8 @@ import numpy as np
 from chainbuild.ik.search.compiled.inner import INNER
 
 FAST: Final[Mapping[str, Any]] = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz", "arcp"}}
-jit: Final[Any] = numba.njit(**INNER, **FAST)
+# Without saying so, a function takes over from the first one that calls it whether it is put into its callers.
+jit: Final[Any] = numba.njit(forceinline=False, **INNER, **FAST)
 # Code put into its callers: handing over a machine as many arrays takes longer than what is done with it.
 inlined: Final[Any] = numba.njit(forceinline=True, **INNER, **FAST)
 
