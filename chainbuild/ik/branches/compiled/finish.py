@@ -71,7 +71,7 @@ def _place_linear(axes, room, target):
         for i in range(len(slides)):
             lost *= H[i, i] * H[i, i]
             room.x[slides[i]] += g[i]
-        if not _DEPENDENT * _DEPENDENT * lost < 1.0:
+        if not 0.0 < _DEPENDENT * _DEPENDENT * lost < 1.0:  # 0: one of them does not move the tip at all
             return False
     return True
 
