@@ -86,6 +86,7 @@ def _beside_the_translators(package: Path) -> dict[Path, tuple[str, ...]]:
         package / "formats" / f"{name}.py" for name in ("urdf/robot", "urdf/joints", "urdf/tree", "overlay_sums")
     ]
     files |= dict.fromkeys([*formats, chain / "bodies" / "inertia.py"], URDF)
+    files[package / "ik" / "branches" / "status_turn.py"] = STATUS
     displayed = [kinematics / "displayed.py", package / "ik" / "displayed.py", package / "ik" / "rtcp.py"]
     displayed += [chain / "programmed" / "display.py", twincat / "types" / "displays.py"]
     return files | dict.fromkeys(displayed, DISPLAYED)

@@ -30,7 +30,7 @@ def test_every_room_that_signs_pass_through_is_mutated() -> None:
     rooms = {str(path.parent.relative_to(PACKAGE)) for path in TARGETS}
     twincat = {f"formats/twincat/{room}" for room in ("families", "maps", "recipes", "coupling", "types", "universal")}
     robx = {"formats/sinumerik/geometry", "formats/sinumerik/rules"}
-    chain = {"chain", "chain/bodies", "chain/programmed", "coupling", "kinematics", "ik"}
+    chain = {"chain", "chain/bodies", "chain/programmed", "coupling", "kinematics", "ik", "ik/branches"}
     assert rooms == {*twincat, *robx, *chain, "formats/twincat", "formats/urdf", "formats"}
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -9,8 +10,9 @@ import pytest
 
 import chainbuild
 from chainbuild.chain.axismap import AffineMap
+from chainbuild.chain.programmed.status import WRIST_IN_FRONT
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.branches.status_turn import status_turn
+from chainbuild.ik.branches.status_turn import status_and_decided, status_turn
 from chainbuild.robot import Robot
 from tests.kit.arms45 import bent_arm, status_by_frames
 from tests.kit.kin_robots import robot_of
@@ -81,16 +83,32 @@ def test_reversed_axes_do_not_change_what_is_seen() -> None:
         assert status_turn(mirrored, axes * [-1, -1, -1, 1, 1, 1])[0] == status_turn(plain, axes)[0]
 
 
-def test_zeros_and_couplings_of_the_axis_map_count() -> None:
+def test_zeros_couplings_and_every_offset_count() -> None:
     chain = bent_arm().chain
     assert isinstance(chain.axis_map, AffineMap)
     coupled = chain.axis_map.A.copy()
     coupled[2, 1] += 0.5  # the third joint follows the second axis, too
     b = np.array([0.3, -0.4, 0.5, 0.6, -0.7, 0.8])
-    robot = Robot(replace(chain, axis_map=AffineMap.of(coupled, b, ["rotary"] * 6)))
+    # The hand further along axis 4, and the upper arm along axis 2, than where the recipe draws them.
+    joints = list(chain.joints)
+    for before, n in ((3, 4), (1, 2)):
+        T = joints[n].T_parent_joint.copy()
+        T[:3, 3] += 0.05 * joints[before].direction
+        joints[n] = replace(joints[n], T_parent_joint=T)
+    robot = Robot(replace(chain, joints=tuple(joints), axis_map=AffineMap.of(coupled, b, ["rotary"] * 6)))
     rng = np.random.default_rng(9)
     rows = rng.uniform(-170.0, 170.0, (200, 6))
     assert [status_turn(robot, row) for row in rows] == [status_by_frames(robot, row) for row in rows]
+
+
+@pytest.mark.parametrize(("aside_mm", "decided"), [(0.05, 0), (0.2, WRIST_IN_FRONT)])
+def test_the_elbow_is_decided_by_how_far_the_wrist_is_from_its_line(kuka: Robot, aside_mm: float, decided: int) -> None:
+    """Metres, whatever the length of the upper arm: 0.455 m here, which a share of it would show."""
+    elbow = math.atan2(25.0, 420.0)  # axis 3 where the wrist is on the line through axes 2 and 3
+    axes = np.degrees([0.0, -1.0, elbow + math.asin(aside_mm / math.hypot(420.0, 25.0)), 0.0, 0.6, 0.0])
+    bits, open_bits = status_and_decided(kuka, axes[None])
+    assert (int(bits[0]) & WRIST_IN_FRONT) == WRIST_IN_FRONT
+    assert (int(open_bits[0]) & WRIST_IN_FRONT) == decided
 
 
 def test_other_kinematics_have_none() -> None:
