@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from chainbuild import tolerances
-from chainbuild.arrays import Integers, Matrix, Vector
+from chainbuild.arrays import Integers, Matrix
 from chainbuild.chain.axismap import AffineMap, joint_values
 from chainbuild.chain.elements import Joint
 from chainbuild.chain.poses import link_placements
@@ -98,15 +98,11 @@ class _Arm:
     Each coordinate is a sum of products of 1, the cosine or the sine of each of the three angles.
 
     Attributes:
-        A: (n_axes, 3) axis values by this: the three angles, where the axis map is affine.
-        b: (3,) the angles where all axes are 0.
         places: The three joints among the joint values.
         coefficients: (27, 4) the products by this: from axis 2 to axis 3 and from axis 2 to the wrist, x and z [m].
         shoulder_x: Axis 2, in front of axis 1 [m].
     """
 
-    A: Matrix
-    b: Vector
     places: list[int]
     coefficients: Matrix
     shoulder_x: float
@@ -130,19 +126,14 @@ class _Arm:
         wrist = np.einsum("aij,bjk,ckl,l->abci", *from_here, hand.T_parent_joint[:, 3])
         arm = np.zeros((3, 3, 3, 4))
         arm[:, 0, 0] = from_here[0] @ elbow.T_parent_joint[:, 3]
-        axis_map, turning = chain.axis_map, places[1:4]
-        A, b = np.zeros((len(chain.axes), 3)), np.zeros(3)
-        if isinstance(axis_map, AffineMap):
-            A, b = (axis_map.A * axis_map.si_factors).T[:, turning], axis_map.b[turning]
         coefficients = np.concatenate([arm[..., :3:2], wrist[..., :3:2]], axis=3).reshape(27, 4)
-        return cls(A, b, turning, coefficients, float(shoulder.T_parent_joint[0, 3]))
+        return cls(places[1:4], coefficients, float(shoulder.T_parent_joint[0, 3]))
 
     def angles(self, mechanism: Mechanism, values: Matrix) -> Matrix:
         """Return the three angles of rows of axis values (N, 6)."""
         axis_map = mechanism.chain.axis_map
         if isinstance(axis_map, AffineMap):
-            angles: Matrix = values @ self.A + self.b
-            return angles
+            return axis_map.q_rows(values)[:, self.places]
         return np.array([joint_values(axis_map, row)[self.places] for row in values]).reshape(len(values), 3)
 
 

@@ -61,9 +61,6 @@ def kept_jit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     return decorate
 
 
-_OBJECTS: Final = 100_000  # new ones after which to look for those in cycles; every 700 or 2000 is usual
-
-
 class KeptCode:
     """The machine code of one function as numba asks for it; nothing here raises.
 
@@ -141,6 +138,9 @@ class _Installed(FunctionCache):
     """Machine code beside the package."""
 
     _impl_class = _InstalledCode
+
+
+_OBJECTS: Final = 100_000  # new ones after which to look for those in cycles; every 700 or 2000 is usual
 
 
 def _is_kept(event: Any) -> bool:
