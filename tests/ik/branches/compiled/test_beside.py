@@ -242,7 +242,7 @@ def test_solutions_on_a_curve_tell_their_direction() -> None:
 
 def test_what_no_pose_beside_finds_is_searched_for(monkeypatch: pytest.MonkeyPatch) -> None:
     name = "jaco"
-    _, T = doubtful_poses(name, 1e-3, 40)[0]
+    _, T = doubtful_poses(name, 1e-8, 40)[0]
     form, x0 = quick_form(robot(name), None, None)
     assert form is not None
     known = settled(form, T, x0, *written(name, T))

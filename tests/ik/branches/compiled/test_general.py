@@ -23,12 +23,13 @@ from chainbuild.ik.search.compiled.entries import kept_jit
 from chainbuild.ik.search.compiled.kernels import FAST
 from chainbuild.tolerances import ROTATION_MATRIX
 from tests.bench.arms.geometry import OTHER, Arm
-from tests.bench.arms.truth import descend
+from tests.bench.arms.truth import descend, isolation
 from tests.kit.general_arms import DRAWN, arm_of, at_random, calibrated, rounded
 from tests.kit.parallel_arms import pose_by_hand
 
 Rows = np.ndarray
 SAME = 1e-4  # rad: branches nearer than this are one
+WEAKEST = 1e-5  # rad by which a residual of 1e-12 may move what is as nearly singular as a sure pose permits
 KINDS = ("at random", 90.0, 45.0, 30.0)  # of joint values: at random, or multiples of an angle
 
 
@@ -59,14 +60,19 @@ def apart(row: np.ndarray, others: Rows) -> float:
     return float((2.0 * np.abs(np.sin((others - row) / 2.0))).max(axis=1).min(initial=math.inf))
 
 
+def truth_arm(serial: Serial) -> Arm:
+    """Return an arm as the NumPy formulas of the bench take it."""
+    axes, points = (np.array([getattr(s, part) for s in serial.screws]) for part in ("direction", "point"))
+    return Arm("", OTHER, False, axes, points, serial.M)
+
+
 def plain(serial: Serial, T: np.ndarray, within: float) -> Rows:
     """Return the plain elimination's solutions of a pose, once each; what lies between two that nearly meet is none."""
     near = [values for values, _ in solver_of(serial).solve(T, np.zeros(6))]
     near = [values for values in near if np.abs(pose_by_hand(serial, values) - T).max() < within]
     if not near:
         return np.empty((0, 6))
-    axes, points = (np.array([getattr(s, part) for s in serial.screws]) for part in ("direction", "point"))
-    settled, left = descend(Arm("", OTHER, False, axes, points, serial.M), np.array(near), np.array([T] * len(near)))
+    settled, left = descend(truth_arm(serial), np.array(near), np.array([T] * len(near)))
     found = np.empty((0, 6))
     for values in settled[left < 1e-12]:
         if apart(values, found) > SAME:
@@ -142,6 +148,24 @@ def test_nothing_is_missing_at_right_angles(name: str) -> None:
     assert check(name, joint_values(30.0, 8, np.random.default_rng(4), beside=1e-3)) >= 4
 
 
+@pytest.mark.parametrize(("name", "share"), [("kr6 calibrated", 0.98), ("ur5 calibrated", 0.9175)])
+def test_calibrated_arms_are_solved_surely_where_the_nominal_ones_are_singular(name: str, share: float) -> None:
+    # Seven of the second arm's need one of the last three openings, seven a complex eigenvalue beside the real ones.
+    serial, q = arms()[name], joint_values(90.0, 400, np.random.default_rng(10))
+    answers = compiled(packed_of(name), np.array([serial.pose(row) for row in q]))
+    assert sum(sure for _, sure in answers) >= share * len(q)
+    assert all(not sure or apart(row, found) < WEAKEST for row, (found, sure) in zip(q, answers, strict=True))
+    assert check(name, q[:8]) >= 6
+
+
+def test_no_pose_is_sure_where_solutions_are_a_curve() -> None:
+    serial, q = arms()["sixteen"], joint_values(90.0, 200, np.random.default_rng(12))
+    singular = q[isolation(truth_arm(serial), q) < 1e-9]
+    assert len(singular) > 50
+    answers = compiled(packed_of("sixteen"), np.array([serial.pose(row) for row in singular]))
+    assert not any(sure for _, sure in answers)
+
+
 def test_two_branches_of_one_hidden_value() -> None:
     # Two eigenvalues coincide here; Newton steps from a mixture of their branches end at branches of others.
     q = np.radians([[0.0, 90.0, 270.0, 0.0, 270.0, 270.0]])
@@ -167,12 +191,12 @@ def test_calibrated_arms(seed: int) -> None:
         packed = general_constants(serial)
         assert packed is not None, name
         # As many poses as its own joint values can be looked for in: the plain path takes a thousand times as long.
-        for kind, share in (("at random", 0.99), (45.0, 0.8)):
+        for kind, share in (("at random", 0.99), (45.0, 0.95), (90.0, 0.9)):
             q = joint_values(kind, 500, rng)
             answers = compiled(packed, np.array([serial.pose(row) for row in q]))
             assert sum(sure for _, sure in answers) >= share * len(q)
             for row, (found, sure) in zip(q, answers, strict=True):
-                assert not sure or apart(row, found) < 1e-6
+                assert not sure or apart(row, found) < WEAKEST
 
 
 def test_sixteen_branches() -> None:

@@ -50,7 +50,6 @@ PER_OPENING: Final = ARROWS_BEHIND + COMBINATIONS * SIZE
 VIEWS: Final = (0.3, 1.5, 2.7, -0.9, -2.1)  # angles from which the hidden joint is looked at; any that are apart
 
 _KEPT: Final = np.array([n for n in range(SIZE) if n != ONE])
-_MAX_OPENINGS: Final = 3  # solved for one pose: what three cannot tell, a fourth hardly does
 _TRIALS: Final = 4  # poses on which the openings are tried
 _LARGER: Final = 0.7  # decades of digits that the larger eigenvalue problem must win: it takes twice as long
 _HOPELESS: Final = 11.0  # decades of digits lost: no pose would be solved surely
@@ -127,7 +126,7 @@ def _screw_numbers(screw: Screw) -> Vector:
 
 
 def _chosen(screws: Sequence[Screw]) -> list[Vector]:
-    """Return the packed openings that lose the fewest digits, the best leading."""
+    """Return the packed openings that may tell something, that which loses the fewest digits leading."""
     poses = _trial_poses(screws)
     ranked: list[tuple[float, int, Vector]] = []
     for opening in _openings(screws) if poses else ():
@@ -142,7 +141,7 @@ def _chosen(screws: Sequence[Screw]) -> list[Vector]:
     for lost, place, packed in ranked:
         if lost < _HOPELESS:
             chosen.setdefault(place, packed)
-    return list(chosen.values())[:_MAX_OPENINGS]
+    return list(chosen.values())
 
 
 def _trial_poses(screws: Sequence[Screw]) -> list[Matrix]:

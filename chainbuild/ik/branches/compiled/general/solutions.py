@@ -28,7 +28,7 @@ from chainbuild.ik.search.compiled.kernels import jit
 _STEPS: Final = 8  # Newton's: from a few digits, two are usual
 _MAX_STEP: Final = 0.3  # rad: a longer step is none towards the solution nearby
 MET: Final = 1e-10  # residual of a solution [arm lengths, rad]
-REGULAR: Final = 1e-4  # pivot of the Jacobian [arm lengths, rad]: below, branches meet, or solutions are a curve
+REGULAR: Final = 1e-6  # pivot of the Jacobian [arm lengths, rad]: below, solutions may be one, or on a curve
 SAME: Final = 1e-4  # rad: solutions nearer than this are one
 _EXACT: Final = 1e-12  # residual [arm lengths, rad] at which no step improves anything
 

@@ -160,6 +160,8 @@ def add_solutions(constants, part, room, half, angle, size, noise, values, found
                         values[len(values) - starts, n] = room.others[aside, n].real
                 aside += 1
                 continue
+            if not far and is_complex(room.real, room.imaginary, size, k, noise):
+                continue  # its solution may have values with imaginary parts that are too large for Newton's steps
             perhaps += 1
         perhaps += 1
         hidden = angle + 2.0 * math.atan(a)
