@@ -257,6 +257,21 @@ def test_what_no_pose_beside_finds_is_searched_for(monkeypatch: pytest.MonkeyPat
     assert all(distance(branches, place).min() < 1e-5 for place in found.near)
 
 
+def test_one_pair_is_enough_at_the_end_of_the_reach(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On one side the form finds all branches, on the other it is sure of none."""
+    entries, looks = compiled_entries(), []
+    real = entries.beside_pose
+    monkeypatch.setattr(entries, "beside_pose", lambda *room: looks.append(room[5].tolist()) or real(*room))
+    seen = 0
+    for q, T in doubtful_poses("crx", 0.0, 200):
+        looks.clear()
+        found = np.radians(robot("crx").ik_all(T).axes)
+        if len(looks) == 2 and 0 in (looks[0][1], looks[1][0]):
+            seen += 1
+            assert distance(found, q).min() < 1e-4
+    assert seen >= 5
+
+
 def written(name: str, T: np.ndarray) -> tuple[np.ndarray, int]:
     """Return what the form writes for a pose."""
     form, x0 = quick_form(robot(name), None, None)

@@ -218,12 +218,27 @@ def test_sixteen_branches() -> None:
         assert apart(values, np.delete(found, n, axis=0)) > SAME
 
 
-def test_a_pose_out_of_reach_is_left_to_the_plain_path() -> None:
+def test_no_branch_is_told_surely_only_where_nothing_leads_to_the_pose() -> None:
     far = np.eye(4)
     far[:3, 3] = 100.0
     ((found, sure),) = compiled(packed_of("random"), far[None])
     assert len(found) == 0
-    assert not sure
+    assert sure
+
+
+@pytest.mark.parametrize("name", ["ur5 calibrated", "jaco", "crx"])
+def test_a_pose_just_out_of_reach(name: str) -> None:
+    """Beside poses of a stretched arm; those that are told to have no branch have none."""
+    serial, rng, none = arms()[name], np.random.default_rng(11), 0
+    q = joint_values(90.0, 200, rng)
+    targets = np.array([serial.pose(row) for row in q])
+    targets[:, :3, 3] += 10.0 ** -rng.uniform(3.0, 7.0, (len(q), 1)) * rng.normal(size=(len(q), 3))
+    for row, target, (found, sure) in zip(q, targets, compiled(packed_of(name), targets), strict=True):
+        if sure and not len(found):
+            none += 1
+            starts = row + 0.03 * rng.normal(size=(30, 6))
+            assert descend(truth_arm(serial), starts, np.array([target] * 30))[1].min() > 1e-9
+    assert none >= 4
 
 
 def test_a_wrong_sign_is_noticed() -> None:

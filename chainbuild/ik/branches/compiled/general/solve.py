@@ -201,7 +201,7 @@ def general_branches(constants, T, values):
             continue
         noise = _NOISE * largest * largest
         found, perhaps, starts = add_solutions(constants, part, room, half, angle, size, noise, values, found, starts)
-        if perhaps == found > 0:
+        if perhaps == found:
             return found, True
         if perhaps < 0 or 0 < perhaps < found:
             break
