@@ -28,7 +28,8 @@ from chainbuild.ik.search.compiled.kernels import jit
 _STEPS: Final = 8  # Newton's: from a few digits, two are usual
 _MAX_STEP: Final = 0.3  # rad: a longer step is none towards the solution nearby
 MET: Final = 1e-10  # residual of a solution [arm lengths, rad]
-REGULAR: Final = 1e-6  # pivot of the Jacobian [arm lengths, rad]: below, solutions may be one, or on a curve
+_REGULAR: Final = 1e-6  # pivot of the Jacobian [arm lengths, rad]: below, solutions may be one, or on a curve
+_OFF: Final = 3e-6  # rad by which a solution may be off: far less than what tells two apart
 SAME: Final = 1e-4  # rad: solutions nearer than this are one
 _EXACT: Final = 1e-12  # residual [arm lengths, rad] at which no step improves anything
 
@@ -99,6 +100,13 @@ def polish(constants, G, q, T, J):
     return miss
 
 
+@jit
+def is_regular(J, miss):
+    """Tell whether a solution is isolated, and surely so near to where Newton's steps ended as _OFF; overwrites J."""
+    pivot = gauss(J, len(J), len(J))
+    return pivot > _REGULAR and miss < _OFF * pivot
+
+
 def angle_of(cosine, sine):
     """Return the angle of a cosine and a sine, or of multiples of them."""
     return math.atan2(sine, cosine)
@@ -153,20 +161,27 @@ def write_values(constants, part, rows, half, right, hidden, nine, B, G, q, T, J
 
 
 @jit
+def largest_imaginary(z):
+    """Return the largest imaginary part of complex values (6,)."""
+    largest = 0.0
+    for n in range(len(z)):
+        largest = max(largest, abs(z[n].imag))
+    return largest
+
+
+@jit
 def is_complex_solution(constants, place, hidden, G, z, T, J, others, count):
     """Tell whether Newton steps from complex values (6,) end at complex values with the eigenvalue that led there.
 
     The hidden joint, at a place among them, must come back to its angle, nearer than that is to real angles. The values
     must be regular and differ from the first rows of others; if so, they are written behind them.
     """
-    if not polish(constants, G, z, T, J) < MET:
+    miss = polish(constants, G, z, T, J)
+    if not miss < MET:
         return False
     if not 4.0 * abs(np.sin(0.5 * (z[place] - hidden))) < abs(hidden.imag):
         return False
-    aside = 0.0
-    for n in range(len(z)):
-        aside = max(aside, abs(z[n].imag))
-    if not (aside > SAME and gauss(J, len(z), len(z)) > REGULAR and count < len(others)):
+    if not (largest_imaginary(z) > SAME and is_regular(J, miss) and count < len(others)):
         return False
     for r in range(count):
         one, other = 0.0, 0.0

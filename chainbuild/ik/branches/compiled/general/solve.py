@@ -20,13 +20,14 @@ from chainbuild.ik.branches.compiled.general.constants import (
     ROLES,
     SCALE,
 )
-from chainbuild.ik.branches.compiled.general.eigen import eigenvalues_of, gauss
+from chainbuild.ik.branches.compiled.general.eigen import eigenvalues_of
 from chainbuild.ik.branches.compiled.general.equations import write_best_companion, write_equations
 from chainbuild.ik.branches.compiled.general.solutions import (
     MET,
-    REGULAR,
     SAME,
     is_complex_solution,
+    is_regular,
+    largest_imaginary,
     polish,
     write_values,
 )
@@ -35,6 +36,9 @@ from chainbuild.ik.search.compiled.kernels import jit
 _USELESS: Final = 1e7  # entries of the matrix above which its eigenvalues have no digits
 _APART: Final = 1e-9  # share below which the eliminated joints are not told apart
 _NOISE: Final = 1e-13  # times the square of the largest entry: 10 to 100 times what rounding was seen to make of 0
+_FAR_ASIDE: Final = (
+    3.0  # imaginary part of a joint's value: none that rounding makes; Newton's steps may not lead on there
+)
 _BESIDE: Final = 1e-2  # of a sphere: complex eigenvalues so near to the real ones must lead to complex solutions
 
 
@@ -160,17 +164,18 @@ def add_solutions(constants, part, room, half, angle, size, noise, values, found
                         values[len(values) - starts, n] = room.others[aside, n].real
                 aside += 1
                 continue
-            if not far and is_complex(room.real, room.imaginary, size, k, noise):
-                continue  # its solution may have values with imaginary parts that are too large for Newton's steps
+            if largest_imaginary(z) > _FAR_ASIDE and is_complex(room.real, room.imaginary, size, k, noise):
+                continue
             perhaps += 1
         perhaps += 1
         hidden = angle + 2.0 * math.atan(a)
         write_values(constants, part, room.rows, half, room.right, hidden, room.nine, room.B, G, q, T, J)
-        if polish(constants, G, q, T, J) < MET and is_new(values, found, q) and found < len(values) - starts:
+        miss = polish(constants, G, q, T, J)
+        if miss < MET and is_new(values, found, q) and found < len(values) - starts:
             for n in range(JOINTS):
                 values[found, n] = q[n]
             found += 1
-            regular = regular and gauss(J, len(q), len(q)) > REGULAR
+            regular = regular and is_regular(J, miss)
     return found, perhaps if regular else -1, starts
 
 
