@@ -11,7 +11,8 @@ from chainbuild.ik.search.compiled.kernels import damped_step, jit
 ARRIVED: Final = 1e-11  # m and rad: a place on a curve, or an isolated one: along a valley much is nearly a solution
 _LONGEST: Final = 0.8  # rad or m of one step
 _TRIED: Final = 1e-2  # rad or m along a lost direction: there the residual of an isolated solution is far from rounding
-_CORRECTIONS: Final = 24  # bring an isolated solution's step back, see `core.beside`
+_CORRECTIONS: Final = 24  # to a curve that is followed
+_BROUGHT_BACK: Final = 8  # those after which a step has come to a curve, for which three are enough, or not
 
 
 @jit
@@ -95,7 +96,7 @@ def goes_on(axes, room, target, place, direction, null, count, line):
         sign = 1.0 - 2.0 * side
         put(axes, room, place, sign * _TRIED, direction)
         left, way = math.inf, math.inf
-        for _ in range(_CORRECTIONS):
+        for _ in range(_BROUGHT_BACK):
             left, way = max(look(axes, room, target)), 0.0
             for m in range(f):
                 way += (room.x[axes.free[m]] - place[axes.free[m]]) ** 2
