@@ -17,6 +17,7 @@ from chainbuild.ik.branches.core.serial import Screw, Serial
 from chainbuild.ik.branches.elimination.conformal import arrow, coefficients, motion
 from chainbuild.ik.branches.elimination.elimination import elimination
 from chainbuild.ik.request import IkRequest
+from tests.kit.general_arms import DRAWN, arm_of, calibrated
 from tests.kit.robots import ur5
 
 Rows = list[np.ndarray]
@@ -199,3 +200,29 @@ def test_an_arm_without_six_joints_of_use_is_refused() -> None:
     twice = Serial((*serial.screws[:5], serial.screws[4]), serial.M)
     assert elimination(twice) is None
     assert elimination(Serial(serial.screws[:5], serial.M)) is None
+
+
+def test_solutions_with_many_digits_are_read_once() -> None:
+    # Nearly a spherical wrist: two solutions of one wrist position have nearly the same first three joints.
+    rng = np.random.default_rng(14)
+    serial = arm_of(calibrated(DRAWN["irb120"], rng))
+    solver = elimination(serial)
+    assert solver is not None
+    for q in rng.uniform(-math.pi, math.pi, (8, 6)):
+        T = by_hand(list(serial.screws), serial.M, q)
+        rows = exact(serial, T)
+        assert min(apart(row, q, serial.screws) for row in rows) < 1e-6
+        assert len(solver.solve(T, np.zeros(6))) <= 2 * len(rows)
+
+
+@pytest.mark.parametrize("name", ["irb120", "kr6"])
+def test_solutions_with_few_digits_are_kept(name: str) -> None:
+    """Nearly singular: of some solutions there are only readings with few digits, which Newton's steps bring there."""
+    rng = np.random.default_rng(15)
+    serial = arm_of(calibrated(DRAWN[name], rng))
+    solver, lost = elimination(serial), 0
+    assert solver is not None
+    for q in np.radians(90.0 * rng.integers(0, 4, (40, 6))):
+        rows = [values for values, _ in solver.solve(by_hand(list(serial.screws), serial.M, q), np.zeros(6))]
+        lost += min(apart(row, q, serial.screws) for row in rows) > 1e-3
+    assert lost <= 3  # as many as the equations lose; ten and more with the exact readings alone

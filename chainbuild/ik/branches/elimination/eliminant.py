@@ -20,6 +20,7 @@ from chainbuild.chain.elements import JointKind
 from chainbuild.ik.branches.core.roots import NEARLY_REAL
 
 Kinds = tuple[JointKind, JointKind, JointKind]
+_Triple = tuple[float, float, float]
 
 SINGULAR: Final = 1e12  # condition above which the equations do not separate solutions
 # Singular values below such a share of the largest belong to the kernel: where solutions nearly coincide, one threshold
@@ -29,6 +30,8 @@ _MAX_NULLITY: Final = 6  # of a kernel: as many solutions with one value of the 
 _AT_INFINITY: Final = 1e-7  # singular values below this share of the largest belong to solutions without finite x or y
 _MAX_DISTANCE: Final = 1e6  # linear joints beyond this many arm lengths count as infinite
 _MIX: Final = 0.7317  # an arbitrary weight: separates solutions that share x
+_EXACT: Final = 1e-8  # share of the equations' size: what misses them by less is read with many digits
+_ALIKE: Final = 1e-6  # rad or arm lengths: such solutions are one; of arms nearly at a form two may be as near as 1e-3
 _LOOKED_FROM: Final = (0.3, 1.5, 2.7, -0.9, -2.1)  # angles of the views, of which the best conditioned is taken
 
 
@@ -65,7 +68,7 @@ class Eliminant:
         quadratic = np.stack([lowest, middle, leading[best]])
         return cls(blocks, kinds, views[best], float(conditions[best]), quadratic)
 
-    def solutions(self, near: float = NEARLY_REAL) -> tuple[list[tuple[float, float, float]], bool]:
+    def solutions(self, near: float = NEARLY_REAL) -> tuple[list[_Triple], bool]:
         """Return the real joint values (h, x, y), some of them perhaps twice, and whether these are all.
 
         They may be incomplete where several solutions share h and others tend to infinity.
@@ -73,20 +76,39 @@ class Eliminant:
         Args:
             near: How far beside the real numbers a solution may lie; its real part is returned.
         """
-        found, settled = [], True
-        for h in self._hidden_values(near):
+        found: list[_Triple] = []
+        misses: list[float] = []
+        settled, hidden = True, self._hidden_values(near)
+        for h in hidden:
             powers = (1.0, h, h * h)
-            matrix = sum(power * block for power, block in zip(powers, self.blocks, strict=True))
+            matrix = np.asarray(sum(power * block for power, block in zip(powers, self.blocks, strict=True)))
             value = _joint_value(h, self.kinds[0], near)
             if value is None:
                 continue
-            pairs, apart = _kernel_pairs(_multiplied(np.asarray(matrix), once=False))
+            pairs, apart = _kernel_pairs(_multiplied(matrix, once=False))
             settled = settled and apart
             for x, y in pairs:
                 first, second = _joint_value(x, self.kinds[1], near), _joint_value(y, self.kinds[2], near)
                 if first is not None and second is not None:
                     found.append((value, first, second))
+                    left = np.abs(matrix @ (1.0, y, y * y) @ (1.0, x, x * x)).max()
+                    misses.append(float(left / np.abs(matrix).max()))
+        if settled and near == NEARLY_REAL:
+            exact = self._exact(found, misses)
+            # Else some are read with few digits only: the caller's Newton steps sort them out.
+            found = exact if len(exact) >= len(hidden) else found
         return found, settled
+
+    def _exact(self, found: list[_Triple], misses: list[float]) -> list[_Triple]:
+        """Return the solutions that are read with many digits, once each."""
+        turns = np.array([kind == "revolute" for kind in self.kinds])
+        kept: list[_Triple] = []
+        for one in (found[n] for n in np.argsort(misses).tolist() if misses[n] < _EXACT):
+            off = np.array(kept).reshape(-1, len(turns)) - one
+            apart = np.abs(np.where(turns, 2.0 * np.sin(off / 2.0), off)).max(axis=1)
+            if not (apart < _ALIKE).any():
+                kept.append(one)
+        return kept
 
     def _hidden_values(self, near: float) -> list[complex]:
         """Return the values of h that a real joint has, but for rounding."""
