@@ -35,10 +35,8 @@ from chainbuild.ik.search.compiled.kernels import jit
 
 _USELESS: Final = 1e7  # entries of the matrix above which its eigenvalues have no digits
 _APART: Final = 1e-9  # share below which the eliminated joints are not told apart
-_NOISE: Final = 1e-13  # times the square of the largest entry: 10 to 100 times what rounding was seen to make of 0
-_FAR_ASIDE: Final = (
-    3.0  # imaginary part of a joint's value: none that rounding makes; Newton's steps may not lead on there
-)
+_NOISE: Final = 1e-13  # times the square of the largest entry: 10 to 100 times what rounding makes of 0; rarely less
+_FAR_ASIDE: Final = 3.0  # imaginary part of a joint's value: more than rounding makes, and too much for Newton's steps
 _BESIDE: Final = 1e-2  # of a sphere: complex eigenvalues so near to the real ones must lead to complex solutions
 
 
