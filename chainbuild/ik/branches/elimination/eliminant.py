@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from chainbuild.arrays import Complex
+from chainbuild.arrays import Complex, Vector
 from chainbuild.chain.elements import JointKind
 from chainbuild.ik.branches.core.roots import NEARLY_REAL
 
@@ -31,7 +33,7 @@ _AT_INFINITY: Final = 1e-7  # singular values below this share of the largest be
 _MAX_DISTANCE: Final = 1e6  # linear joints beyond this many arm lengths count as infinite
 _MIX: Final = 0.7317  # an arbitrary weight: separates solutions that share x
 _EXACT: Final = 1e-8  # share of the equations' size: what misses them by less is read with many digits
-_ALIKE: Final = 1e-6  # rad or arm lengths: such solutions are one; of arms nearly at a form two may be as near as 1e-3
+_ALIKE: Final = 5e-7  # half the difference of such that are one; of arms nearly at a form two may be as near as 1e-3
 _LOOKED_FROM: Final = (0.3, 1.5, 2.7, -0.9, -2.1)  # angles of the views, of which the best conditioned is taken
 
 
@@ -76,8 +78,7 @@ class Eliminant:
         Args:
             near: How far beside the real numbers a solution may lie; its real part is returned.
         """
-        found: list[_Triple] = []
-        misses: list[float] = []
+        readings: list[tuple[float, _Triple]] = []
         settled, hidden = True, self._hidden_values(near)
         for h in hidden:
             powers = (1.0, h, h * h)
@@ -90,24 +91,21 @@ class Eliminant:
             for x, y in pairs:
                 first, second = _joint_value(x, self.kinds[1], near), _joint_value(y, self.kinds[2], near)
                 if first is not None and second is not None:
-                    found.append((value, first, second))
                     left = np.abs(matrix @ (1.0, y, y * y) @ (1.0, x, x * x)).max()
-                    misses.append(float(left / np.abs(matrix).max()))
+                    readings.append((float(left / np.abs(matrix).max()), (value, first, second)))
         if settled and near == NEARLY_REAL:
-            exact = self._exact(found, misses)
-            # Else some are read with few digits only: the caller's Newton steps sort them out.
-            found = exact if len(exact) >= len(hidden) else found
-        return found, settled
+            exact = self._exact(readings)
+            if len(exact) >= len(hidden):  # else some are read with few digits only: Newton's steps sort them out
+                return exact, settled
+        return [solution for _, solution in readings], settled
 
-    def _exact(self, found: list[_Triple], misses: list[float]) -> list[_Triple]:
+    def _exact(self, readings: list[tuple[float, _Triple]]) -> list[_Triple]:
         """Return the solutions that are read with many digits, once each."""
         turns = np.array([kind == "revolute" for kind in self.kinds])
         kept: list[_Triple] = []
-        for one in (found[n] for n in np.argsort(misses).tolist() if misses[n] < _EXACT):
-            off = np.array(kept).reshape(-1, len(turns)) - one
-            apart = np.abs(np.where(turns, 2.0 * np.sin(off / 2.0), off)).max(axis=1)
-            if not (apart < _ALIKE).any():
-                kept.append(one)
+        for miss, solution in sorted(readings):
+            if miss < _EXACT and not is_among(np.array(solution), kept, turns, _ALIKE):
+                kept.append(solution)
         return kept
 
     def _hidden_values(self, near: float) -> list[complex]:
@@ -124,6 +122,19 @@ class Eliminant:
                 if abs(h[0]) < _MAX_DISTANCE * abs(h[1]):
                     values.append(complex(h[0] / h[1]))
         return values
+
+
+def is_among(values: Vector, others: Sequence[Sequence[float] | Vector], turns: NDArray[np.bool_], half: float) -> bool:
+    """Return whether one of some sets of values is the same but for whole turns.
+
+    Args:
+        values: (n,) joint values.
+        others: (k, n) the others.
+        turns: (n,) which of the joints are rotary.
+        half: What half the difference is less than [rad], of slides the whole one [arm lengths].
+    """
+    off = np.reshape(np.array(others), (-1, len(turns))) - values
+    return bool((np.abs(np.where(turns, np.sin(off / 2.0), off)).max(axis=1) < half).any())
 
 
 def _view(kind: JointKind, angle: float) -> tuple[complex, complex, complex, complex]:

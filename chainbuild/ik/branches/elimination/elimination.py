@@ -25,7 +25,7 @@ from chainbuild.ik.branches.core.serial import Screw, Serial
 from chainbuild.ik.branches.core.subproblems import rotation
 from chainbuild.ik.branches.elimination.conformal import arrow, coefficients, motion
 from chainbuild.ik.branches.elimination.cuts import on_curves
-from chainbuild.ik.branches.elimination.eliminant import SINGULAR
+from chainbuild.ik.branches.elimination.eliminant import SINGULAR, is_among
 from chainbuild.ik.branches.elimination.loop import OpenedLoop, closed, eliminant, equations, inner_order
 
 if TYPE_CHECKING:
@@ -73,6 +73,7 @@ class Elimination:
         self.size = max([float(np.linalg.norm(point - self.centre)) for point in ends]) or 1.0
         self.screws = [Screw(s.kind, s.direction, (s.point - self.centre) / self.size, s.joint) for s in serial.screws]
         self.parts = [coefficients(screw) for screw in self.screws]
+        self.turns = np.array([screw.kind == "revolute" for screw in self.screws])
         self.serial, self.back = serial, inverse(serial.M)
         self.openings = self._openings()
 
@@ -132,7 +133,7 @@ class Elimination:
             beside, _ = self._solved(_perturbed(G, distance), _BESIDE * math.sqrt(distance))
             refined = self._refined(G, _distinct(beside))
             before = len(reached)
-            reached += [one for one in self._reaching(G, refined) if not self._is_among(one, reached)]
+            reached += [one for one in self._reaching(G, refined) if not is_among(one, reached, self.turns, _APART)]
             found += refined
             if n and len(reached) == before:
                 break
@@ -150,12 +151,6 @@ class Elimination:
             if found:
                 return found
         return []
-
-    def _is_among(self, values: Vector, others: Sequence[Vector]) -> bool:
-        """Return whether one of some sets of values is the same but for whole turns."""
-        turns = [screw.kind == "revolute" for screw in self.screws]
-        off = np.reshape(others, (-1, JOINTS)) - values
-        return bool((np.abs(np.where(turns, np.sin(off / 2.0), off)).max(axis=1) < _APART).any())
 
     def _reaching(self, G: Matrix, rows: Sequence[Vector]) -> list[Vector]:
         """Return the sets of values that meet a pose."""

@@ -129,7 +129,7 @@ def _places_at(
             )  # fmt: skip
         one, other = counts[1:].tolist()
         is_plain = known_of[STATE] == ISOLATED and not known_of[CLUSTERED]
-        if not first and is_plain and min(one, other) >= 0 < told == before:
+        if not first and is_plain and min(one, other) >= 0 and 0 < told == before:
             return places[:told]  # either side is sure to be whole, and the second one tells nothing new
         looks = (slice(1, 3),)
         if told > known:

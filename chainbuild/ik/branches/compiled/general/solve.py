@@ -146,7 +146,8 @@ def add_solutions(constants, part, room, half, angle, size, noise, values, found
     for k in range(size):
         a, b = room.real[k], room.imaginary[k]
         far = b > _BESIDE * (1.0 + a * a + b * b)
-        if b < 0.0 or (far and is_complex(room.real, room.imaginary, size, k, noise)):
+        certain = b > 0.0 and is_complex(room.real, room.imaginary, size, k, noise)
+        if b < 0.0 or (far and certain):
             continue
         if b > 0.0:
             complex_hidden = angle - 1.0j * np.log(complex(1.0 - b, a) / complex(1.0 + b, -a))
@@ -162,7 +163,7 @@ def add_solutions(constants, part, room, half, angle, size, noise, values, found
                         values[len(values) - starts, n] = room.others[aside, n].real
                 aside += 1
                 continue
-            if largest_imaginary(z) > _FAR_ASIDE and is_complex(room.real, room.imaginary, size, k, noise):
+            if certain and largest_imaginary(z) > _FAR_ASIDE:
                 continue
             perhaps += 1
         perhaps += 1
