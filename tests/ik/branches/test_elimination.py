@@ -15,6 +15,7 @@ from chainbuild.comparison.eaik_model import eaik_answers, eaik_robot
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import Screw, Serial
 from chainbuild.ik.branches.elimination.conformal import arrow, coefficients, motion
+from chainbuild.ik.branches.elimination.eliminant import is_among
 from chainbuild.ik.branches.elimination.elimination import elimination
 from chainbuild.ik.request import IkRequest
 from tests.kit.general_arms import DRAWN, arm_of, calibrated
@@ -200,6 +201,14 @@ def test_an_arm_without_six_joints_of_use_is_refused() -> None:
     twice = Serial((*serial.screws[:5], serial.screws[4]), serial.M)
     assert elimination(twice) is None
     assert elimination(Serial(serial.screws[:5], serial.M)) is None
+
+
+def test_whole_turns_of_rotary_joints_make_no_difference() -> None:
+    turns, one = np.array([True, False]), np.array([0.5, 0.2])
+    assert is_among(one, [[9.0, 9.0], one + [4.0 * math.pi, 0.0]], turns, 1e-6)
+    assert not is_among(one, [one + [0.0, 4.0 * math.pi]], turns, 1e-6)
+    assert not is_among(one, [one + [1e-3, 0.0], one + [0.0, 1e-3]], turns, 1e-6)
+    assert not is_among(one, [], turns, 1e-6)
 
 
 def test_solutions_with_many_digits_are_read_once() -> None:
