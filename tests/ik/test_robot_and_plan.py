@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import pickle
+from dataclasses import MISSING, FrozenInstanceError, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +13,8 @@ import pytest
 import chainbuild
 from chainbuild import ChainbuildError, Robot
 from chainbuild.errors import AxisValueError
-from chainbuild.ik.branches.core.branches import Branch
+from chainbuild.ik.branches.core.branches import Branch, Branches, quick_made
+from chainbuild.ik.result import IkResult, quick_result
 from chainbuild.kinematics.mechanism import Mechanism
 
 AXES = [10.0, -80.0, 70.0, 20.0, 40.0, 30.0]
@@ -116,3 +120,19 @@ def test_only_a_chain_becomes_a_robot(kind: type[Mechanism]) -> None:
 def test_one_held_axis_needs_no_list() -> None:
     robot = Robot.load("kr6r900")
     assert robot.plan("A4") == robot.plan(["A4"]) != robot.plan()
+
+
+@pytest.mark.parametrize("kind", [IkResult, Branches])
+def test_what_is_made_quickly_is_what_the_constructor_makes(kind: type[IkResult] | type[Branches]) -> None:
+    quick: Any = {IkResult: quick_result, Branches: quick_made}[kind]
+    named: Any = {IkResult: {"reason": "why"}, Branches: {"method": "how"}}[kind]
+    own = fields(kind)
+    given = [f"{each.name} given" for each in own if each.default is MISSING]
+    made: Any = quick(*given)
+    assert type(made) is kind
+    assert [getattr(made, each.name) for each in own] == [getattr(kind(*given), each.name) for each in own]
+    with pytest.raises(FrozenInstanceError):
+        setattr(made, own[0].name, "other")
+    changed: Any = replace(made, **named)
+    assert [getattr(changed, name) for name in named] == list(named.values())
+    assert getattr(pickle.loads(pickle.dumps(made)), own[0].name) == given[0]

@@ -86,6 +86,8 @@ class _Search:
                 or (attempt == 0 and self.problem.arm_too_short(self.target) is not None)
             ):
                 break
+            if attempt == 0 and self.problem.beyond_bound(self.target):
+                break
         if start is not None and least < math.inf:
             # The branch of the start shows best which limit is violated.
             met, y, _ = self.descend(start, False, rules.MAX_STEPS, rules.STALL_SHARE)
@@ -193,10 +195,11 @@ class _Search:
 
 def task_of(problem: Problem) -> TaskError:
     """Return a problem's task, prepared at first use."""
-    weights = (problem.weights, problem.axis, problem.shown_axis)
-    return problem.prepared(
-        "plain task", lambda: TaskError(problem.mechanism.kinematics, problem.free, problem.x, *weights)
-    )
+
+    def made(own: Problem) -> TaskError:
+        return TaskError(own.mechanism.kinematics, own.free, own.x, own.weights, own.axis, own.shown_axis)
+
+    return problem.prepared("plain task", made)
 
 
 def _is_sharp(step: Vector, share: float) -> bool:

@@ -8,8 +8,8 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from typing import Final, TypeVar
+from dataclasses import dataclass, field, replace
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -58,6 +58,7 @@ class Problem:
         winding: Indices into the free axes of those whose whole turns decide about limits of sums or drives.
         curved: Whether drives have limits that only their map knows: what a search finds is then checked by it.
         seed: Seed of the tables.
+        made: What was made for this problem, by its kind.
     """
 
     mechanism: Mechanism
@@ -82,6 +83,7 @@ class Problem:
     winding: tuple[int, ...] = ()
     curved: bool = False
     seed: int = 0
+    made: dict[str, Any] = field(init=False, default_factory=dict)
 
     @property
     def rechecked(self) -> bool:
@@ -105,9 +107,12 @@ class Problem:
         places.sort(key=lambda place: float(np.abs(place - wanted).max()))
         return next((place for place in places if self.box.inside(place) and self.keeps(place)), y)
 
-    def prepared(self, kind: str, make: Callable[[], _T]) -> _T:
-        """Return what was made once for this problem; see `Mechanism.prepared`."""
-        return self.mechanism.prepared(kind, make, self, 2 * MAX_PREPARED)
+    def prepared(self, kind: str, make: Callable[[Problem], _T]) -> _T:
+        """Return what was made once for this problem; see `Mechanism.prepared`, whose lock it takes."""
+        if kind not in self.made:
+            self.made[kind] = self.mechanism.prepared(kind, lambda: make(self), self, MAX_PREPARED)
+        found: _T = self.made[kind]
+        return found
 
     def turned_starts(self) -> TurnedStarts | None:
         """Return the table of turned starts if the task is the whole pose and the arm has one."""
@@ -115,12 +120,12 @@ class Problem:
         if row is None or not _whole(self.weights, self.axis):
             return None
         return self.prepared(
-            "turned starts", lambda: turned_starts(self.mechanism, row, self.box, self.middle, self.seed)
+            "turned starts", lambda own: turned_starts(own.mechanism, row, own.box, own.middle, own.seed)
         )
 
     def position_only(self) -> Problem:
         """Return the problem without its rotations."""
-        return self.prepared("position only", self._without_turns)
+        return self.prepared("position only", Problem._without_turns)
 
     def _without_turns(self) -> Problem:
         weights, scale = self.weights.copy(), self.starts.scale.copy()
@@ -153,7 +158,7 @@ class Problem:
 
     def free_part(self, axes: Vector) -> Vector:
         """Return the free axes (n_free,) in SI of axis values (n_axes,) in mm and degrees."""
-        part: Vector = axes[self.free] * self.factors
+        part: Vector = (axes if len(self.free) == len(axes) else axes[self.free]) * self.factors
         return part
 
 

@@ -13,7 +13,7 @@ from chainbuild.errors import ChainbuildError
 from chainbuild.frames import is_rigid
 from chainbuild.ik import rules
 from chainbuild.ik.request import IkOptions, IkRequest
-from chainbuild.ik.result import STATUSES, IkResult
+from chainbuild.ik.result import STATUSES, IkResult, quick_result
 from chainbuild.ik.search import plain
 from chainbuild.ik.search.compiled import packing as compiled
 from chainbuild.ik.search.found import SearchEnd
@@ -60,8 +60,6 @@ def find(problem: Problem, target: Matrix, start: Vector | None, options: IkOpti
     """
     start = problem.home if start is None else start
     wanted = problem.middle if start is None else start
-    if problem.beyond_bound(target):
-        options = replace(options, max_restarts=0)
     if options.compiled and compiled.available():
         packed = compiled.packed(problem)
         if packed is not None:
@@ -70,7 +68,7 @@ def find(problem: Problem, target: Matrix, start: Vector | None, options: IkOpti
                 raise refusal(target)
             if problem.rechecked:
                 found = _with_drives(problem, target, found, start, wanted, options)
-            return _held_inside(problem, found)
+            return _held_inside(problem, found) if problem.held_beyond else found
     if not is_rigid(target):
         raise refusal(target)
     return _held_inside(problem, plain.plain_search(problem, target, start, wanted, options))
@@ -107,7 +105,7 @@ def result_of(problem: Problem, target: Matrix, found: SearchEnd, options: IkOpt
     outcome, iterations, restarts, distance, angle, y, _ = found
     axes, task, labels = problem.shown(y), problem.task, problem.mechanism.labels
     if outcome == rules.OK:
-        return IkResult(True, axes, "ok", distance, angle, iterations, restarts, task, labels)
+        return quick_result(True, axes, "ok", distance, angle, iterations, restarts, task, labels)
     reason, status = reason_of(problem, target, found, options, find), STATUSES[outcome]
     violated: tuple[str, ...] = ()
     if outcome == rules.LIMITS:

@@ -79,6 +79,7 @@ def test_too_far_and_too_near(compiled: bool) -> None:
     beyond = robot.ik(pin.SE3(np.eye(3), np.array([2.0, 0.0, 0.0])), options=options)
     assert beyond.reason == "too far: 2000.0 mm from the workpiece frame, the kinematic reaches 700.0 mm"
     np.testing.assert_allclose(beyond.position_error, 1.3, atol=1e-3)
+    assert beyond.restarts == 0, "no other start can reach it"
     far = arm().ik(pin.SE3(np.eye(3), np.array([1.3, 0.0, 0.4])), solver="damped", options=options)
     assert far.status == "unreachable"
     assert far.reason.startswith("too far: the tool ends ")
@@ -240,3 +241,14 @@ def test_one_weight_is_enough(options: IkOptions) -> None:
     found = robot.ik(T, [0.0, -90.0, 90.0, 0.0, 10.0, 0.0], options=height)
     assert found.success
     assert abs(robot.fk(found.axes).actInv(T).translation[2]) < 1e-6
+
+
+@BOTH
+def test_beyond_the_ends_of_linear_axes_no_other_start_is_tried(compiled: bool) -> None:
+    robot, options = table_machine(), IkOptions(compiled=compiled)
+    T = robot.fk(np.zeros(len(robot.axes)))
+    T.translation[0] += 2.0 * robot.kinematics.reach
+    found = robot.ik(T, solver="damped", options=options)
+    assert (found.success, found.restarts) == (False, 0)
+    batch = robot.ik_batch([T] * 4, options=options)
+    assert not batch.counts[:, 2].any()

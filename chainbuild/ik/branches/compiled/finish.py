@@ -102,8 +102,9 @@ def inside_by_turns(axes, x, x0):
     inside = 1
     for n in range(len(x)):
         lower, upper, slack, value = axes.each[LOWER, n], axes.each[UPPER, n], axes.each[SLACK, n], x[n]
-        if axes.each[PERIODIC, n] != 0.0:
-            wanted = x0[n] + math.copysign(HALF_TURN_NUDGE, HALF_TURN_TOWARDS - x0[n])
+        wanted = x0[n] + math.copysign(HALF_TURN_NUDGE, HALF_TURN_TOWARDS - x0[n])
+        settled = lower <= value <= upper and abs(wanted - value) <= 0.5 * TURN  # most are
+        if not settled and axes.each[PERIODIC, n] != 0.0:
             low, high = (lower - slack - value) / TURN, (upper + slack - value) / TURN
             turns = min(max(np.rint((wanted - value) / TURN), np.ceil(low)), np.floor(high))
             value += TURN * turns

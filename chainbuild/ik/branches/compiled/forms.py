@@ -101,7 +101,7 @@ def compiled_entries() -> Any:
 
 def quick_form(mechanism: Mechanism, start: Vector | None, held: Held | None) -> tuple[QuickForm | None, Vector]:
     """Return the compiled form of a mechanism with some axes held, prepared at first use, and its start [SI]."""
-    if held is None and not mechanism.prepared("input axes", lambda: any(axis.held for axis in mechanism.axes)):
+    if held is None and not mechanism.kinematics.has_input_axes:
         form = mechanism.prepared("quick form", lambda: _quick_form(mechanism, None, None))
         if form is None or start is None:
             return form, _NOWHERE if form is None else form.x0

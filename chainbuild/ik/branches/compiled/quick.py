@@ -14,7 +14,7 @@ from chainbuild.arrays import Integers, Matrix, Vector
 from chainbuild.ik.branches.compiled.constants import REFUSED, ROWS, TOLD, UNSURE
 from chainbuild.ik.branches.compiled.doubtful.settle import Doubtful, is_searched, settled
 from chainbuild.ik.branches.compiled.forms import QuickForm, quick_form
-from chainbuild.ik.branches.core.branches import Branches
+from chainbuild.ik.branches.core.branches import Branches, quick_made
 from chainbuild.ik.branches.status_turn import status_turn_rows
 from chainbuild.ik.request import Held
 from chainbuild.ik.search.compiled.cores import on_all_cores
@@ -62,9 +62,9 @@ def quick_branches(
         free = tuple((names[n],) if n >= 0 else () for n in axes)
         directions = tuple(along[0, k : k + 1] if n != -1 else directions[k] for k, n in enumerate(axes))
     status, turn = status_turn_rows(mechanism, rows[0, :count]).T if form.has_status else (None, None)
-    return Branches(
+    return quick_made(
         rows[0, :count], told[:, 0], told[:, 1], told[:, 2].astype(np.int64), free, mechanism.task, mechanism.labels,
-        method=form.method, status_bits=status, turn_bits=turn, free_directions=directions,
+        status, turn, form.method, directions,
     )  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from chainbuild.arrays import Integers, Matrix, Vector
 from chainbuild.chain.elements import Task
 from chainbuild.html import SHOWN_ROWS, html_table
 from chainbuild.ik.branches.core.query import BranchQuery
-from chainbuild.ik.result import AxisValues, IkResult, axes_rows
+from chainbuild.ik.result import AxisValues, IkResult, axes_rows, quick_constructor
 from chainbuild.ik.verify import is_met, on_limits
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.newton import below, newton, shrinking
@@ -137,6 +137,9 @@ class Branches(AxisValues, Sequence[Branch]):
             rows = [(*row, words) for row, words in zip(rows, along, strict=False)]
         caption = f"{len(self)} branches by {self.method or 'candidates'}"
         return html_table(head, rows, caption, len(self) - len(rows))
+
+
+quick_made: Final = quick_constructor(Branches)
 
 
 def directions_shown(labels: AxisLabels, directions: Matrix) -> list[str]:

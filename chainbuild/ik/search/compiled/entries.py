@@ -209,7 +209,7 @@ _FINGERPRINT: Final = crc32(b"".join(Path(str(module.__file__)).read_bytes() for
 
 def _search_one(fingerprint: int) -> Any:
     @cached_jit
-    def search_one(data, rows, sizes, target, start, has_start, wanted, accuracy, restarts, answer):
+    def search_one(data, rows, sizes, target, start, has_start, wanted, accuracy, restarts, y, outside):
         """Check the target, then search; see `compiled_search.search`.
 
         Args:
@@ -222,13 +222,14 @@ def _search_one(fingerprint: int) -> Any:
             wanted: (n,) where whole turns shall end near to.
             accuracy: (4,) squared error, distance, angle, and how far the rotation may be from one.
             restarts: Starts after the first.
-            answer: (2, n) out: the answer or the nearest, and a point outside the limits.
+            y: (n,) out: the answer or the nearest.
+            outside: (n,) out: a point outside the limits.
         """
         if fingerprint < 0 or not is_rigid(target, accuracy[3]):
             return rules.NOT_RIGID, 0, 0, np.inf, np.inf
         problem = unpack(data, rows, sizes)
-        work, outside = work_of(sizes[1]), answer[1]
-        return search(problem, work, target, start, has_start, wanted, accuracy, restarts, answer[0], outside)
+        work = work_of(sizes[1])
+        return search(problem, work, target, start, has_start, wanted, accuracy, restarts, y, outside)
 
     return search_one
 

@@ -50,6 +50,7 @@ class Arrays(NamedTuple):
     turned_scale: Any  # float
     turned_first: Any  # int
     turned_last: Any  # int
+    reach: Any  # float, infinite where it does not count
     axis: Any  # int
     shown_axis: Any  # int
     rows: Any  # how many weights are not 0
@@ -89,7 +90,7 @@ def unpack(data, rows, sizes):
         data[e[13] : e[14]].reshape((4, 4)), data[e[14] : e[15]].reshape((4, 4)), data[e[15]],
         data[e[16] : e[17]].reshape((turned, n)), data[e[17] : e[18]].reshape((turned, n + 2, 12)),
         data[e[18] : e[19]].reshape((4, 4)), data[e[19] : e[20]].reshape((4, 4)), data[e[20] : e[21]],
-        rows, data[e[21]], sizes[9], sizes[10], sizes[4], sizes[5], sizes[6], sizes[7],
+        rows, data[e[21]], sizes[9], sizes[10], data[e[22]], sizes[4], sizes[5], sizes[6], sizes[7],
     )  # fmt: skip
 
 

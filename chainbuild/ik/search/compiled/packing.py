@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik.request import IkOptions
 from chainbuild.ik.search.found import SearchEnd
-from chainbuild.ik.search.problem import MAX_PREPARED, Problem
+from chainbuild.ik.search.problem import Problem
 from chainbuild.ik.search.starts.turned import TurnedStarts
 
 
@@ -31,12 +31,12 @@ def compiled_search(
     packed: Packed, target: Matrix, start: Vector | None, wanted: Vector, options: IkOptions
 ) -> SearchEnd:
     """Search by compiled code; see `plain_search`. The outcome may be NOT_RIGID."""
-    answer = np.empty((2, len(wanted)))
+    y, outside = np.empty(len(wanted)), np.empty(len(wanted))
     begin = wanted if start is None else start
-    ended: tuple[int, int, int, float, float] = entries().search_one(
-        *packed.arrays, target, begin, start is not None, wanted, options.accuracy, options.max_restarts, answer
+    outcome, iterations, restarts, distance, angle = entries().search_one(
+        *packed.arrays, target, begin, start is not None, wanted, options.accuracy, options.max_restarts, y, outside
     )
-    return SearchEnd(*ended, answer[0], answer[1])
+    return SearchEnd(outcome, iterations, restarts, distance, angle, y, outside)
 
 
 @cache
@@ -56,7 +56,7 @@ class Packed:
 
 def packed(problem: Problem) -> Packed | None:
     """Return a problem in few arrays, or None where its axis map is not affine."""
-    return problem.mechanism.prepared("packed", lambda: _pack(problem), problem, MAX_PREPARED)
+    return problem.prepared("packed", _pack)
 
 
 def _pack(problem: Problem) -> Packed | None:
@@ -71,6 +71,7 @@ def _pack(problem: Problem) -> Packed | None:
         row.fixed[:, :3], row.prismatic, row.A, row.b,
         box.lower, box.upper, box.periodic, box.sums, box.sum_lower, box.sum_upper,
         weights, starts.points, starts.features, starts.scale, *arm, *turned,
+        (problem.reach if problem.bounded else np.inf,),
     )  # fmt: skip
     flat = [np.asarray(part, dtype=float).ravel() for part in parts]
     task = (problem.axis, problem.shown_axis, np.count_nonzero(weights), (weights != 1.0).any())

@@ -223,9 +223,7 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
         elif inside and squared < nearest:
             nearest = squared
             copy_to(best, y)
-        if least == np.inf and (
-            attempt + 1 >= rules.MAX_FAILED_DESCENTS or (attempt == 0 and too_far(problem, target))
-        ):
+        if given_up(problem, target, attempt, least):
             break
     if has_start and least < np.inf:
         # The branch of the start shows best which limit is violated.
@@ -243,6 +241,17 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
     distance, angle = errors(problem, target, y, work)
     outcome = _STALLED if nearest < rules.STALLED_BELOW**2 else _UNREACHABLE
     return (_LIMITS if least < np.inf else outcome), iterations + taken, attempt, distance, angle
+
+
+@jit
+def given_up(problem, target, attempt, least):
+    """Return whether no other start is tried after one of them; see `Problem.beyond_bound`."""
+    squared = 0.0
+    for k in range(3):
+        squared += target[k, 3] * target[k, 3]
+    if attempt == 0 and squared > problem.reach * problem.reach:
+        return True
+    return least == np.inf and (attempt + 1 >= rules.MAX_FAILED_DESCENTS or (attempt == 0 and too_far(problem, target)))
 
 
 @jit
