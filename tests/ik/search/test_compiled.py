@@ -46,8 +46,8 @@ def pose_and_jacobian() -> object:
     from chainbuild.ik.search.compiled.kernels import pose_and_jacobian as inner
 
     @numba.njit
-    def outer(fixed, prismatic, A, b, y, T, J, column):
-        inner(fixed, prismatic, A, b, y, T, J, column)
+    def outer(fixed, prismatic, A, b, y, T, J, turns):
+        inner(fixed, prismatic, A, b, y, T, J, turns)
 
     return outer
 
@@ -75,12 +75,12 @@ def test_kinematics_are_those_of_pinocchio(name: str) -> None:
     problem = problem_of(robot, None, None, DEFAULT)
     packed = compiled.packed(problem)
     arrays = unpack.py_func(*packed.arrays)
-    T, J, column = np.empty((3, 4)), np.empty((6, len(problem.free))), np.empty(9)
+    T, J, turns = np.empty((3, 4)), np.empty((6, len(problem.free))), np.empty((len(arrays.b), 2))
     for _ in range(50):
         axes = random_axes(robot, rng)
         axes[[axis.held for axis in robot.axes]] = 0.0
         y = np.ascontiguousarray(problem.free_part(axes))
-        pose_and_jacobian()(arrays.fixed, arrays.prismatic, arrays.A, arrays.b, y, T, J, column)
+        pose_and_jacobian()(arrays.fixed, arrays.prismatic, arrays.A, arrays.b, y, T, J, turns)
         np.testing.assert_allclose(T, robot.fk(axes).homogeneous[:3], atol=1e-12)
         np.testing.assert_allclose(J, robot.jacobian(axes)[:, problem.free], atol=1e-10)
 

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from chainbuild.ik.branches.core.subproblems import TOUCH
-from chainbuild.ik.search.compiled.kernels import jit
+from chainbuild.ik.search.compiled.kernels import leaf
 
 _HALF: Final = math.sqrt(0.5)
 # Cosines and sines of multiples of 45 degrees, and of their doubles.
@@ -34,7 +34,7 @@ _OFF: Final = 1e-7  # how far from the unit circle the other angle's point may b
 _STEPS: Final = 2  # Newton's: from half of the digits to all of them
 
 
-@jit
+@leaf
 def sinusoid_roots(a, b, c, roots):
     """Write the cosines and sines of the angles t with a·cos t + b·sin t = c; a and b of size 1.
 
@@ -64,13 +64,13 @@ def sinusoid_roots(a, b, c, roots):
     return 2, True
 
 
-@jit
+@leaf
 def _independence(a, b, c, d):
     squares = a * a + b * b + c * c + d * d
     return 2.0 * abs(a * d - b * c) / squares if squares > 0.0 else 0.0
 
 
-@jit
+@leaf
 def paired_roots(rows, pairs, work):
     """Write cosine and sine of angle 1 and of angle 5, of every pair that two equations hold.
 
@@ -114,7 +114,7 @@ def paired_roots(rows, pairs, work):
     return count, sure
 
 
-@jit
+@leaf
 def wave_roots(m, a1, b1, a2, b2, nothing, roots):
     """Write cosine and sine of the angles where m + a1·cos t + b1·sin t + a2·cos 2t + b2·sin 2t is 0; how many, sure.
 
@@ -153,7 +153,7 @@ def wave_roots(m, a1, b1, a2, b2, nothing, roots):
     return count, sure
 
 
-@jit
+@leaf
 def _quartic_roots(k3, k2, k1, k0, roots):
     """Write the real roots of t⁴ + k3·t³ + k2·t² + k1·t + k0 in the first column; how many, and whether it is sure."""
     shift = 0.25 * k3
@@ -182,7 +182,7 @@ def _quartic_roots(k3, k2, k1, k0, roots):
     return count, sure
 
 
-@jit
+@leaf
 def _symmetric_roots(p, r, shift, doubtful, roots):
     """Write the real roots y - shift of y⁴ + p·y² + r; Newton steps bring them to those of a quartic nearly like it."""
     left = p * p - 4.0 * r
@@ -201,7 +201,7 @@ def _symmetric_roots(p, r, shift, doubtful, roots):
     return count, sure
 
 
-@jit
+@leaf
 def _largest_root(a, b, c):
     """Return the largest real root of x³ + a·x² + b·x + c."""
     third = a / 3.0

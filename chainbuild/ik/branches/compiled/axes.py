@@ -7,7 +7,8 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from chainbuild.ik.search.compiled.kernels import inlined, jit, pose_and_jacobian, solve_in_place, tool_error
+from chainbuild.ik.search.compiled.kernels import inlined, jit, leaf, pose_and_jacobian, tool_error
+from chainbuild.ik.search.compiled.least_squares import solve_again, solve_in_place
 
 TURN: Final = 2.0 * math.pi  # a whole turn
 FLOOR: Final = 1e-14  # damping that keeps the factorisation alive at singular points
@@ -57,6 +58,7 @@ class FinishRoom(NamedTuple):
     J: Any  # (6, n)
     error: Any  # (6,)
     small: Any  # (9,)
+    turns: Any  # (k, 2) value of each joint, or its cosine and sine
     Jf: Any  # (6, f) of the free axes, the rows of the task first
     H: Any
     g: Any
@@ -84,53 +86,21 @@ def finish_room(axes):
     n, f = axes.each.shape[1], len(axes.free)
     size = max(f, 6)
     return FinishRoom(
-        np.empty((3, 4)), np.empty((6, n)), np.empty(6), np.empty(9), np.empty((6, f)), np.empty((size, size)),
-        np.empty(size), np.empty(f), np.empty(n), np.empty((2, f)),
+        np.empty((3, 4)), np.empty((6, n)), np.empty(6), np.empty(9), np.empty((len(axes.b), 2)), np.empty((6, f)),
+        np.empty((size, size)), np.empty(size), np.empty(f), np.empty(n), np.empty((2, f)),
     )  # fmt: skip
 
 
-@inlined
-def write_pose(axes, room):
-    """Write the pose at room.x; walks from the tool to the workpiece, as `pose_and_jacobian` does."""
-    T, fixed = room.T, axes.fixed
-    k, n = axes.A.shape
-    for r in range(3):
-        for c in range(4):
-            T[r, c] = fixed[k, r, c]
-    for i in range(k - 1, -1, -1):
-        u = axes.b[i]
-        for m in range(n):
-            u += axes.A[i, m] * room.x[m]
-        if axes.prismatic[i] != 0.0:
-            T[2, 3] += u
-        else:
-            cosine, sine = math.cos(u), math.sin(u)
-            for c in range(4):
-                T[0, c], T[1, c] = cosine * T[0, c] - sine * T[1, c], sine * T[0, c] + cosine * T[1, c]
-        for c in range(4):
-            x, y, z = T[0, c], T[1, c], T[2, c]
-            for r in range(3):
-                T[r, c] = fixed[i, r, 0] * x + fixed[i, r, 1] * y + fixed[i, r, 2] * z
-        for r in range(3):
-            T[r, 3] += fixed[i, r, 3]
-
-
-@inlined
-def missed(axes, room, target):
-    """Write the remaining motion from room.T to the target; return its distance and angle."""
+@leaf
+def look(axes, room, target):
+    """Write pose, Jacobian and remaining motion to the target at room.x; return its distance and angle."""
+    pose_and_jacobian(axes.fixed, axes.prismatic, axes.A, axes.b, room.x, room.T, room.J, room.turns)
     tool_error(room.T, target, axes.axis, room.error, room.small)
     e = room.error
     return (
         math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]),
         math.sqrt(e[3] * e[3] + e[4] * e[4] + e[5] * e[5]),
     )
-
-
-@jit
-def look(axes, room, target):
-    """Write pose, Jacobian and remaining motion at room.x; return distance and angle."""
-    pose_and_jacobian(axes.fixed, axes.prismatic, axes.A, axes.b, room.x, room.T, room.J, room.error)
-    return missed(axes, room, target)
 
 
 @inlined
@@ -140,7 +110,7 @@ def way_of(axes, m, start, end):
     return way - TURN * np.rint(way / TURN) if axes.each[PERIODIC, m] != 0.0 else way
 
 
-@jit
+@leaf
 def copy_rows(axes, room):
     """Copy the rows of the task and the columns of the free axes of the Jacobian; return how many rows."""
     rows = 0
@@ -154,7 +124,7 @@ def copy_rows(axes, room):
 
 
 # Counts that are handed over are no integers: numba compiles a function anew for each integer that is written out.
-@jit
+@leaf
 def inverted(room, rows, n, others, count, v):
     """Iterate a unit direction (n,) once towards the weakest but for the first of others; return how weak it is."""
     for i in range(n):
@@ -168,6 +138,21 @@ def inverted(room, rows, n, others, count, v):
         room.H[i, i] += FLOOR
         room.g[i] = v[i]
     solve_in_place(room.H, room.g, n)
+    return _unit_of(room, n, v)
+
+
+@leaf
+def inverted_again(room, n, v):
+    """Iterate once more towards the weakest direction, after `inverted`; return how weak it is."""
+    for i in range(n):
+        room.g[i] = v[i]
+    solve_again(room.H, room.g, n)
+    return _unit_of(room, n, v)
+
+
+@leaf
+def _unit_of(room, n, v):
+    """Write the unit direction of room.g; return the singular value that its length tells."""
     size = 0.0
     for i in range(n):
         size += room.g[i] * room.g[i]
@@ -177,14 +162,14 @@ def inverted(room, rows, n, others, count, v):
     return 1.0 / math.sqrt(size)
 
 
-@jit
+@leaf
 def weakest(room, rows, n, others, count, v):
     """Write the unit direction (n,) that moves the tool least but for the first of others (·, n); return how much."""
-    weak = 0.0
     for m in range(n):
         v[m] = 1.0 + 0.3 * m
         for r in range(int(count)):
             v[m] -= others[r, m]
-    for _ in range(_ITERATIONS):
-        weak = inverted(room, rows, n, others, count, v)
+    weak = inverted(room, rows, n, others, count, v)
+    for _ in range(_ITERATIONS - 1):
+        weak = inverted_again(room, n, v)
     return weak

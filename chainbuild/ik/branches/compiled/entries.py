@@ -39,6 +39,7 @@ from chainbuild.ik.branches.compiled.spherical import spherical_branches
 from chainbuild.ik.branches.compiled.three_parallel import three_parallel_branches
 from chainbuild.ik.branches.core import branches, subproblems
 from chainbuild.ik.search.compiled import kernels as compiled_kernels
+from chainbuild.ik.search.compiled import least_squares
 from chainbuild.ik.search.compiled import search as compiled_search
 from chainbuild.ik.search.compiled.entries import kept_jit
 from chainbuild.ik.search.compiled.kernels import FAST
@@ -190,7 +191,9 @@ def _fingerprint(*modules: Any) -> int:
 
 
 _SMALL: Final = _fingerprint(small, subproblems, form_constants, compiled_kernels, compiled_search)
-_FINISH: Final = _fingerprint(machine_axes, finish, form_constants, branches, compiled_kernels, rules, tolerances)
+_FINISH: Final = _fingerprint(
+    machine_axes, finish, form_constants, branches, compiled_kernels, least_squares, rules, tolerances
+)
 finish_poses: Final = _finish(_FINISH)
 beside_pose: Final = _beside(_FINISH ^ _fingerprint(beside, descents, followed_curves, steps))
 nearest_places: Final = _nearest(_FINISH ^ _fingerprint(followed_curves, steps))

@@ -25,10 +25,8 @@ from chainbuild.ik.branches.compiled.axes import (
     UPPER,
     copy_rows,
     look,
-    missed,
     way_of,
     weakest,
-    write_pose,
 )
 from chainbuild.ik.branches.compiled.constants import ALONG, TOLD
 from chainbuild.ik.branches.core.branches import (
@@ -40,7 +38,8 @@ from chainbuild.ik.branches.core.branches import (
     SAME_BRANCH,
 )
 from chainbuild.ik.rules import HALF_TURN_NUDGE, HALF_TURN_TOWARDS
-from chainbuild.ik.search.compiled.kernels import damped_step, inlined, jit, solve_in_place
+from chainbuild.ik.search.compiled.kernels import inlined, leaf
+from chainbuild.ik.search.compiled.least_squares import damped_step, solve_in_place
 from chainbuild.tolerances import IK_POSITION_M, IK_ROTATION_RAD, LIMIT_SLACK
 
 _LINEAR_STEPS: Final = 2  # the second one only corrects the last digits
@@ -51,7 +50,7 @@ _MOST_MOVED: Final = 0.999  # share of the largest motion that is as large but f
 _SEVERAL: Final = 1e-3  # m and rad by unit: what moves the tool less is a second direction that is free
 
 
-@jit
+@leaf
 def _place_linear(axes, room, target):
     """Move the linear axes to bring the tip to the target's position; return False where they lie in one plane."""
     J, error, H, g, slides = room.J, room.error, room.H, room.g, axes.linear
@@ -69,7 +68,7 @@ def _place_linear(axes, room, target):
                 g[i] += J[r, slides[i]] * error[r]
         solve_in_place(H, g, len(slides))
         for i in range(len(slides)):
-            lost *= H[i, i] * H[i, i]
+            lost *= H[i, i]
             room.x[slides[i]] += g[i]
         if not 0.0 < _DEPENDENT * _DEPENDENT * lost < 1.0:  # 0: one of them does not move the tip at all
             return False
@@ -79,13 +78,10 @@ def _place_linear(axes, room, target):
 @inlined
 def _polished(axes, room, target):
     """Improve room.x by Newton steps; return distance, angle and steps, or an infinite distance for no solution."""
-    write_pose(axes, room)
-    distance, angle = missed(axes, room, target)
+    distance, angle = look(axes, room, target)
     steps = 0
     if not max(distance, angle) <= POLISH_TO:  # not a number among them
         return math.inf, angle, 0
-    if max(distance, angle) >= POLISH_FROM:
-        look(axes, room, target)
     while max(distance, angle) >= POLISH_FROM and steps < POLISH_STEPS:
         rows = copy_rows(axes, room)
         damped_step(rows, room.Jf, room.error, room.H, room.g, room.step, FLOOR)
@@ -137,7 +133,7 @@ def _keeps_sums(axes, x):
     return 1
 
 
-@jit
+@leaf
 def _goes_along(axes, room, target, along):
     """Write the unit direction in which a solution goes on; return whether there is that one only.
 
@@ -218,7 +214,7 @@ def finished(axes, room, target, x0, values, count, found, left, along):
     return _one_of_each(found, left, along, kept), True
 
 
-@jit
+@leaf
 def _one_of_each(found, left, along, kept):
     """Leave of every family the branch nearest to x0; return how many branches are left."""
     n = found.shape[1]
@@ -295,8 +291,7 @@ def _known(axes, room, target, found, left, kept, axis):
                 return -1
             for m in range(len(x)):
                 x[m] -= 0.5 * way_of(axes, m, found[i, m] * axes.each[FACTORS, m], x[m])
-            write_pose(axes, room)
-            distance, angle = missed(axes, room, target)
+            distance, angle = look(axes, room, target)
             if max(distance, angle) < BETWEEN_BRANCHES:
                 return 1
             for m in range(len(x)):

@@ -10,7 +10,7 @@ import math
 from typing import Final
 
 from chainbuild.ik.branches.core.subproblems import ON_AXIS, TOUCH
-from chainbuild.ik.search.compiled.kernels import jit
+from chainbuild.ik.search.compiled.kernels import leaf
 
 # A vector whose part across an axis is below this share of its length: its turn keeps half the digits at most.
 BARELY: Final = 1e-7
@@ -19,43 +19,43 @@ BARELY: Final = 1e-7
 _BESIDE_AXIS: Final = 2e-8
 
 
-@jit
+@leaf
 def vector(constants, n):
     """Return three numbers of an array from place n on."""
     return constants[n], constants[n + 1], constants[n + 2]
 
 
-@jit
+@leaf
 def dot(a, b):
     """Return a·b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@jit
+@leaf
 def across(a, b):
     """Return a × b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@jit
+@leaf
 def minus(a, b):
     """Return a − b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@jit
+@leaf
 def plus(a, factor, b):
     """Return a + factor·b."""
     return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
 
 
-@jit
+@leaf
 def length(a):
     """Return |a|."""
     return math.sqrt(dot(a, a))
 
 
-@jit
+@leaf
 def turned(k, angle, p):
     """Return Rot(k, angle)·p."""
     c, s = math.cos(angle), math.sin(angle)
@@ -67,13 +67,13 @@ def turned(k, angle, p):
     )
 
 
-@jit
+@leaf
 def turned_about(k, point, angle, p):
     """Return where a turn about an axis through a point takes p."""
     return plus(turned(k, angle, minus(p, point)), 1.0, point)
 
 
-@jit
+@leaf
 def one_turn(k, p, q):
     """Return the turn about k that brings p nearest to q, and whether it is sure (subproblem 1)."""
     flat_p, flat_q = plus(p, -dot(k, p), k), plus(q, -dot(k, q), k)
@@ -82,7 +82,7 @@ def one_turn(k, p, q):
     return math.atan2(dot(k, across(p, q)), dot(flat_p, flat_q)), sure
 
 
-@jit
+@leaf
 def either_side(middle, sine_squared, cosine_squared):
     """Return how many angles middle ± spread there are, both, and whether that is sure: two where they coincide."""
     if not min(sine_squared, cosine_squared) >= -TOUCH:
@@ -91,7 +91,7 @@ def either_side(middle, sine_squared, cosine_squared):
     return 2, middle + spread, middle - spread, True
 
 
-@jit
+@leaf
 def to_distance(k, p, q, distance):
     """Return the turns about k that bring p to a distance from q (subproblem 3): count, both, sure."""
     height_p, height_q = dot(k, p), dot(k, q)
@@ -108,7 +108,7 @@ def to_distance(k, p, q, distance):
     )
 
 
-@jit
+@leaf
 def to_height(k, p, h, d):
     """Return the turns about k that bring p to height d along h (subproblem 4): count, both, sure."""
     along = dot(k, p)
@@ -120,7 +120,7 @@ def to_height(k, p, h, d):
     return either_side(math.atan2(quadrature, in_phase), (1.0 - cosine) / 2.0, (1.0 + cosine) / 2.0)
 
 
-@jit
+@leaf
 def to_height_kept(k, p, h, d, keep):
     """Return the turns as `to_height` does; where p lies on k and is at that height, one with its angle kept.
 
@@ -134,14 +134,14 @@ def to_height_kept(k, p, h, d, keep):
     return count, one, other, False, sure
 
 
-@jit
+@leaf
 def two_turns(k1, k2, p, q):
     """Return the pairs with Rot(k1, a)·Rot(k2, b)·p = q, |p| = |q| (subproblem 2): count, a, b, a', b', sure."""
     count, first, second, first_too, second_too, sure, certain = _pairs(k1, k2, p, q)
     return count, first, second, first_too, second_too, sure and certain
 
 
-@jit
+@leaf
 def _pairs(k1, k2, p, q):
     """Return the pairs as `two_turns` does, and whether the second and the first angles are sure."""
     pole_length = math.copysign(length(q), dot(k1, q))
@@ -154,7 +154,7 @@ def _pairs(k1, k2, p, q):
     return 2, first, one, second, other, sure, sure_1 and sure_2
 
 
-@jit
+@leaf
 def two_turns_kept(k1, k2, p, q, keep1, keep2):
     """Return the pairs as `two_turns` does; where q lies on k1 or p on k2 one pair with that angle kept.
 

@@ -26,7 +26,7 @@ from chainbuild.ik.branches.compiled.small import (
     vector,
 )
 from chainbuild.ik.branches.core.subproblems import TOUCH
-from chainbuild.ik.search.compiled.kernels import inlined, jit
+from chainbuild.ik.search.compiled.kernels import jit, leaf
 
 _FIFTH: Final = 0.4 * math.pi  # of a turn
 
@@ -50,7 +50,7 @@ def motion_of(constants, at, T, from_tool):
     return R, t
 
 
-@jit
+@leaf
 def product(R, v):
     """Return R·v."""
     return (
@@ -60,7 +60,7 @@ def product(R, v):
     )
 
 
-@jit
+@leaf
 def _after_parallel(constants, p, d, arms, keep):
     """Write the values of a turn before two parallel turns that bring p to d; see `arms.positioner`.
 
@@ -91,7 +91,7 @@ def _after_parallel(constants, p, d, arms, keep):
     return found, free, sure
 
 
-@jit
+@leaf
 def _stays_bent(wrist, forearm, first, image):
     """Tell whether both bends of a wrist stay apart, and stay bends, all around a free first turn.
 
@@ -108,7 +108,7 @@ def _stays_bent(wrist, forearm, first, image):
     return both - apart + TOUCH < middle - swing and middle + swing < both + apart - TOUCH
 
 
-@jit
+@leaf
 def _after_meeting(constants, p, d, arms):
     """Write the values of two turns whose axes meet before a third that bring p to d."""
     a, b = vector(constants, _ROW), vector(constants, _ROW + 6)
@@ -128,7 +128,7 @@ def _after_meeting(constants, p, d, arms):
     return found, sure
 
 
-@jit
+@leaf
 def _missed_length(constants, goal, u):
     """Return by how much what axis b turns would change its length, and where it takes u; see `skew_turns`."""
     a, b = vector(constants, _ROW), vector(constants, _ROW + 6)
@@ -174,7 +174,7 @@ def _after_skew(constants, p, d, arms):
     return count, sure
 
 
-@inlined
+@jit
 def spherical_branches(constants, T, keep, values):
     """Write the joint values of a pose, and which is free; return how many rows, and whether none can be missing."""
     from_tool, backwards = constants[_FROM_TOOL] != 0.0, constants[_BACKWARDS] != 0.0

@@ -14,7 +14,7 @@ import numpy as np
 
 from chainbuild.ik.branches.compiled.angle_pairs import MERGED, paired_roots, sinusoid_roots
 from chainbuild.ik.branches.core.subproblems import TOUCH
-from chainbuild.ik.search.compiled.kernels import jit
+from chainbuild.ik.search.compiled.kernels import jit, leaf
 
 # Where the parts of `three_parallel_constants` begin: M⁻¹ seen from the frame of axis 2, directions of axes 1, 5 and 6,
 # points on them and on axis 4, lengths of the links, their angles, signs of axes 3 and 4, then single numbers.
@@ -69,7 +69,7 @@ def three_parallel_branches(constants, T, keep, values):
     return count, sure and count > 0
 
 
-@jit
+@leaf
 def _write_motion(c, T, E):
     """Write the motion from the zero pose, seen from the frame of axis 2."""
     for i in range(3):
@@ -87,7 +87,7 @@ def _write_motion(c, T, E):
         E[i, 3] += shift
 
 
-@jit
+@leaf
 def _heights(c, at, x, y, z):
     """Return a, b, e with a·cos t + b·sin t + e = height of a vector turned about an axis by t."""
     k0, k1, k2 = c[at], c[at + 1], c[at + 2]
@@ -95,7 +95,7 @@ def _heights(c, at, x, y, z):
     return z - k2 * along, k0 * y - k1 * x, k2 * along
 
 
-@jit
+@leaf
 def _write_equations(c, E, rows):
     """Write both equations: of the point on axis 6, in arm sizes, and of its direction."""
     share = 1.0 / c[_SIZE]
@@ -112,7 +112,7 @@ def _write_equations(c, E, rows):
     rows[1, 3], rows[1, 4], rows[1, 5] = _heights(c, _FIVE, c[_SIX], c[_SIX + 1], c[_SIX + 2])
 
 
-@jit
+@leaf
 def _pairs(rows, alone, pairs, work):
     """Write cosine and sine of angles 1 and 5 where one equation has angle 1 alone; how many, whether sure."""
     fifth = work[2:]
@@ -129,7 +129,7 @@ def _pairs(rows, alone, pairs, work):
     return count, sure
 
 
-@jit
+@leaf
 def _turned(E, x, y, z):
     return (
         E[0, 0] * x + E[0, 1] * y + E[0, 2] * z,
@@ -138,7 +138,7 @@ def _turned(E, x, y, z):
     )
 
 
-@jit
+@leaf
 def _rotated(c, at, cosine, sine, x, y, z):
     """Return a vector turned back about an axis by an angle."""
     k0, k1, k2 = c[at], c[at + 1], c[at + 2]
@@ -150,7 +150,7 @@ def _rotated(c, at, cosine, sine, x, y, z):
     )
 
 
-@jit
+@leaf
 def _complete(c, E, pair, keep, values, row):
     """Write the branches with a pair of angles 1 and 5 behind others; how many there are then, and whether all."""
     c1, s1, c5, s5 = pair[0], pair[1], pair[2], pair[3]
@@ -168,7 +168,7 @@ def _complete(c, E, pair, keep, values, row):
     return _with_free_last(c, E, pair, keep[0 if c[_BACKWARDS] != 0.0 else 5], values, row)
 
 
-@jit
+@leaf
 def _with_free_last(c, E, pair, keep, values, row):
     """Write the branches of `_complete` where axis 6 is parallel to the three: it takes axis 4 along a circle.
 
@@ -201,7 +201,7 @@ def _with_free_last(c, E, pair, keep, values, row):
     return row, sure and row > first_row
 
 
-@jit
+@leaf
 def _end_of_reach(a, b, level, keep):
     """Return the angle t nearest to one to keep with a·cos t + b·sin t = level; there are two."""
     top, cosine = math.atan2(b, a), level / math.hypot(a, b)
@@ -212,7 +212,7 @@ def _end_of_reach(a, b, level, keep):
     return keep + (one if abs(one) <= abs(other) else other)
 
 
-@jit
+@leaf
 def _with_links(c, E, pair, c6, s6, values, row, loose, joined):
     """Write the branches with angles 1, 5 and 6 behind others; how many there are then, and whether all.
 
@@ -255,7 +255,7 @@ def _with_links(c, E, pair, c6, s6, values, row, loose, joined):
     return row + count, True
 
 
-@jit
+@leaf
 def _planar(c, E, pair, c6, s6):
     """Return where the parallel axes bring axis 4, and sine and cosine of the angle by which they turn."""
     c1, s1, c5, s5 = pair[0], pair[1], pair[2], pair[3]

@@ -1,4 +1,5 @@
 """The compiled twins of the plain search (extra `fast`).
 
-In reading order: `packing`, `inner`, `kernels`, `limits`, `starts`, `search`, `entries`, `slides`, `cores`.
+In reading order: `packing`, `inner`, `kernels`, `least_squares`, `limits`, `starts`, `search`, `entries`, `slides`,
+`cores`.
 """

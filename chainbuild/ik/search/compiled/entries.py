@@ -31,6 +31,9 @@ from chainbuild.ik.search.compiled import (
     kernels as compiled_kernels,
 )
 from chainbuild.ik.search.compiled import (
+    least_squares as compiled_least_squares,
+)
+from chainbuild.ik.search.compiled import (
     limits as compiled_limits,
 )
 from chainbuild.ik.search.compiled import (
@@ -196,6 +199,7 @@ cached_jit: Final[Any] = kept_jit(nogil=True, **FAST)
 _MODULES: Final = (
     inner,
     compiled_kernels,
+    compiled_least_squares,
     compiled_limits,
     compiled_search,
     compiled_starts,
@@ -228,7 +232,7 @@ def _search_one(fingerprint: int) -> Any:
         if fingerprint < 0 or not is_rigid(target, accuracy[3]):
             return rules.NOT_RIGID, 0, 0, np.inf, np.inf
         problem = unpack(data, rows, sizes)
-        work = work_of(sizes[1])
+        work = work_of(sizes[0], sizes[1])
         return search(problem, work, target, start, has_start, wanted, accuracy, restarts, y, outside)
 
     return search_one
@@ -253,7 +257,7 @@ def _search_many(fingerprint: int) -> Any:
             counts: (N, 3) out: outcome, steps, starts after the first.
             misses: (N, 2) out: distance and angle left.
         """
-        problem, work, outside = unpack(data, rows, sizes), work_of(sizes[1]), np.empty(sizes[1])
+        problem, work, outside = unpack(data, rows, sizes), work_of(sizes[0], sizes[1]), np.empty(sizes[1])
         for i in range(len(targets)):
             counts[i, 0] = rules.NOT_RIGID + 0 * fingerprint
             if is_rigid(targets[i], accuracy[3]):
@@ -271,7 +275,9 @@ def _track_many(fingerprint: int) -> Any:
         """Follow a path; see `compiled_search.track`."""
         if fingerprint < 0:
             return 0
-        return track(unpack(data, rows, sizes), work_of(sizes[1]), targets, last, accuracy, most, y, counts, misses)
+        return track(
+            unpack(data, rows, sizes), work_of(sizes[0], sizes[1]), targets, last, accuracy, most, y, counts, misses
+        )
 
     return track_many
 

@@ -21,6 +21,8 @@ import numba
 _TRIED: Final = ((0, 62), (0, 68))
 # Without the wrappers that Python and C would call.
 INNER: Final[dict[str, Any]] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+# The same without counting references to arrays: for functions that make none and return none.
+LEAF: Final = dict(INNER)
 # Options of entry points.
 ENTRY: Final[dict[str, Any]] = {}
 
@@ -108,3 +110,5 @@ if _TRIED[0] <= numba.version_info.short <= _TRIED[1]:
             return [manager]
 
     INNER["pipeline_class"], ENTRY["pipeline_class"] = _InnerCompiler, _EntryCompiler
+    LEAF.update(INNER, _nrt=False)
+    INNER["_nrt"] = True  # else a function takes over from the first one that calls it whether it counts

@@ -12,13 +12,19 @@ from typing import Any, Final, NamedTuple
 import numba
 import numpy as np
 
-from chainbuild.ik.search.compiled.inner import INNER
+from chainbuild.ik.search.compiled.inner import INNER, LEAF
 
 FAST: Final[Mapping[str, Any]] = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz", "arcp"}}
-# Without saying so, a function takes over from the first one that calls it whether it is put into its callers.
+# Functions that make arrays or return some. Without saying so, a function takes over from the first one that calls it
+# whether it is put into its callers.
 jit: Final[Any] = numba.njit(forceinline=False, **INNER, **FAST)
-# Code put into its callers: handing over a machine as many arrays takes longer than what is done with it.
-inlined: Final[Any] = numba.njit(forceinline=True, **INNER, **FAST)
+# Those that do neither, and count no references: who calls them holds the arrays. Counting takes as long as kinematics.
+leaf: Final[Any] = numba.njit(forceinline=False, **LEAF, **FAST)
+# Likewise, put into their callers: handing over a machine as many arrays takes longer than what is done with it.
+inlined: Final[Any] = numba.njit(forceinline=True, **LEAF, **FAST)
+
+
+_SMALL: Final = 1e-4  # squared sine of a turn: below, three terms of a series are exact but for rounding
 
 
 class Arrays(NamedTuple):
@@ -67,6 +73,7 @@ class Work(NamedTuple):
     g: Any  # right-hand side
     step: Any  # (n,)
     small: Any  # (9,)
+    turns: Any  # (k, 2) value of each joint, or its cosine and sine
     features: Any  # (12,)
     W: Any  # (3, 4)
     seen: Any  # (13,) lookup data of turned starts, and the azimuth
@@ -95,77 +102,131 @@ def unpack(data, rows, sizes):
 
 
 @jit
-def work_of(n):
-    """Return the scratch for n axes."""
+def work_of(k, n):
+    """Return the scratch for k joints and n axes."""
     size = max(n, 6)
     return Work(
         np.empty((3, 4)), np.empty((6, n)), np.empty(6), np.empty((size, size)),
-        np.empty(size), np.empty(n), np.empty(9), np.empty(12),
+        np.empty(size), np.empty(n), np.empty(9), np.empty((k, 2)), np.empty(12),
         np.empty((3, 4)), np.empty(13), np.empty(6, np.float32),
     )  # fmt: skip
 
 
-@jit
+@leaf
 def copy_to(to, values):
     """Write values (n,) to another array; a loop, since numba compiles a text of its error for `to[:] = values`."""
     for n in range(len(to)):
         to[n] = values[n]
 
 
-@jit
-def pose_and_jacobian(fixed, prismatic, A, b, y, T, J, column):
-    """Write the pose T (3, 4) and the Jacobian J (6, n) in the tool frame; walks from the tool to the workpiece."""
+@leaf
+def _about_z(cosine, sine, v):
+    """Return v (3,) turned about z."""
+    return cosine * v[0] - sine * v[1], sine * v[0] + cosine * v[1], v[2]
+
+
+@leaf
+def _from_frame(F, v, point):
+    """Return a direction, or a point where `point` is 1, by the motion F (3, 4)."""
+    return (
+        F[0, 0] * v[0] + F[0, 1] * v[1] + F[0, 2] * v[2] + point * F[0, 3],
+        F[1, 0] * v[0] + F[1, 1] * v[1] + F[1, 2] * v[2] + point * F[1, 3],
+        F[2, 0] * v[0] + F[2, 1] * v[1] + F[2, 2] * v[2] + point * F[2, 3],
+    )
+
+
+@leaf
+def pose_and_jacobian(fixed, prismatic, A, b, y, T, J, turns):
+    """Write the pose T (3, 4) and the Jacobian J (6, n) in the tool frame; walks from the tool to the workpiece.
+
+    The columns of the pose are tuples, which need no memory; sines come first, since none of them waits for another.
+    """
     k, n = A.shape
-    for r in range(3):
-        for c in range(4):
-            T[r, c] = fixed[k, r, c]
-    for r in range(6):
-        for m in range(n):
-            J[r, m] = 0.0
-    for i in range(k - 1, -1, -1):
+    for i in range(k):
         u = b[i]
         for m in range(n):
             u += A[i, m] * y[m]
         if prismatic[i] != 0.0:
-            T[2, 3] += u
-            for c in range(3):
-                column[c] = T[2, c]
-                column[3 + c] = 0.0
+            turns[i, 0] = u
         else:
-            cosine, sine = math.cos(u), math.sin(u)
-            for c in range(4):
-                T[0, c], T[1, c] = cosine * T[0, c] - sine * T[1, c], sine * T[0, c] + cosine * T[1, c]
-            for c in range(3):
-                column[c] = T[0, 3] * T[1, c] - T[1, 3] * T[0, c]
-                column[3 + c] = T[2, c]
+            turns[i, 0], turns[i, 1] = math.cos(u), math.sin(u)
+    for r in range(6):
+        for m in range(n):
+            J[r, m] = 0.0
+    F = fixed[k]
+    X, Y, Z = (F[0, 0], F[1, 0], F[2, 0]), (F[0, 1], F[1, 1], F[2, 1]), (F[0, 2], F[1, 2], F[2, 2])
+    tip = F[0, 3], F[1, 3], F[2, 3]
+    for i in range(k - 1, -1, -1):
+        shift, turn = (X[2], Y[2], Z[2]), (0.0, 0.0, 0.0)
+        if prismatic[i] != 0.0:
+            tip = tip[0], tip[1], tip[2] + turns[i, 0]
+        else:
+            cosine, sine = turns[i, 0], turns[i, 1]
+            X, Y, Z = _about_z(cosine, sine, X), _about_z(cosine, sine, Y), _about_z(cosine, sine, Z)
+            tip, turn = _about_z(cosine, sine, tip), shift
+            shift = (
+                tip[0] * X[1] - tip[1] * X[0],
+                tip[0] * Y[1] - tip[1] * Y[0],
+                tip[0] * Z[1] - tip[1] * Z[0],
+            )
         for m in range(n):
             slope = A[i, m]
             if slope != 0.0:
-                for r in range(6):
-                    J[r, m] += slope * column[r]
-        for c in range(4):
-            x, y_, z = T[0, c], T[1, c], T[2, c]
-            for r in range(3):
-                T[r, c] = fixed[i, r, 0] * x + fixed[i, r, 1] * y_ + fixed[i, r, 2] * z
-        for r in range(3):
-            T[r, 3] += fixed[i, r, 3]
+                J[0, m] += slope * shift[0]
+                J[1, m] += slope * shift[1]
+                J[2, m] += slope * shift[2]
+                J[3, m] += slope * turn[0]
+                J[4, m] += slope * turn[1]
+                J[5, m] += slope * turn[2]
+        F = fixed[i]
+        X, Y, Z = _from_frame(F, X, 0.0), _from_frame(F, Y, 0.0), _from_frame(F, Z, 0.0)
+        tip = _from_frame(F, tip, 1.0)
+    T[0, 0], T[0, 1], T[0, 2], T[0, 3] = X[0], Y[0], Z[0], tip[0]
+    T[1, 0], T[1, 1], T[1, 2], T[1, 3] = X[1], Y[1], Z[1], tip[1]
+    T[2, 0], T[2, 1], T[2, 2], T[2, 3] = X[2], Y[2], Z[2], tip[2]
 
 
-@jit
+@leaf
+def _between(T, target):
+    """Return the elements of RᵀS (9,), the turn from tool to target in the tool frame, row by row."""
+    X, Y, Z = (T[0, 0], T[1, 0], T[2, 0]), (T[0, 1], T[1, 1], T[2, 1]), (T[0, 2], T[1, 2], T[2, 2])
+    U = target[0, 0], target[1, 0], target[2, 0]
+    V = target[0, 1], target[1, 1], target[2, 1]
+    W = target[0, 2], target[1, 2], target[2, 2]
+    return (
+        X[0] * U[0] + X[1] * U[1] + X[2] * U[2],
+        X[0] * V[0] + X[1] * V[1] + X[2] * V[2],
+        X[0] * W[0] + X[1] * W[1] + X[2] * W[2],
+        Y[0] * U[0] + Y[1] * U[1] + Y[2] * U[2],
+        Y[0] * V[0] + Y[1] * V[1] + Y[2] * V[2],
+        Y[0] * W[0] + Y[1] * W[1] + Y[2] * W[2],
+        Z[0] * U[0] + Z[1] * U[1] + Z[2] * U[2],
+        Z[0] * V[0] + Z[1] * V[1] + Z[2] * V[2],
+        Z[0] * W[0] + Z[1] * W[1] + Z[2] * W[2],
+    )
+
+
+@leaf
 def rotation_vector(T, target, error, M):
-    """Write the rotation vector of RᵀS, the turn from tool to target in the tool frame, to error[3:6]."""
-    for i in range(3):
-        for j in range(3):
-            M[3 * i + j] = T[0, i] * target[0, j] + T[1, i] * target[1, j] + T[2, i] * target[2, j]
-    x, y, z = M[7] - M[5], M[2] - M[6], M[3] - M[1]
-    sine = 0.5 * math.sqrt(x * x + y * y + z * z)
-    cosine = 0.5 * (M[0] + M[4] + M[8] - 1.0)
+    """Write the rotation vector of the turn from tool to target in the tool frame to error[3:6]."""
+    turn = _between(T, target)
+    x, y, z = turn[7] - turn[5], turn[2] - turn[6], turn[3] - turn[1]
+    square = 0.25 * (x * x + y * y + z * z)
+    cosine = 0.5 * (turn[0] + turn[4] + turn[8] - 1.0)
+    if cosine > 0.0 and square < _SMALL:
+        # The arcsine by the sine as a series: what is left out is less than rounding.
+        scale = 0.5 + square * (1.0 / 12.0 + square * (3.0 / 80.0 + square * (5.0 / 224.0)))
+        error[3], error[4], error[5] = scale * x, scale * y, scale * z
+        return
+    sine = math.sqrt(square)
     angle = math.atan2(sine, cosine)
     if cosine > 0.0 or sine > 1e-3:
-        scale = 0.5 * angle / sine if sine > 1e-9 else 0.5
+        scale = 0.5 * angle / sine
         error[3], error[4], error[5] = scale * x, scale * y, scale * z
         return
     # Near half a turn the differences above vanish; the axis is read off the symmetric part, at its largest component.
+    for i in range(9):
+        M[i] = turn[i]
     a = 0
     if M[4] > M[0]:
         a = 1
@@ -179,7 +240,7 @@ def rotation_vector(T, target, error, M):
         error[3 + i] = signed * part
 
 
-@jit
+@leaf
 def tilt(T, target, axis, error, d):
     """Write the smallest turn (tool frame) that brings a tool axis to its direction in the target to error[3:6]."""
     for i in range(3):
@@ -194,7 +255,7 @@ def tilt(T, target, axis, error, d):
     error[3 + i], error[3 + j] = -d[j] * scale, d[i] * scale
 
 
-@jit
+@leaf
 def tool_error(T, target, axis, error, small):
     """Write the remaining motion of the tool in its own frame: shift, then rotation (of one axis if `axis` ≥ 0)."""
     x, y, z = target[0, 3] - T[0, 3], target[1, 3] - T[1, 3], target[2, 3] - T[2, 3]
@@ -206,7 +267,7 @@ def tool_error(T, target, axis, error, small):
         rotation_vector(T, target, error, small)
 
 
-@jit
+@leaf
 def weigh(weights, J, error):
     """Multiply error and Jacobian by the weights and move the rows that count to the front."""
     r = 0
@@ -217,63 +278,3 @@ def weigh(weights, J, error):
             for m in range(J.shape[1]):
                 J[r, m] = weight * J[row, m]
             r += 1
-
-
-@jit
-def solve_in_place(H, g, n):
-    """Solve H·x = g by Cholesky, H (lower half) and g overwritten; x is left in g."""
-    for j in range(n):
-        pivot = H[j, j]
-        for k in range(j):
-            pivot -= H[j, k] * H[j, k]
-        inverse = 1.0 / math.sqrt(max(pivot, 1e-300))
-        H[j, j] = inverse
-        for i in range(j + 1, n):
-            rest = H[i, j]
-            for k in range(j):
-                rest -= H[i, k] * H[j, k]
-            H[i, j] = rest * inverse
-    for i in range(n):
-        rest = g[i]
-        for k in range(i):
-            rest -= H[i, k] * g[k]
-        g[i] = rest * H[i, i]
-    for i in range(n - 1, -1, -1):
-        rest = g[i]
-        for k in range(i + 1, n):
-            rest -= H[k, i] * g[k]
-        g[i] = rest * H[i, i]
-
-
-@jit
-def damped_step(rows, J, error, H, g, step, damping):
-    """Write the damped least-squares step of error and Jacobian (their first `rows`) to step."""
-    n = len(step)
-    if rows < n:
-        for i in range(rows):
-            for j in range(i + 1):
-                total = 0.0
-                for m in range(n):
-                    total += J[i, m] * J[j, m]
-                H[i, j] = total
-            H[i, i] += damping
-            g[i] = error[i]
-        solve_in_place(H, g, rows)
-        for m in range(n):
-            total = 0.0
-            for i in range(rows):
-                total += J[i, m] * g[i]
-            step[m] = total
-        return
-    for i in range(n):
-        for j in range(i + 1):
-            total = 0.0
-            for r in range(rows):
-                total += J[r, i] * J[r, j]
-            H[i, j] = total
-        H[i, i] += damping
-        total = 0.0
-        for r in range(rows):
-            total += J[r, i] * error[r]
-        step[i] = total
-    solve_in_place(H, step, n)

@@ -8,12 +8,12 @@ from typing import Final
 import numpy as np
 
 from chainbuild.ik import rules
-from chainbuild.ik.search.compiled.kernels import copy_to, jit
+from chainbuild.ik.search.compiled.kernels import copy_to, jit, leaf
 
 _TURN: Final = 2.0 * math.pi  # rad
 
 
-@jit
+@leaf
 def turned_inside(problem, n, value):
     """Return the value moved by whole turns to the nearest place inside the limits, or as it is where there is none."""
     lower, upper = problem.lower[n], problem.upper[n]
@@ -24,7 +24,7 @@ def turned_inside(problem, n, value):
     return moved if lower <= moved <= upper else value
 
 
-@jit
+@leaf
 def turn_inside(problem, y):
     """Move what is outside its limits by whole turns where that helps; return whether anything was outside."""
     outside = False
@@ -35,7 +35,7 @@ def turn_inside(problem, y):
     return outside
 
 
-@jit
+@leaf
 def onto_sums(problem, y):
     """Move y onto each coupled limit it violates, by axes that their own limits leave room to move."""
     lower, upper = problem.lower, problem.upper
@@ -56,7 +56,7 @@ def onto_sums(problem, y):
                     y[n] = min(max(y[n] + gap / length * g[n], lower[n]), upper[n])
 
 
-@jit
+@leaf
 def excess(problem, y):
     """Return by how much y violates its limits, coupled ones included; 0 inside."""
     total, lower, upper = 0.0, problem.lower, problem.upper

@@ -12,7 +12,8 @@ import numpy as np
 
 from chainbuild import tolerances
 from chainbuild.ik import rules
-from chainbuild.ik.search.compiled.kernels import copy_to, damped_step, jit, pose_and_jacobian, tool_error, weigh
+from chainbuild.ik.search.compiled.kernels import copy_to, jit, leaf, pose_and_jacobian, tool_error, weigh
+from chainbuild.ik.search.compiled.least_squares import damped_step
 from chainbuild.ik.search.compiled.limits import excess, near, onto_sums, turn_inside, turned_inside
 from chainbuild.ik.search.compiled.starts import next_start, rank_starts, remove_edge_penalty
 
@@ -23,7 +24,7 @@ _UNREACHABLE: Final = rules.UNREACHABLE
 _SLACK: Final = rules.INSIDE_SLACK
 
 
-@jit
+@leaf
 def stop_at_limits(problem, y, work, damping):
     """Move y by the step; axes that would leave their limits stop there and the others take over what is left."""
     lower, upper = problem.lower, problem.upper
@@ -46,7 +47,7 @@ def stop_at_limits(problem, y, work, damping):
         y[n] = min(max(turned_inside(problem, n, y[n] + step[n]), lower[n]), upper[n])
 
 
-@jit
+@leaf
 def descend(problem, target, y, work, inside, goal, close_enough, steps, stall_share):
     """Iterate y from one start; return whether the pose is met, the squared error and the steps taken.
 
@@ -54,11 +55,12 @@ def descend(problem, target, y, work, inside, goal, close_enough, steps, stall_s
     """
     fixed, prismatic, A, b, weights = problem.fixed, problem.prismatic, problem.A, problem.b, problem.weights
     lower, upper, axis, rows, weighted = problem.lower, problem.upper, problem.axis, problem.rows, problem.weighted
-    T, J, error, H, g, step, small = work.T, work.J, work.error, work.H, work.g, work.step, work.small
+    T, J, error, H, g, step = work.T, work.J, work.error, work.H, work.g, work.step
+    small, turns = work.small, work.turns
     coupled = len(problem.sums) > 0
     mark, since, taken, before, length = np.inf, 0, 0, np.inf, 0.0
     while True:
-        pose_and_jacobian(fixed, prismatic, A, b, y, T, J, small)
+        pose_and_jacobian(fixed, prismatic, A, b, y, T, J, turns)
         tool_error(T, target, axis, error, small)
         if weighted:
             weigh(weights, J, error)
@@ -91,10 +93,10 @@ def descend(problem, target, y, work, inside, goal, close_enough, steps, stall_s
             onto_sums(problem, y)
 
 
-@jit
+@leaf
 def squared_error(problem, target, y, work):
     """Fill error and Jacobian of the task at y and return the squared error."""
-    pose_and_jacobian(problem.fixed, problem.prismatic, problem.A, problem.b, y, work.T, work.J, work.small)
+    pose_and_jacobian(problem.fixed, problem.prismatic, problem.A, problem.b, y, work.T, work.J, work.turns)
     tool_error(work.T, target, problem.axis, work.error, work.small)
     if problem.weighted:
         weigh(problem.weights, work.J, work.error)
@@ -128,15 +130,15 @@ def approach(problem, target, y, work):
     return squared, taken
 
 
-@jit
+@leaf
 def errors(problem, target, y, work):
     """Return the distance [m] and the angle [rad] by which forward kinematics at y misses the target."""
-    pose_and_jacobian(problem.fixed, problem.prismatic, problem.A, problem.b, y, work.T, work.J, work.small)
+    pose_and_jacobian(problem.fixed, problem.prismatic, problem.A, problem.b, y, work.T, work.J, work.turns)
     tool_error(work.T, target, problem.shown_axis, work.error, work.small)
     return lengths(problem.weights, work.error)
 
 
-@jit
+@leaf
 def lengths(weights, error):
     """Return distance and angle of an error (6,) without weights; shifts of weight 0 do not count."""
     distance, angle = 0.0, 0.0
@@ -147,7 +149,7 @@ def lengths(weights, error):
     return math.sqrt(distance), math.sqrt(angle)
 
 
-@jit
+@leaf
 def is_rigid(T, tolerance):
     """Return whether T (4, 4) has a right-handed rotation and finite numbers."""
     for i in range(3):
@@ -243,7 +245,7 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
     return (_LIMITS if least < np.inf else outcome), iterations + taken, attempt, distance, angle
 
 
-@jit
+@leaf
 def given_up(problem, target, attempt, least):
     """Return whether no other start is tried after one of them; see `Problem.beyond_bound`."""
     squared = 0.0
@@ -254,7 +256,7 @@ def given_up(problem, target, attempt, least):
     return least == np.inf and (attempt + 1 >= rules.MAX_FAILED_DESCENTS or (attempt == 0 and too_far(problem, target)))
 
 
-@jit
+@leaf
 def too_far(problem, target):
     """Return whether the arm is certainly too short; see `arm_reach.py`."""
     before, after, squared = problem.arm_before, problem.arm_after, 0.0
@@ -269,13 +271,13 @@ def too_far(problem, target):
     return squared > problem.arm_length * problem.arm_length
 
 
-@jit
+@leaf
 def turns_count(problem):
     """Return whether the task includes any rotation."""
     return problem.weights[3] + problem.weights[4] + problem.weights[5] > 0.0
 
 
-@jit
+@leaf
 def track(problem, work, targets, last, accuracy, most, y, counts, misses):
     """Follow a path, each pose from the previous one, while single short descents suffice.
 

@@ -12,7 +12,7 @@ import numba
 import numpy as np
 
 from chainbuild.ik import rules
-from chainbuild.ik.search.compiled.kernels import copy_to, jit
+from chainbuild.ik.search.compiled.kernels import copy_to, leaf
 from chainbuild.ik.search.compiled.limits import turned_inside
 from chainbuild.ik.search.starts.turned import LARGEST_STEP, NO_RADIUS
 
@@ -22,7 +22,7 @@ _TAKEN: Final = np.float32(1e30)  # a distance that no start has; finite, for lo
 fastmath_jit: Final[Any] = numba.njit(error_model="numpy", fastmath=True)
 
 
-@jit
+@leaf
 def rank_starts(problem, work, target, distances):
     """Write how far each start is from the target; of turned starts, fill `work` with the lookup data."""
     if len(problem.turned_values) > 0:
@@ -71,7 +71,7 @@ def _least(distances):
     return min(a, b, c, d)
 
 
-@jit
+@leaf
 def _look(problem, work, target):
     """Write key (6,) and view (12,) of the target, and its azimuth behind them; see `TurnedStarts.query`."""
     before, after, M, W, scale = problem.turned_before, problem.turned_after, work.T, work.W, problem.turned_scale
@@ -100,7 +100,7 @@ def _look(problem, work, target):
     key[5] = radius * radius + W[2, 3] * W[2, 3] + scale * scale
 
 
-@jit
+@leaf
 def next_start(problem, work, distances, attempt, wanted, y):
     """Write a start not yet taken to y: the one whose pose is nearest, later on any in turns with it."""
     if len(distances) == 0:
@@ -120,7 +120,7 @@ def next_start(problem, work, distances, attempt, wanted, y):
     copy_to(y, problem.points[taken % len(problem.points)])
 
 
-@jit
+@leaf
 def _turned(problem, work, taken, wanted, y):
     """Write a point moved and turned towards the target to y; return whether limits allow the turns."""
     n, view, lower, upper = len(y), work.seen, problem.lower, problem.upper

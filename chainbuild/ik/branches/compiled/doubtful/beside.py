@@ -25,7 +25,7 @@ from chainbuild.ik.branches.compiled.doubtful.steps import (
     weakest_at,
 )
 from chainbuild.ik.branches.compiled.finish import write_axis_values
-from chainbuild.ik.search.compiled.kernels import jit
+from chainbuild.ik.search.compiled.kernels import jit, leaf
 
 _WEAK: Final = 2e-2  # share of the Jacobian's size: a weaker direction may lead to a branch nearby
 _LOST: Final = 1e-6  # the same below which solutions may go on as a curve
@@ -150,7 +150,7 @@ def _join(axes, room, target, curves, places, count, piece):
                     curves.owners[k] = piece
 
 
-@jit
+@leaf
 def _with_place(axes, room, target, reached, curves, places, count, origin, near):
     """Bring room.x to the target and write it behind the first places if it is none of them; return how many then.
 
@@ -167,7 +167,7 @@ def _with_place(axes, room, target, reached, curves, places, count, origin, near
     """
     if count == len(places) or (curves.known[ENDS] != 0 and curves.known[STATE] != ISOLATED):
         return count
-    left = descended(axes, room, target, places, count, origin, near)
+    left = descended(axes, room, target, places, count, origin, near, reached)
     if not left < reached or is_place(axes, room, target, left, places, count):
         return count
     for m in range(len(room.x)):
@@ -255,7 +255,7 @@ def _around(axes, room, target, curves, places, count, at):
     return count
 
 
-@jit
+@leaf
 def places_beside(axes, room, target, x0, values, counts, reached, curves, places, count):
     """Add the solutions that those of poses beside a target lead to, and these to others; return how many there are.
 

@@ -10,7 +10,16 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from chainbuild.ik.branches.compiled.axes import LOWER, PERIODIC, UPPER, copy_rows, inverted, way_of, weakest
+from chainbuild.ik.branches.compiled.axes import (
+    LOWER,
+    PERIODIC,
+    UPPER,
+    copy_rows,
+    inverted,
+    inverted_again,
+    way_of,
+    weakest,
+)
 from chainbuild.ik.branches.compiled.constants import FOLLOWED, PIECES, POINTS, STATE, UNKNOWN
 from chainbuild.ik.branches.compiled.doubtful.steps import (
     ARRIVED,
@@ -20,7 +29,7 @@ from chainbuild.ik.branches.compiled.doubtful.steps import (
     weakest_at,
 )
 from chainbuild.ik.branches.compiled.finish import inside_by_turns
-from chainbuild.ik.search.compiled.kernels import jit
+from chainbuild.ik.search.compiled.kernels import jit, leaf
 
 _FIRST_STEP: Final = 0.05  # rad or m along a curve
 _SHORTEST: Final = 1e-4  # a curve that needs shorter steps ends
@@ -49,7 +58,7 @@ class Curves(NamedTuple):
     known: Any  # (5,) POINTS, PIECES, STATE, ENDS and CLUSTERED
 
 
-@jit
+@leaf
 def _share_of(axes, start, end, other, way):
     """Return how far along a piece of a curve another place is, as a share; not a number where it is not near."""
     short_way(axes, start, other, way)
@@ -62,7 +71,7 @@ def _share_of(axes, start, end, other, way):
     return share if -0.1 < share < 1.1 and aside < 0.09 * whole else math.nan
 
 
-@jit
+@leaf
 def _passes(axes, room, target, start, end, other, way, spare):
     """Tell whether the piece of a curve between two of its places passes another one."""
     v = spare[0]
@@ -82,7 +91,7 @@ def _passes(axes, room, target, start, end, other, way, spare):
             v[m] = end[axes.free[m]] - start[axes.free[m]]
         rows = copy_rows(axes, room)
         inverted(room, rows, len(axes.free), spare, 0.0, v)
-        inverted(room, rows, len(axes.free), spare, 0.0, v)
+        inverted_again(room, len(axes.free), v)
         for m in range(len(axes.free)):
             along += way[m] * v[m]
         for m in range(len(axes.free)):
@@ -90,7 +99,7 @@ def _passes(axes, room, target, start, end, other, way, spare):
     return False
 
 
-@jit
+@leaf
 def _is_along(axes, start, end, line):
     """Tell whether a piece of a curve goes along a unit direction (f,), or no direction counts, all 0."""
     along, whole, size = 0.0, 0.0, 0.0
@@ -115,7 +124,7 @@ def piece_through(axes, room, target, curves, place, line, first):
     return -1
 
 
-@jit
+@leaf
 def _kept(curves, x, piece):
     """Write a point behind the others; return False where there is no room."""
     n = curves.known[POINTS]
@@ -128,7 +137,7 @@ def _kept(curves, x, piece):
     return True
 
 
-@jit
+@leaf
 def _beyond(axes, x):
     """Return how far the axis that is farthest beyond its limits is; not above 0 inside them."""
     farthest = -math.inf
@@ -159,7 +168,7 @@ def _followed(axes, room, target, place, direction, sign, curves, piece):
                 aside += (turned[m] - length * tangent[m]) ** 2
             rows = copy_rows(axes, room)
             inverted(room, rows, f, spare, 0.0, turned)
-            inverted(room, rows, f, spare, 0.0, turned)
+            inverted_again(room, f, turned)
             for m in range(f):
                 bend += (turned[m] - tangent[m]) ** 2
             bend, aside = math.sqrt(bend), math.sqrt(aside)
@@ -197,7 +206,7 @@ def _followed(axes, room, target, place, direction, sign, curves, piece):
     return _BEYOND
 
 
-@jit
+@leaf
 def follow_curve(axes, room, target, curves, place, direction):
     """Follow a curve through a place (n,) both ways, behind those known; return its first piece, or -1: it is none.
 
@@ -225,7 +234,7 @@ def follow_curve(axes, room, target, curves, place, direction):
     return piece
 
 
-@jit
+@leaf
 def _distance(x, x0):
     far = 0.0
     for m in range(len(x)):

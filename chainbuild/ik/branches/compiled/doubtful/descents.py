@@ -12,13 +12,16 @@ from typing import Final
 from chainbuild.ik.branches.compiled.axes import FLOOR, look, way_of
 from chainbuild.ik.branches.compiled.doubtful.steps import stepped
 from chainbuild.ik.branches.core.branches import BETWEEN_BRANCHES, CLOSE_BRANCHES, SAME_BRANCH
-from chainbuild.ik.search.compiled.kernels import jit
+from chainbuild.ik.search.compiled.kernels import jit, leaf
 
 _STEPS: Final = 30  # damped Newton steps: a start near a branch takes five, where branches meet twenty
 _EXACT: Final = 1e-15  # m and rad: rounding
 _SLOW_BELOW: Final = 1e-11  # m and rad: below, steps that gain less than half have come to rounding
 _HOPELESS_AFTER: Final = 10  # steps: what is not near by then is given up
 _HOPELESS: Final = 0.05  # m and rad
+_CRAWL_BELOW: Final = 1e-7  # m and rad: where steps are undamped but for the floor
+_CRAWLS: Final = 2  # steps in succession
+_SLOW: Final = 0.85  # share of what was left before that a step leaves there
 _DAMPING: Final = 0.1  # times the squared error
 _MOST_DAMPED: Final = 0.01  # far from a solution, where more only takes longer
 _A_QUARTER: Final = 0.05  # share of the error before, by which it may differ from a quarter
@@ -27,21 +30,35 @@ _BETWEEN: Final = 3  # steps from there to a solution
 _BESIDE: Final = 0.1  # of the way, which such steps do not leave
 
 
-@jit
-def descended(axes, room, target, places, count, origin, near):
+@leaf
+def descended(axes, room, target, places, count, origin, near, reached):
     """Bring room.x to the target; return what is left of the way there.
 
     Given up, infinite, is what comes nearer than `near` to an origin (n,), or so near to one of the first places that
     it would end there. Where two branches meet, steps leave half of the way and a quarter of the error: twice the step
-    does not.
+    does not. Where a direction is so weak that damping decides, each step gains the same small share: it is given up
+    if the steps left will not do, or there is nothing left to gain.
+
+    Args:
+        axes: The machine's axes.
+        room: Scratch.
+        target: (4, 4) tool in the workpiece frame [m].
+        places: Places known,
+        count: and how many.
+        origin: (n,) from where a step began.
+        near: What comes nearer to it is given up.
+        reached: What is left at a solution at most [m, rad].
     """
-    left, quarters = math.inf, 0
+    left, quarters, crawled = math.inf, 0, 0
     for step in range(_STEPS + 1):
         before = left
         left = max(look(axes, room, target))
         if not left < math.inf or left < _EXACT or step == _STEPS or (left < _SLOW_BELOW and left > 0.5 * before):
             break
         if step >= _HOPELESS_AFTER and left > _HOPELESS:
+            break
+        crawled = crawled + 1 if _SLOW * before < left < _CRAWL_BELOW else 0
+        if crawled >= _CRAWLS and (left < reached or left * (left / before) ** (_STEPS - step) > reached):
             break
         if _leads_to_known(axes, room.x, places, count):
             return math.inf
@@ -56,7 +73,7 @@ def descended(axes, room, target, places, count, origin, near):
     return left
 
 
-@jit
+@leaf
 def _leads_to_known(axes, x, places, count):
     """Tell whether Newton's steps from x lead to one of the first places: it is as near as their own column says."""
     for i in range(count):

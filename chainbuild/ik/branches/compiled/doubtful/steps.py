@@ -6,7 +6,8 @@ import math
 from typing import Final
 
 from chainbuild.ik.branches.compiled.axes import FLOOR, copy_rows, look, way_of, weakest
-from chainbuild.ik.search.compiled.kernels import damped_step, jit
+from chainbuild.ik.search.compiled.kernels import leaf
+from chainbuild.ik.search.compiled.least_squares import damped_step
 
 ARRIVED: Final = 1e-11  # m and rad: a place on a curve, or an isolated one: along a valley much is nearly a solution
 _LONGEST: Final = 0.8  # rad or m of one step
@@ -15,7 +16,7 @@ _CORRECTIONS: Final = 24  # to a curve that is followed
 _BROUGHT_BACK: Final = 8  # those after which a step has come to a curve, for which three are enough, or not
 
 
-@jit
+@leaf
 def stepped(axes, room, damping, factor):
     """Move room.x by a damped Newton step of its Jacobian and remaining motion, times a factor."""
     rows, longest = copy_rows(axes, room), _LONGEST
@@ -26,7 +27,7 @@ def stepped(axes, room, damping, factor):
         room.x[axes.free[m]] += room.step[m] * (factor * _LONGEST / longest)
 
 
-@jit
+@leaf
 def weakest_at(axes, room, target, others):
     """Write the unit direction (f,) that moves the tool least at room.x to the first row of others.
 
@@ -40,7 +41,7 @@ def weakest_at(axes, room, target, others):
     return weakest(room, rows, len(axes.free), others, 0.0, others[0]), rows, size
 
 
-@jit
+@leaf
 def put(axes, room, place, step, direction):
     """Write the place a step along a direction (f,) of the free axes to room.x."""
     for m in range(len(room.x)):
@@ -49,7 +50,7 @@ def put(axes, room, place, step, direction):
         room.x[axes.free[m]] += step * direction[m]
 
 
-@jit
+@leaf
 def short_way(axes, start, end, way):
     """Write the way (f,) of the free axes between two places, by whole turns as short as possible; return how long."""
     longest = 0.0
@@ -59,7 +60,7 @@ def short_way(axes, start, end, way):
     return longest
 
 
-@jit
+@leaf
 def corrected(axes, room, target):
     """Bring room.x back to the curve of solutions nearby, along which it stays; return what is left."""
     left = math.inf
@@ -71,7 +72,7 @@ def corrected(axes, room, target):
     return left
 
 
-@jit
+@leaf
 def goes_on(axes, room, target, place, direction, null, count, line):
     """Write the unit direction in which solutions go on beside a direction; return whether there is one.
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from chainbuild.ik.search.compiled.kernels import jit
+from chainbuild.ik.search.compiled.kernels import leaf
 
 _LAST_DIGIT: Final = 2.220446049250313e-16  # of numbers of double precision
 _MAX_STEPS: Final = 60  # for one eigenvalue: two or three are usual
@@ -19,7 +19,7 @@ _SMALLEST: Final = 1e-300  # a column whose entries are smaller counts as 0
 _TINY: Final = 1e-17  # a pivot below is rounding: the matrix is singular there
 
 
-@jit
+@leaf
 def multiply(A, B, product, rows, inner, columns):
     """Write A·B (rows, columns)."""
     for i in range(rows):
@@ -31,7 +31,7 @@ def multiply(A, B, product, rows, inner, columns):
                 product[i, j] += factor * B[k, j]
 
 
-@jit
+@leaf
 def gauss(B, n, width):
     """Bring the first n columns of B (n, width) to triangular form, rows swapped; returns the smallest pivot."""
     least = math.inf
@@ -53,7 +53,7 @@ def gauss(B, n, width):
     return least
 
 
-@jit
+@leaf
 def substitute(B, n, width):
     """Solve for the columns behind the first n, in place, after `gauss`."""
     for k in range(n - 1, -1, -1):
@@ -65,7 +65,7 @@ def substitute(B, n, width):
                 B[i, j] -= factor * B[k, j]
 
 
-@jit
+@leaf
 def reflect(A, rows, columns, width):
     """Bring the first columns of A (rows + 1, width) to triangular form by Householder's reflections of whole rows."""
     for k in range(columns):
@@ -94,7 +94,7 @@ def reflect(A, rows, columns, width):
         A[k, k] = -length
 
 
-@jit
+@leaf
 def to_hessenberg(A, n):
     """Bring the first n rows and columns of A (n + 1, …) to Hessenberg form by Householder's reflections."""
     for k in range(n - 2):
@@ -133,7 +133,7 @@ def to_hessenberg(A, n):
         A[k + 1, k] = -length
 
 
-@jit
+@leaf
 def francis_step(H, low, high, s, t):
     """Do one double step on the rows low … high of a Hessenberg matrix, with shifts of sum s and product t.
 
@@ -182,7 +182,7 @@ def francis_step(H, low, high, s, t):
             H[i, k + 2] -= fz * total
 
 
-@jit
+@leaf
 def pair_of(a, b, c, d):
     """Return the eigenvalues of a matrix ((a, b), (c, d)): two real parts, the imaginary part of the first."""
     half = 0.5 * (a - d)
@@ -193,7 +193,7 @@ def pair_of(a, b, c, d):
     return d + far, (d - b * c / far if far != 0.0 else d), 0.0
 
 
-@jit
+@leaf
 def eigenvalues_of(A, n, real, imaginary):
     """Write the eigenvalues of the first n rows and columns of A (n + 1, n + 1); False if they do not settle.
 

@@ -25,7 +25,7 @@ from chainbuild.ik.branches.compiled.general.constants import (
 )
 from chainbuild.ik.branches.compiled.general.eigen import gauss, multiply, reflect, substitute
 from chainbuild.ik.branches.elimination.conformal import SIZE
-from chainbuild.ik.search.compiled.kernels import jit
+from chainbuild.ik.search.compiled.kernels import leaf
 
 PRODUCTS: Final = COMBINATIONS - 1  # without that of 1 and 1, which is known
 TERMS: Final = 3 * COMBINATIONS  # of the left side: by the hidden joint and two others
@@ -33,7 +33,7 @@ _GOOD: Final = 60.0  # entries of the matrix up to which no better view is looke
 _FIRST, _SECOND = np.triu_indices(5, 1)
 
 
-@jit
+@leaf
 def write_motion(G, backwards, motion):
     """Write the transposed matrix (15, 15) by which a motion (3, 4), or its inverse, acts on an arrow."""
     for i in range(SIZE):
@@ -56,7 +56,7 @@ def write_motion(G, backwards, motion):
             motion[5 + i, 5 + j] = motion[first, one] * motion[second, other] - crossed
 
 
-@jit
+@leaf
 def write_unit(A, n, first):
     """Write the unit matrix (n, n) to the columns of A from one on, and 0 to everything else."""
     flat = A.reshape(A.size)
@@ -66,7 +66,7 @@ def write_unit(A, n, first):
         A[i, first + i] = 1.0
 
 
-@jit
+@leaf
 def write_right_side(part, motion, moved, sides, right):
     """Write the right side (14, 9), by the products of the joints to eliminate, and behind it the unit matrix."""
     before, behind = int(part[BEFORE]), int(part[BEHIND])
@@ -82,7 +82,7 @@ def write_right_side(part, motion, moved, sides, right):
                 right[i, b * before + a] = sides[b, i * before + a]
 
 
-@jit
+@leaf
 def choose_pair(null):
     """Put one pair of rows (a, b) and (−b, a), a and b most nearly at right angles and of one length, to the front.
 
@@ -102,7 +102,7 @@ def choose_pair(null):
         null[8, i], null[8, 6 + i], null[9, i], null[9, 6 + i] = a, b, -b, a
 
 
-@jit
+@leaf
 def write_combinations(part, P, product, null, T):
     """Write real combinations (…, 6) of the equations; returns how many are of half the degree.
 
@@ -136,7 +136,7 @@ def write_combinations(part, P, product, null, T):
     return half
 
 
-@jit
+@leaf
 def write_equations(part, G, right, P, product, motion, null, T, rows, nine):
     """Write the six equations at a pose to `rows`; returns how many are of half the degree, how well P is determined.
 
@@ -170,7 +170,7 @@ def write_equations(part, G, right, P, product, motion, null, T, rows, nine):
     return half, least / most
 
 
-@jit
+@leaf
 def write_times_x(nine, count, B):
     """Write equations (count, 9) times cos(x/2) and sin(x/2) to columns of B (12, 2·count)."""
     for r in range(count):
@@ -181,7 +181,7 @@ def write_times_x(nine, count, B):
             B[n, k + 1], B[3 + n, k + 1], B[6 + n, k + 1], B[9 + n, k + 1] = -s, c, s, one - c
 
 
-@jit
+@leaf
 def write_companion(rows, half, angle, nine, B, A):
     """Write the matrix whose eigenvalues are tan((h − angle)/2); returns its size and its largest entry."""
     monomials = B.shape[0]
@@ -215,7 +215,7 @@ def write_companion(rows, half, angle, nine, B, A):
     return size, largest
 
 
-@jit
+@leaf
 def write_best_companion(rows, half, nine, B, A):
     """Write the eigenvalue problem seen from where it is conditioned best; returns the angle, size, largest entry."""
     best, least, k = 0, math.inf, 0
@@ -232,7 +232,7 @@ def write_best_companion(rows, half, nine, B, A):
             k = best
 
 
-@jit
+@leaf
 def write_kernel(rows, half, c, s, nine, B):
     """Write to column 12 of B what the equations' matrix shrinks most where h/2 has cosine c and sine s."""
     monomials = B.shape[0]

@@ -23,7 +23,7 @@ from chainbuild.ik.branches.compiled.general.constants import (
 )
 from chainbuild.ik.branches.compiled.general.eigen import gauss, substitute
 from chainbuild.ik.branches.compiled.general.equations import PRODUCTS, TERMS, write_kernel
-from chainbuild.ik.search.compiled.kernels import jit
+from chainbuild.ik.search.compiled.kernels import leaf
 
 _STEPS: Final = 8  # Newton's: from a few digits, two are usual
 _MAX_STEP: Final = 0.3  # rad: a longer step is none towards the solution nearby
@@ -34,7 +34,7 @@ SAME: Final = 1e-4  # rad: solutions nearer than this are one
 _EXACT: Final = 1e-12  # residual [arm lengths, rad] at which no step improves anything
 
 
-@jit
+@leaf
 def write_screws(constants, q, T, J):
     """Write the loop's motion (3, 4) and the screws (6, 6) of its joints there: shift, then turn, one a column."""
     rows, columns = T.shape
@@ -61,7 +61,7 @@ def write_screws(constants, q, T, J):
                 T[i, j] += a * first + b * second + c * third
 
 
-@jit
+@leaf
 def write_rest(G, T, J):
     """Write what is left to a pose to column 6 of J: shift, sine of the turn; returns its cosine, the largest part."""
     for i in range(3):
@@ -80,7 +80,7 @@ def write_rest(G, T, J):
     return 0.5 * (trace - 1.0), max(largest, abs(J[0, JOINTS]), abs(J[1, JOINTS]), abs(J[2, JOINTS]))
 
 
-@jit
+@leaf
 def polish(constants, G, q, T, J):
     """Bring joint values (6,) to a pose by Newton steps, in place; returns what they miss [arm lengths, rad]."""
     miss = math.inf
@@ -100,7 +100,7 @@ def polish(constants, G, q, T, J):
     return miss
 
 
-@jit
+@leaf
 def is_regular(J, miss):
     """Tell whether a solution is isolated, and surely so near to where Newton's steps ended as _OFF; overwrites J."""
     pivot = gauss(J, len(J), len(J))
@@ -120,7 +120,7 @@ def _angle_of(cosine, sine):
     return lambda cosine, sine: math.atan2(sine, cosine)
 
 
-@jit
+@leaf
 def write_values(constants, part, rows, half, right, hidden, nine, B, G, q, T, J):
     """Write all six joint values (6,) that go with the hidden joint's angle, where the equations are nearly singular.
 
@@ -160,7 +160,7 @@ def write_values(constants, part, rows, half, right, hidden, nine, B, G, q, T, J
     q[last] = angle_of(turned, J[3, last] * J[3, 6] + J[4, last] * J[4, 6] + J[5, last] * J[5, 6])
 
 
-@jit
+@leaf
 def largest_imaginary(z):
     """Return the largest imaginary part of complex values (6,)."""
     largest = 0.0
@@ -169,7 +169,7 @@ def largest_imaginary(z):
     return largest
 
 
-@jit
+@leaf
 def is_complex_solution(constants, place, hidden, G, z, T, J, others, count):
     """Tell whether Newton steps from complex values (6,) end at complex values with the eigenvalue that led there.
 

@@ -31,7 +31,7 @@ from chainbuild.ik.branches.compiled.general.solutions import (
     polish,
     write_values,
 )
-from chainbuild.ik.search.compiled.kernels import jit
+from chainbuild.ik.search.compiled.kernels import jit, leaf
 
 _USELESS: Final = 1e7  # entries of the matrix above which its eigenvalues have no digits
 _APART: Final = 1e-9  # share below which the eliminated joints are not told apart
@@ -73,7 +73,7 @@ def loop_room():
     )  # fmt: skip
 
 
-@jit
+@leaf
 def scaled(constants, T, G):
     """Write the loop's motion (3, 4) at a pose (4, 4): as seen from the middle of the axes, in units of the arm."""
     for i in range(3):
@@ -85,7 +85,7 @@ def scaled(constants, T, G):
         G[i, 3] = (G[i, 3] + T[i, 3] - constants[CENTRE + i]) / constants[SCALE]
 
 
-@jit
+@leaf
 def distances(real, imaginary, size, x, y):
     """Return the product of a number's distances to all eigenvalues, on the sphere; those above a quarter are 1."""
     product, length = 1.0, 1.0 + x * x + y * y
@@ -96,7 +96,7 @@ def distances(real, imaginary, size, x, y):
     return math.sqrt(product)
 
 
-@jit
+@leaf
 def is_complex(real, imaginary, size, k, noise):
     """Tell whether an eigenvalue is complex beyond doubt.
 
@@ -119,7 +119,7 @@ def is_complex(real, imaginary, size, k, noise):
     return True
 
 
-@jit
+@leaf
 def is_new(values, count, q):
     """Tell whether joint values differ from the first rows of others by more than whole turns."""
     for r in range(count):
@@ -131,7 +131,7 @@ def is_new(values, count, q):
     return True
 
 
-@jit
+@leaf
 def add_solutions(constants, part, room, half, angle, size, noise, values, found, starts):
     """Write the solutions of one opening behind those found before.
 
