@@ -37,6 +37,7 @@ _VALLEY: Final = 1e-3  # share of the Jacobian's size: a direction so weak may l
 _ALONG: Final = 0.3  # rad or m of a step through a valley
 _MOST_ALONG: Final = 32  # such steps: a whole turn of two axes
 _TO_FLOOR: Final = 3  # Newton's steps from there to the valley's floor
+_FLOOR: Final = 0.9  # share of what was left before such a step that is the floor's height
 _ACROSS: Final = 1e-6  # their damping: above the square of what is along it, below that of what is across
 _FLAT: Final = 1e-3  # m and rad: a floor that is higher is no longer of this valley
 # Shares of up to three directions that do not move the tool: tried to find where solutions go on.
@@ -189,10 +190,12 @@ def _along_valley(axes, room, target, curves, places, count, at, direction, sign
     height, before, is_lower, is_back = 0.0, 0.0, False, False
     for step in range(_MOST_ALONG):
         put(axes, room, floor, _ALONG, tangent)
+        before, height, left = height, max(look(axes, room, target)), math.inf
         for _ in range(_TO_FLOOR):
-            look(axes, room, target)
+            if height > _FLOOR * left:
+                break
             stepped(axes, room, _ACROSS, 1.0)
-        before, height = height, max(look(axes, room, target))
+            left, height = height, max(look(axes, room, target))
         rows, moved, back = copy_rows(axes, room), 0.0, 0.0
         for m in range(f):
             tangent[m] = room.x[axes.free[m]] - floor[axes.free[m]]

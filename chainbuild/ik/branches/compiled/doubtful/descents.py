@@ -51,6 +51,8 @@ def descended(axes, room, target, places, count, origin, near, reached):
     """
     left, quarters, crawled = math.inf, 0, 0
     for step in range(_STEPS + 1):
+        if _leads_to_known(axes, room.x, places, count):
+            return math.inf
         before = left
         left = max(look(axes, room, target))
         if not left < math.inf or left < _EXACT or step == _STEPS or (left < _SLOW_BELOW and left > 0.5 * before):
@@ -60,8 +62,6 @@ def descended(axes, room, target, places, count, origin, near, reached):
         crawled = crawled + 1 if _SLOW * before < left < _CRAWL_BELOW else 0
         if crawled >= _CRAWLS and (left < reached or left * (left / before) ** (_STEPS - step) > reached):
             break
-        if _leads_to_known(axes, room.x, places, count):
-            return math.inf
         quarters = quarters + 1 if abs(left - 0.25 * before) < _A_QUARTER * before else 0
         stepped(axes, room, max(FLOOR, min(_MOST_DAMPED, _DAMPING * left * left)), 1.0 + quarters // 2)
         quarters %= 2

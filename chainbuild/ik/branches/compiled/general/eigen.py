@@ -46,8 +46,9 @@ def gauss(B, n, width):
         least = min(least, abs(B[k, k]))
         if abs(B[k, k]) < _TINY:
             B[k, k] = _TINY
+        inverse = 1.0 / B[k, k]
         for i in range(k + 1, n):
-            factor = B[i, k] / B[k, k]
+            factor = B[i, k] * inverse
             for j in range(k + 1, width):
                 B[i, j] -= factor * B[k, j]
     return least
@@ -57,8 +58,9 @@ def gauss(B, n, width):
 def substitute(B, n, width):
     """Solve for the columns behind the first n, in place, after `gauss`."""
     for k in range(n - 1, -1, -1):
+        inverse = 1.0 / B[k, k]
         for j in range(n, width):
-            B[k, j] /= B[k, k]
+            B[k, j] *= inverse
         for i in range(k):
             factor = B[i, k]
             for j in range(n, width):

@@ -216,20 +216,22 @@ def write_companion(rows, half, angle, nine, B, A):
 
 
 @leaf
-def write_best_companion(rows, half, nine, B, A):
+def write_best_companion(rows, half, nine, B, A, kept):
     """Write the eigenvalue problem seen from where it is conditioned best; returns the angle, size, largest entry."""
-    best, least, k = 0, math.inf, 0
-    while True:
+    best, least, size = 0, math.inf, 0
+    for k in range(len(VIEWS)):
         size, largest = write_companion(rows, half, VIEWS[k], nine, B, A)
-        if largest < _GOOD or (k == best and largest == least):
+        if largest < _GOOD:
             return VIEWS[k], size, largest
         if largest < least:
             best, least = k, largest
-        k += 1
-        if k == len(VIEWS):
-            if not least < math.inf:
-                return 0.0, size, math.inf
-            k = best
+            for i in range(size):
+                for j in range(size):
+                    kept[i, j] = A[i, j]
+    for i in range(size):
+        for j in range(size):
+            A[i, j] = kept[i, j]
+    return VIEWS[best], size, least
 
 
 @leaf

@@ -26,6 +26,7 @@ from chainbuild.ik.branches.compiled.general.equations import PRODUCTS, TERMS, w
 from chainbuild.ik.search.compiled.kernels import leaf
 
 _STEPS: Final = 8  # Newton's: from a few digits, two are usual
+_HALF_WAY: Final = 4  # of them, after which less than half has to be left: what converges at all is nearer by then
 _MAX_STEP: Final = 0.3  # rad: a longer step is none towards the solution nearby
 MET: Final = 1e-10  # residual of a solution [arm lengths, rad]
 _REGULAR: Final = 1e-6  # pivot of the Jacobian [arm lengths, rad]: below, solutions may be one, or on a curve
@@ -35,30 +36,57 @@ _EXACT: Final = 1e-12  # residual [arm lengths, rad] at which no step improves a
 
 
 @leaf
+def _along(row, constants, at):
+    """Return a row of a motion (4,) times a vector among the constants."""
+    return row[0] * constants[at] + row[1] * constants[at + 1] + row[2] * constants[at + 2]
+
+
+@leaf
+def _turned_row(constants, at, sine, versine):
+    """Return a row (4,) of what a turn adds to a motion."""
+    return (
+        sine * constants[at] + versine * constants[at + 12],
+        sine * constants[at + 1] + versine * constants[at + 13],
+        sine * constants[at + 2] + versine * constants[at + 14],
+        sine * constants[at + 3] + versine * constants[at + 15],
+    )
+
+
+@leaf
+def _moved_row(row, first, second, third):
+    """Return a row of a motion (4,) with what a turn adds, whose rows are given."""
+    a, b, c, shift = row
+    return (
+        a + a * first[0] + b * second[0] + c * third[0],
+        b + a * first[1] + b * second[1] + c * third[1],
+        c + a * first[2] + b * second[2] + c * third[2],
+        shift + a * first[3] + b * second[3] + c * third[3],
+    )
+
+
+@leaf
 def write_screws(constants, q, T, J):
-    """Write the loop's motion (3, 4) and the screws (6, 6) of its joints there: shift, then turn, one a column."""
-    rows, columns = T.shape
-    for i in range(rows):
-        for j in range(columns):
-            T[i, j] = 1.0 if i == j else 0.0
+    """Write the loop's motion (3, 4) and the screws (6, 6) of its joints there: shift, then turn, one a column.
+
+    The rows of the motion are tuples, which need no memory.
+    """
+    one, none = np.cos(0.0 * q[0]), 0.0 * q[0]  # real or complex, as the joint values
+    X, Y, Z = (one, none, none, none), (none, one, none, none), (none, none, one, none)
     for n in range(len(q)):
         at = SCREWS + n * PER_SCREW
-        for i in range(rows):
-            J[i, n] = J[3 + i, n] = 0.0
-            for j in range(rows):
-                J[3 + i, n] += T[i, j] * constants[at + 24 + j]
-                J[i, n] += T[i, j] * constants[at + 27 + j]
-        for i in range(rows):
-            j, k = (i + 1) % 3, (i + 2) % 3
-            J[i, n] += T[j, 3] * J[3 + k, n] - T[k, 3] * J[3 + j, n]
-        sine, versine = np.sin(q[n]), 1.0 - np.cos(q[n])
-        for i in range(rows):
-            a, b, c = T[i, 0], T[i, 1], T[i, 2]
-            for j in range(columns):
-                first = sine * constants[at + j] + versine * constants[at + 12 + j]
-                second = sine * constants[at + 4 + j] + versine * constants[at + 16 + j]
-                third = sine * constants[at + 8 + j] + versine * constants[at + 20 + j]
-                T[i, j] += a * first + b * second + c * third
+        x, y, z = _along(X, constants, at + 24), _along(Y, constants, at + 24), _along(Z, constants, at + 24)
+        J[0, n] = _along(X, constants, at + 27) + Y[3] * z - Z[3] * y
+        J[1, n] = _along(Y, constants, at + 27) + Z[3] * x - X[3] * z
+        J[2, n] = _along(Z, constants, at + 27) + X[3] * y - Y[3] * x
+        J[3, n], J[4, n], J[5, n] = x, y, z
+        sine, versine = np.sin(q[n]), one - np.cos(q[n])
+        first, second = _turned_row(constants, at, sine, versine), _turned_row(constants, at + 4, sine, versine)
+        third = _turned_row(constants, at + 8, sine, versine)
+        X, Y = _moved_row(X, first, second, third), _moved_row(Y, first, second, third)
+        Z = _moved_row(Z, first, second, third)
+    T[0, 0], T[0, 1], T[0, 2], T[0, 3] = X
+    T[1, 0], T[1, 1], T[1, 2], T[1, 3] = Y
+    T[2, 0], T[2, 1], T[2, 2], T[2, 3] = Z
 
 
 @leaf
@@ -83,12 +111,15 @@ def write_rest(G, T, J):
 @leaf
 def polish(constants, G, q, T, J):
     """Bring joint values (6,) to a pose by Newton steps, in place; returns what they miss [arm lengths, rad]."""
-    miss = math.inf
+    miss, first = math.inf, math.inf
     for step in range(_STEPS + 1):
         before = miss
         write_screws(constants, q, T, J)
         _, miss = write_rest(G, T, J)
+        first = miss if step == 0 else first
         if miss < _EXACT or step == _STEPS or not miss < math.inf or (miss < 1e-9 and miss > 0.5 * before):
+            break
+        if step == _HALF_WAY and miss > 0.5 * first:
             break
         gauss(J, len(q), len(q) + 1)
         substitute(J, len(q), len(q) + 1)

@@ -192,7 +192,7 @@ def general_branches(constants, T, values):
     """
     room = loop_room()
     P, product, motion, null = np.empty((6, 14)), np.empty((10, 15)), np.empty((15, 15)), np.empty((13, 20))
-    combined, A = np.empty((10, 6)), np.empty((21, 21))
+    combined, A, kept = np.empty((10, 6)), np.empty((21, 21)), np.empty((21, 21))
     scaled(constants, T, room.G)
     found, starts = int(0.0 * constants[0]), 0
     for n in range(int(constants[0])):
@@ -200,7 +200,7 @@ def general_branches(constants, T, values):
         half, apart = write_equations(
             part, room.G, room.right, P, product, motion, null, combined, room.rows, room.nine
         )
-        angle, size, largest = write_best_companion(room.rows, half, room.nine, room.B, A)
+        angle, size, largest = write_best_companion(room.rows, half, room.nine, room.B, A, kept)
         if not (apart > _APART and largest < _USELESS and eigenvalues_of(A, size, room.real, room.imaginary)):
             continue
         noise = _NOISE * largest * largest
