@@ -109,16 +109,19 @@ class _Search:
         mark, since, before, step = math.inf, 0, math.inf, y
         good, squared, halvings = y, math.inf, 0
         for taken in range(1, steps + 1):
-            there = self._squared(y)
-            if there is None:
+            try:
+                error, J = self.error(y)
+                there = float(error.dot(error))
+            except ChainbuildError:  # a nonlinear axis map has no joint values there
+                there = math.inf
+            if not there < math.inf:
                 # The step left what the axes have a pose in; half of it may not.
                 halvings += 1
                 if taken == 1 or halvings > rules.MOST_HALVINGS:
                     break
                 y = (good + y) / 2.0
                 continue
-            good, halvings = y, 0
-            error, J, squared = there
+            good, squared, halvings = y, there, 0
             self.last = error
             self.iterations += 1
             if squared < self.goal and (before < self.goal or _is_sharp(step, squared / before)):
@@ -136,15 +139,6 @@ class _Search:
                 moved = self._stop_at_limits(y, step, J, error, damping)
             y = self.box.onto_sums(moved) if inside and self.coupled else moved
         return squared < self.close_enough, good, squared
-
-    def _squared(self, y: Vector) -> tuple[Vector, Matrix, float] | None:
-        """Return error, Jacobian and squared error, or None where a nonlinear axis map has no joint values."""
-        try:
-            error, J = self.error(y)
-        except ChainbuildError:
-            return None
-        squared = float(error.dot(error))
-        return (error, J, squared) if squared < math.inf else None
 
     def approach(self, y: Vector) -> tuple[Vector, float]:
         """Return where the error is smallest near by, and the squared error there."""
@@ -213,25 +207,26 @@ class _Starts:
     def __init__(self, problem: Problem, target: Matrix, wanted: Vector) -> None:
         self.problem, self.wanted, self.turned = problem, wanted, problem.turned_starts()
         self.query: TableKey | None = None
-        self.edges: NDArray[np.floating] | None = None
+        self.given = 0
         self.left: NDArray[np.floating]
         if self.turned is None:
             self.left = problem.starts.distances(target)
         else:
             self.query = self.turned.query(target)
             self.left = self.turned.distances(self.query)
-            self.edges = self.turned.points.edges
 
     def next(self, attempt: int) -> Vector:
         """Return a start not yet taken."""
         left, points = self.left, self.problem.starts.points
-        edges, self.edges = self.edges, None  # they are for the first start alone
+        self.given += 1
+        if self.given == 2 and self.turned is not None:
+            left -= self.turned.points.rows[-1]  # edges are for the first start alone
         if not len(left):
             return self.wanted
         for _ in range(rules.TURN_TRIES):
             n = attempt % len(left)
             if attempt < rules.NEAREST_FIRST or attempt % 2 == 0 or left[n] == math.inf:
-                n = int((left if edges is None else left + edges).argmin())
+                n = int(left.argmin())
             left[n] = math.inf
             if self.turned is None or self.query is None:
                 break

@@ -87,6 +87,5 @@ def _turned(
         parts = (np.empty((0, n)), np.empty((0, n + 2, 12)), np.eye(4), np.eye(4), (1.0, 1.0), (1.0,))
         return (0, 0, 0), np.empty((8, 0), np.float32), parts
     points = starts.points
-    rows = np.ascontiguousarray(np.vstack([points.rows, points.offsets, points.edges]))
     parts = (points.values, points.maps, starts.before, starts.after, starts.signs, (points.scale,))
-    return (len(points.values), starts.first, starts.last), rows, parts
+    return (len(points.values), starts.first, starts.last), points.rows, parts

@@ -49,10 +49,9 @@ class TablePoints:
     Attributes:
         values: (count, n_free) SI values; that of the axis which turns the arm less what it takes to azimuth 0.
         scale: What makes directions comparable with lengths [m].
-        rows: (6, count) and
-        offsets: (count,) of the weighted squared distance to a key k: offsets + (k, k·k)·rows. In single precision.
-        edges: (count,) distance added to points whose axes are at the edge of their ranges: of points about as near,
-            the first start is one in the middle. In single precision.
+        rows: (8, count) of the weighted squared distance to a key k: (k, k·k, 1, 1)·rows. The last row is added to
+            points whose axes are at the edge of their ranges: of points about as near, the first start is one in the
+            middle. In single precision.
         maps: (count, n_free + 2, 12) applied to (key, X and Y of W in its plane, 1): how far each axis moves towards
             the key, then cosine and sine of the turn of the last axis, which comes on top.
     """
@@ -60,8 +59,6 @@ class TablePoints:
     values: Matrix
     scale: float
     rows: NDArray[np.float32]
-    offsets: NDArray[np.float32]
-    edges: NDArray[np.float32]
     maps: NDArray[np.float64]
 
 
@@ -111,17 +108,16 @@ def table_points(
     gains[:, list(turning)] = turns @ gains[:, between]
     least = np.linalg.eigvalsh(square)[:, 5 - min(_FREEDOMS, len(between))]
     weights = 1.0 / np.sqrt(np.maximum(least, _STIFF**2 * spread))
-    rows = np.vstack([-2.0 * weights * keys.T, weights]).astype(np.float32)
-    offsets = (weights * (keys**2).sum(axis=1)).astype(np.float32)
-    edge = (off_middle(box, middle, values)[:, between] ** 4).sum(axis=1)
-    edges = (_EDGE * math.sqrt(spread) * edge).astype(np.float32)
+    offsets = weights * (keys**2).sum(axis=1)
+    edges = _EDGE * math.sqrt(spread) * (off_middle(box, middle, values)[:, between] ** 4).sum(axis=1)
+    rows = np.vstack([-2.0 * weights * keys.T, weights, offsets, edges]).astype(np.float32)
 
     maps = np.zeros((len(values), values.shape[1] + 2, 12))
     maps[:, :-2, :5] = gains
     maps[:, :-2, 11] = -np.einsum("nij,nj->ni", gains, keys)
     maps[:, -2:, 5:11] = uprights
     values[:, turning[0]] -= signs[0] * azimuths
-    return TablePoints(values, scale, rows, offsets, edges, maps)
+    return TablePoints(values, scale, rows, maps)
 
 
 def _points_facing(arm: Product, ends: tuple[Matrix, Matrix], values: Matrix) -> tuple[Matrix, Vector]:
@@ -174,7 +170,7 @@ class TableKey:
     """Lookup data of a target.
 
     Attributes:
-        key: (6,) its key and the key's square, in single precision.
+        key: (8,) its key, the key's square, 1 and 1, in single precision.
         azimuth: Of its plane [rad].
         view: (12,) key, X and Y of W in its plane, 1.
     """
@@ -213,12 +209,12 @@ class TurnedStarts:
         key = (radius, z, scale * (c * dx + s * dy), scale * (c * dy - s * dx), scale * dz)
         planar = (c * a + s * d, c * d - s * a, g, c * b + s * e, c * e - s * b, h)
         square = radius * radius + z * z + scale * scale
-        return TableKey(np.array((*key, square), np.float32), math.atan2(s, c), np.array((*key, *planar, 1.0)))
+        own = np.array((*key, square, 1.0, 1.0), np.float32)
+        return TableKey(own, math.atan2(s, c), np.array((*key, *planar, 1.0)))
 
     def distances(self, query: TableKey) -> NDArray[np.float32]:
-        """Return how far each point (count,) is, weighted by how much its axes have to move for it."""
+        """Return how far each point (count,) is, weighted by how much its axes have to move for it, edges included."""
         squared: NDArray[np.float32] = query.key.dot(self.points.rows)
-        squared += self.points.offsets
         return squared
 
     def start(self, n: int, query: TableKey, box: Box, wanted: Vector) -> Vector | None:
