@@ -7,7 +7,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from chainbuild.ik.search.compiled.kernels import inlined, jit, leaf, pose_and_jacobian, tool_error
+from chainbuild.ik.search.compiled.kernels import PERIODIC, inlined, jit, leaf, pose_and_jacobian, tool_error
 from chainbuild.ik.search.compiled.least_squares import solve_again, solve_in_place
 
 TURN: Final = 2.0 * math.pi  # a whole turn
@@ -15,11 +15,8 @@ FLOOR: Final = 1e-14  # damping that keeps the factorisation alive at singular p
 _ITERATIONS: Final = 4  # inverse ones, each of which gains the squared ratio of two singular values
 
 
-# Rows of `Axes.each`.
-LOWER: Final = 0
-UPPER: Final = 1
-SLACK: Final = 2
-PERIODIC: Final = 3
+# Rows of `Axes.each`, behind those of limits.
+SLACK: Final = 3
 FACTORS: Final = 4
 TOGETHER: Final = 5
 # Rows of `Axes.joints`.
@@ -40,7 +37,7 @@ class Axes(NamedTuple):
     b: Any  # (k,)
     # (c, c + n + 1) from joint values to axes, what the other axes and the constants of the map take from these
     back: Any
-    # (6, n) limits, how far beyond them still counts, whether whole turns lead to the same pose, mm and degrees to SI,
+    # (6, n) limits, whether whole turns lead to the same pose, how far beyond them still counts, mm and degrees to SI,
     # whether an axis takes part in limits on sums
     each: Any
     sums: Any  # (s, n + 2) limits on sums of axes, mm or degrees by SI, the lower and the upper one

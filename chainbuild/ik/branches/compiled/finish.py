@@ -15,14 +15,11 @@ from chainbuild.ik.branches.compiled.axes import (
     COLUMNS_OF,
     FACTORS,
     FLOOR,
-    LOWER,
     MOVERS,
-    PERIODIC,
     ROWS_OF,
     SLACK,
     TOGETHER,
     TURN,
-    UPPER,
     copy_rows,
     look,
     way_of,
@@ -38,7 +35,7 @@ from chainbuild.ik.branches.core.branches import (
     SAME_BRANCH,
 )
 from chainbuild.ik.rules import HALF_TURN_NUDGE, HALF_TURN_TOWARDS
-from chainbuild.ik.search.compiled.kernels import inlined, leaf
+from chainbuild.ik.search.compiled.kernels import LOWER, PERIODIC, UPPER, inlined, leaf
 from chainbuild.ik.search.compiled.least_squares import damped_step, solve_in_place
 from chainbuild.tolerances import IK_POSITION_M, IK_ROTATION_RAD, LIMIT_SLACK
 

@@ -198,7 +198,7 @@ def _packed(query: BranchQuery, form: str, joints: Indices) -> tuple[Vector, Int
     parts = (
         product.fixed[:, :3], product.prismatic, product.A, product.b,
         np.column_stack([block.inverse, others, block.inverse @ block.b]),
-        (query.lower, query.upper, query.slack, query.periodic, mechanism.kinematics.si_factors, together), sums,
+        (query.lower, query.upper, query.periodic, query.slack, mechanism.kinematics.si_factors, together), sums,
     )  # fmt: skip
     flat = [np.asarray(part, dtype=float).ravel() for part in parts]
     axis = mechanism.chain.tool_column if mechanism.task == "direction" else -1

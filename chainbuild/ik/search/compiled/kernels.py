@@ -27,30 +27,33 @@ inlined: Final[Any] = numba.njit(forceinline=True, **LEAF, **FAST)
 _SMALL: Final = 1e-4  # squared sine of a turn: below, three terms of a series are exact but for rounding
 
 
+# Rows of limits.
+LOWER: Final = 0
+UPPER: Final = 1
+PERIODIC: Final = 2
+
+
 class Arrays(NamedTuple):
-    """A problem as arrays; the names are those of `Product`, `Box`, `Starts` and `Problem`. Flags are 0 or 1."""
+    """A problem as arrays; the names are those of `Product`, `Box`, `Starts` and `Problem`. Flags are 0 or 1.
+
+    Handing over an array takes a compiler as long as seven numbers: what is used together stands together.
+    """
 
     fixed: Any  # (k + 1, 3, 4)
     prismatic: Any  # (k,)
     A: Any  # (k, n) by the free axes
     b: Any  # (k,) with the held axes
-    lower: Any  # (n,)
-    upper: Any  # (n,)
-    periodic: Any  # (n,)
-    sums: Any  # (c, n)
-    sum_lower: Any  # (c,)
-    sum_upper: Any  # (c,)
+    limits: Any  # (3, n) lower and upper limits, whether whole turns lead to the same pose
+    sums: Any  # (c, n + 2) coupled limits, each with the lower and the upper one
     weights: Any  # (6,)
     points: Any  # (count, n)
     features: Any  # (12, count)
     scale: Any  # (12,)
-    arm_before: Any  # (4, 4)
-    arm_after: Any  # (4, 4)
+    arm: Any  # (2, 4, 4) before and after
     arm_length: Any  # float, infinite where nothing is known
     turned_values: Any  # (points, n), none where there are no turned starts
     turned_maps: Any  # (points, n + 2, 12)
-    turned_before: Any  # (4, 4)
-    turned_after: Any  # (4, 4)
+    turned: Any  # (2, 4, 4) before and after
     turned_signs: Any  # (2,)
     turned_rows: Any  # (8, points), single precision; the last are offsets and edges
     turned_scale: Any  # float
@@ -90,14 +93,12 @@ def unpack(data, rows, sizes):
     k, n, c, count, turned, e = sizes[0], sizes[1], sizes[2], sizes[3], sizes[8], sizes[11:]
     return Arrays(
         data[: e[0]].reshape((k + 1, 3, 4)), data[e[0] : e[1]], data[e[1] : e[2]].reshape((k, n)), data[e[2] : e[3]],
-        data[e[3] : e[4]], data[e[4] : e[5]], data[e[5] : e[6]],
-        data[e[6] : e[7]].reshape((c, n)), data[e[7] : e[8]], data[e[8] : e[9]],
-        data[e[9] : e[10]], data[e[10] : e[11]].reshape((count, n)), data[e[11] : e[12]].reshape((12, count)),
-        data[e[12] : e[13]],
-        data[e[13] : e[14]].reshape((4, 4)), data[e[14] : e[15]].reshape((4, 4)), data[e[15]],
-        data[e[16] : e[17]].reshape((turned, n)), data[e[17] : e[18]].reshape((turned, n + 2, 12)),
-        data[e[18] : e[19]].reshape((4, 4)), data[e[19] : e[20]].reshape((4, 4)), data[e[20] : e[21]],
-        rows, data[e[21]], sizes[9], sizes[10], data[e[22]], sizes[4], sizes[5], sizes[6], sizes[7],
+        data[e[3] : e[4]].reshape((3, n)), data[e[4] : e[5]].reshape((c, n + 2)), data[e[5] : e[6]],
+        data[e[6] : e[7]].reshape((count, n)), data[e[7] : e[8]].reshape((12, count)), data[e[8] : e[9]],
+        data[e[9] : e[10]].reshape((2, 4, 4)), data[e[10]],
+        data[e[11] : e[12]].reshape((turned, n)), data[e[12] : e[13]].reshape((turned, n + 2, 12)),
+        data[e[13] : e[14]].reshape((2, 4, 4)), data[e[14] : e[15]],
+        rows, data[e[15]], sizes[9], sizes[10], data[e[16]], sizes[4], sizes[5], sizes[6], sizes[7],
     )  # fmt: skip
 
 

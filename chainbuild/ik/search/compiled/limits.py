@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from chainbuild.ik import rules
-from chainbuild.ik.search.compiled.kernels import copy_to, jit, leaf
+from chainbuild.ik.search.compiled.kernels import LOWER, PERIODIC, UPPER, copy_to, jit, leaf
 
 _TURN: Final = 2.0 * math.pi  # rad
 
@@ -16,8 +16,8 @@ _TURN: Final = 2.0 * math.pi  # rad
 @leaf
 def turned_inside(problem, n, value):
     """Return the value moved by whole turns to the nearest place inside the limits, or as it is where there is none."""
-    lower, upper = problem.lower[n], problem.upper[n]
-    if problem.periodic[n] == 0.0 or (lower <= value <= upper):
+    lower, upper = problem.limits[LOWER, n], problem.limits[UPPER, n]
+    if problem.limits[PERIODIC, n] == 0.0 or (lower <= value <= upper):
         return value
     gap = lower - value if value < lower else upper - value
     moved = value + math.copysign(math.ceil(abs(gap) / _TURN) * _TURN, gap)
@@ -29,7 +29,7 @@ def turn_inside(problem, y):
     """Move what is outside its limits by whole turns where that helps; return whether anything was outside."""
     outside = False
     for n in range(len(y)):
-        if not problem.lower[n] <= y[n] <= problem.upper[n]:
+        if not problem.limits[LOWER, n] <= y[n] <= problem.limits[UPPER, n]:
             y[n] = turned_inside(problem, n, y[n])
             outside = True
     return outside
@@ -38,14 +38,14 @@ def turn_inside(problem, y):
 @leaf
 def onto_sums(problem, y):
     """Move y onto each coupled limit it violates, by axes that their own limits leave room to move."""
-    lower, upper = problem.lower, problem.upper
+    lower, upper = problem.limits[LOWER], problem.limits[UPPER]
     for c in range(len(problem.sums)):
         g = problem.sums[c]
         for _ in range(len(y)):
             value, length = 0.0, 0.0
             for n in range(len(y)):
                 value += g[n] * y[n]
-            gap = min(max(value, problem.sum_lower[c]), problem.sum_upper[c]) - value
+            gap = min(max(value, g[len(y)]), g[len(y) + 1]) - value
             for n in range(len(y)):
                 if (y[n] < upper[n] and gap * g[n] > 0.0) or (y[n] > lower[n] and gap * g[n] < 0.0):
                     length += g[n] * g[n]
@@ -59,21 +59,22 @@ def onto_sums(problem, y):
 @leaf
 def excess(problem, y):
     """Return by how much y violates its limits, coupled ones included; 0 inside."""
-    total, lower, upper = 0.0, problem.lower, problem.upper
+    total, lower, upper = 0.0, problem.limits[LOWER], problem.limits[UPPER]
     for n in range(len(y)):
         total += max(lower[n] - y[n], y[n] - upper[n], 0.0)
     for c in range(len(problem.sums)):
         value = 0.0
         for n in range(len(y)):
             value += problem.sums[c, n] * y[n]
-        total += max(problem.sum_lower[c] - value, value - problem.sum_upper[c], 0.0)
+        total += max(problem.sums[c, len(y)] - value, value - problem.sums[c, len(y) + 1], 0.0)
     return total
 
 
 @jit
 def near(problem, y, wanted):
     """Move periodic axes by whole turns as near to `wanted` as all limits allow; return whether any moved."""
-    lower, upper, periodic, any_turned = problem.lower, problem.upper, problem.periodic, False
+    lower, upper = problem.limits[LOWER], problem.limits[UPPER]
+    periodic, any_turned = problem.limits[PERIODIC], False
     for n in range(len(y)):
         any_turned |= periodic[n] != 0.0 and abs(wanted[n] - y[n]) > math.pi
     if not any_turned:

@@ -65,12 +65,12 @@ def _pack(problem: Problem) -> Packed | None:
         return None
     box, starts, weights = problem.box, problem.starts, problem.weights
     reach = problem.arm
-    arm = (np.eye(4), np.eye(4), (np.inf,)) if reach is None else (reach.before, reach.after, (reach.length,))
+    arm = (np.eye(4), np.eye(4), np.inf) if reach is None else (reach.before, reach.after, reach.length)
     own, rows, turned = _turned(problem.turned_starts(), row.A.shape[1])
     parts = (
         row.fixed[:, :3], row.prismatic, row.A, row.b,
-        box.lower, box.upper, box.periodic, box.sums, box.sum_lower, box.sum_upper,
-        weights, starts.points, starts.features, starts.scale, *arm, *turned,
+        (box.lower, box.upper, box.periodic), np.column_stack([box.sums, box.sum_lower, box.sum_upper]),
+        weights, starts.points, starts.features, starts.scale, arm[:2], arm[2:], *turned,
         (problem.reach if problem.bounded else np.inf,),
     )  # fmt: skip
     flat = [np.asarray(part, dtype=float).ravel() for part in parts]
@@ -84,8 +84,8 @@ def _turned(
 ) -> tuple[tuple[int, int, int], NDArray[np.float32], tuple[ArrayLike, ...]]:
     """Return sizes, single-precision and double-precision data of turned starts, empty if there are none."""
     if starts is None:
-        parts = (np.empty((0, n)), np.empty((0, n + 2, 12)), np.eye(4), np.eye(4), (1.0, 1.0), (1.0,))
+        parts = (np.empty((0, n)), np.empty((0, n + 2, 12)), (np.eye(4), np.eye(4)), (1.0, 1.0), (1.0,))
         return (0, 0, 0), np.empty((8, 0), np.float32), parts
     points = starts.points
-    parts = (points.values, points.maps, starts.before, starts.after, starts.signs, (points.scale,))
+    parts = (points.values, points.maps, (starts.before, starts.after), starts.signs, (points.scale,))
     return (len(points.values), starts.first, starts.last), points.rows, parts

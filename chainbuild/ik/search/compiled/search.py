@@ -12,7 +12,7 @@ import numpy as np
 
 from chainbuild import tolerances
 from chainbuild.ik import rules
-from chainbuild.ik.search.compiled.kernels import copy_to, jit, leaf, pose_and_jacobian, tool_error, weigh
+from chainbuild.ik.search.compiled.kernels import LOWER, UPPER, copy_to, jit, leaf, pose_and_jacobian, tool_error, weigh
 from chainbuild.ik.search.compiled.least_squares import damped_step
 from chainbuild.ik.search.compiled.limits import excess, near, onto_sums, turn_inside, turned_inside
 from chainbuild.ik.search.compiled.starts import next_start, rank_starts, remove_edge_penalty
@@ -27,7 +27,7 @@ _SLACK: Final = rules.INSIDE_SLACK
 @leaf
 def stop_at_limits(problem, y, work, damping):
     """Move y by the step; axes that would leave their limits stop there and the others take over what is left."""
-    lower, upper = problem.lower, problem.upper
+    lower, upper = problem.limits[LOWER], problem.limits[UPPER]
     step, J, error, H, g = work.step, work.J, work.error, work.H, work.g
     for _ in range(len(y)):
         stopped = False
@@ -54,7 +54,8 @@ def descend(problem, target, y, work, inside, goal, close_enough, steps, stall_s
     The arrays are named once here: every tuple access counts references, which costs more than the arithmetic.
     """
     fixed, prismatic, A, b, weights = problem.fixed, problem.prismatic, problem.A, problem.b, problem.weights
-    lower, upper, axis, rows, weighted = problem.lower, problem.upper, problem.axis, problem.rows, problem.weighted
+    lower, upper = problem.limits[LOWER], problem.limits[UPPER]
+    axis, rows, weighted = problem.axis, problem.rows, problem.weighted
     T, J, error, H, g, step = work.T, work.J, work.error, work.H, work.g, work.step
     small, turns = work.small, work.turns
     coupled = len(problem.sums) > 0
@@ -209,7 +210,7 @@ def search(problem, work, target, start, has_start, wanted, accuracy, restarts, 
             if beyond <= _SLACK:
                 if beyond > 0.0:  # to the last digit; a start, or a free descent, may be beyond by rounding
                     for n in range(len(y)):
-                        y[n] = min(max(y[n], problem.lower[n]), problem.upper[n])
+                        y[n] = min(max(y[n], problem.limits[LOWER, n]), problem.limits[UPPER, n])
                     onto_sums(problem, y)
                     turned = True
                 # The last step of the descent was forward kinematics at y; only what moved since is checked again.
@@ -259,7 +260,7 @@ def given_up(problem, target, attempt, least):
 @leaf
 def too_far(problem, target):
     """Return whether the arm is certainly too short; see `arm_reach.py`."""
-    before, after, squared = problem.arm_before, problem.arm_after, 0.0
+    before, after, squared = problem.arm[0], problem.arm[1], 0.0
     for r in range(3):
         away = before[r, 3]
         for k in range(3):
@@ -302,7 +303,8 @@ def track(problem, work, targets, last, accuracy, most, y, counts, misses):
         copy_to(now, last)
         if i >= 2:  # extrapolated axis values
             for n in range(len(now)):
-                now[n] = min(max(2.0 * last[n] - y[i - 2, n], problem.lower[n]), problem.upper[n])
+                ahead = 2.0 * last[n] - y[i - 2, n]
+                now[n] = min(max(ahead, problem.limits[LOWER, n]), problem.limits[UPPER, n])
         met, _, taken = descend(
             problem, targets[i], now, work, inside, accuracy[0], close_enough, rules.MAX_STEPS, rules.STALL_SHARE
         )

@@ -12,7 +12,7 @@ import numba
 import numpy as np
 
 from chainbuild.ik import rules
-from chainbuild.ik.search.compiled.kernels import copy_to, leaf
+from chainbuild.ik.search.compiled.kernels import LOWER, UPPER, copy_to, leaf
 from chainbuild.ik.search.compiled.limits import turned_inside
 from chainbuild.ik.search.starts.turned import LARGEST_STEP, NO_RADIUS
 
@@ -74,7 +74,7 @@ def _least(distances):
 @leaf
 def _look(problem, work, target):
     """Write key (6,) and view (12,) of the target, and its azimuth behind them; see `TurnedStarts.query`."""
-    before, after, M, W, scale = problem.turned_before, problem.turned_after, work.T, work.W, problem.turned_scale
+    before, after, M, W, scale = problem.turned[0], problem.turned[1], work.T, work.W, problem.turned_scale
     for r in range(3):
         for k in range(4):
             M[r, k] = before[r, 0] * target[0, k] + before[r, 1] * target[1, k] + before[r, 2] * target[2, k]
@@ -123,7 +123,7 @@ def next_start(problem, work, distances, attempt, wanted, y):
 @leaf
 def _turned(problem, work, taken, wanted, y):
     """Write a point moved and turned towards the target to y; return whether limits allow the turns."""
-    n, view, lower, upper = len(y), work.seen, problem.lower, problem.upper
+    n, view, lower, upper = len(y), work.seen, problem.limits[LOWER], problem.limits[UPPER]
     first, last, signs = problem.turned_first, problem.turned_last, problem.turned_signs
     rows, largest = problem.turned_maps[taken], 0.0
     for m in range(n):

@@ -10,16 +10,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from chainbuild.ik.branches.compiled.axes import (
-    LOWER,
-    PERIODIC,
-    UPPER,
-    copy_rows,
-    inverted,
-    inverted_again,
-    way_of,
-    weakest,
-)
+from chainbuild.ik.branches.compiled.axes import copy_rows, inverted, inverted_again, way_of, weakest
 from chainbuild.ik.branches.compiled.constants import FOLLOWED, PIECES, POINTS, STATE, UNKNOWN
 from chainbuild.ik.branches.compiled.doubtful.steps import (
     ARRIVED,
@@ -29,7 +20,7 @@ from chainbuild.ik.branches.compiled.doubtful.steps import (
     weakest_at,
 )
 from chainbuild.ik.branches.compiled.finish import inside_by_turns
-from chainbuild.ik.search.compiled.kernels import jit, leaf
+from chainbuild.ik.search.compiled.kernels import LOWER, PERIODIC, UPPER, jit, leaf
 
 _FIRST_STEP: Final = 0.05  # rad or m along a curve
 _SHORTEST: Final = 1e-4  # a curve that needs shorter steps ends
