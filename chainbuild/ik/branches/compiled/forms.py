@@ -20,7 +20,7 @@ from chainbuild.ik.branches.compiled.constants import (
     direct_constants,
     spherical_constants,
 )
-from chainbuild.ik.branches.compiled.general.constants import general_constants
+from chainbuild.ik.branches.compiled.general.constants import brief_constants, general_constants
 from chainbuild.ik.branches.core.axis_values import block_of
 from chainbuild.ik.branches.core.branches import isolated
 from chainbuild.ik.branches.core.query import BranchQuery
@@ -49,6 +49,7 @@ class QuickForm:
         method: Name of the `SolverPlan` that the form stands for.
         form: Name of the form, see `entries.FORMS`.
         constants: Constants of the form.
+        brief: The same for poses of which to be sure is worth less.
         axes: The axes in one array, and their sizes; see `axes.axes_of`.
         x0: (n_axes,) where branches are counted from without a start [SI].
         has_status: Whether the controller numbers the branches (KIN_TYP 45).
@@ -62,6 +63,7 @@ class QuickForm:
     method: str
     form: str
     constants: Vector
+    brief: Vector
     axes: tuple[Vector, Integers]
     x0: Vector
     has_status: bool
@@ -84,11 +86,14 @@ class QuickForm:
         last: tuple[int, bool] = entries.finish_poses(*self.axes, targets, x0, values, counts, found, left, along)
         return (*last, values)
 
-    def write_values(self, targets: Matrix, x0: Vector, values: Matrix, counts: Integers) -> None:
-        """Write what the form says of poses (N, 4, 4), see `entries`."""
+    def write_values(
+        self, targets: Matrix, x0: Vector, values: Matrix, counts: Integers, *, briefly: bool = False
+    ) -> None:
+        """Write what the form says of poses (N, 4, 4), see `entries`; briefly: with less effort to be sure."""
         keep = self.keep if x0 is self.x0 else self.by_axes @ x0 + self.at_zero
         form = compiled_entries().FORMS[self.form]
-        form(self.constants, targets, tolerances.ROTATION_MATRIX, keep, values, counts)
+        constants = self.brief if briefly else self.constants
+        form(constants, targets, tolerances.ROTATION_MATRIX, keep, values, counts)
 
 
 @cache
@@ -130,8 +135,9 @@ def _quick_form(mechanism: Mechanism, start: Vector | None, held: Held | None) -
     keep = by_axes @ query.x0 + at_zero
     alone = (isolated(mechanism.labels),) * ROWS
     beside = _moves_beside(_SHARE * float(np.linalg.norm(product.fixed[:, :3, 3], axis=1).sum()))
+    brief = brief_constants(constants) if form == "general" else constants
     return QuickForm(
-        method, form, constants, packed, query.x0, has_status(mechanism), by_axes, at_zero, keep, alone, beside
+        method, form, constants, brief, packed, query.x0, has_status(mechanism), by_axes, at_zero, keep, alone, beside
     )
 
 

@@ -121,7 +121,7 @@ def _places_at(
     # The pose itself with the first one beside it, then the one on the other side.
     looks: tuple[slice, ...] = (slice(0, 2), slice(2, 3))
     for first in range(0, len(targets), 2):
-        form.write_values(targets[first : first + 2], x0, rows[1:], counts[1:])
+        form.write_values(targets[first : first + 2], x0, rows[1:], counts[1:], briefly=first > 0)
         before = told = known
         for new in looks:
             before, told = told, entries.beside_pose(
