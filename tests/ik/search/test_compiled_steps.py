@@ -22,7 +22,10 @@ def from_python(inner: Any) -> Callable[..., Any]:
     return called
 
 
-@pytest.mark.parametrize("angle", [0.0, 1e-14, 1e-9, 1e-5, 9.9e-3, 1.01e-2, 0.05, 0.3, 1.5, 2.0, 3.1, np.pi - 1e-9, np.pi])
+ANGLES = (0.0, 1e-14, 1e-9, 1e-5, 9.9e-3, 1.01e-2, 0.05, 0.3, 1.5, 2.0, 3.1, np.pi - 1e-9, np.pi)
+
+
+@pytest.mark.parametrize("angle", ANGLES)
 def test_the_turn_that_is_left(angle: float) -> None:
     rng, turn = np.random.default_rng(3), from_python(kernels.rotation_vector)
     for _ in range(20):
