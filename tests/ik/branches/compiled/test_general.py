@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any
 from zlib import crc32
 
+import numba
 import numpy as np
 import pytest
 
 from chainbuild.ik.branches.compiled.constants import COLUMNS, ROWS, UNSURE
 from chainbuild.ik.branches.compiled.entries import FORMS
-from chainbuild.ik.branches.compiled.general import constants, eigen
+from chainbuild.ik.branches.compiled.general import constants, eigen, solutions
 from chainbuild.ik.branches.compiled.general.constants import general_constants
 from chainbuild.ik.branches.compiled.general.eigen import eigenvalues_of
 from chainbuild.ik.branches.core.serial import Screw, Serial
@@ -326,3 +327,15 @@ def test_what_is_no_matrix_of_numbers_does_not_settle() -> None:
     room, values = np.full((4, 4), np.nan), np.empty(3)
     assert not EIGENVALUES(room, 3, values, values.copy())
     assert list(eigenvalues(np.zeros((16, 16)))) == [0.0] * 16
+
+
+def test_how_far_off_a_solution_is_the_next_step_tells() -> None:
+    """Pivots do not: here all of them are 1, and the weakest singular value is a thirtieth."""
+    regular = numba.njit(solutions.is_regular.py_func)
+    J = np.eye(6, 7) - np.triu(np.ones((6, 7)), 1)
+    for residual, is_settled in ((5e-8, True), (2e-7, False)):
+        J[:, 6] = residual  # the step is up to 32 times as long
+        assert regular(J.copy()) is is_settled
+    J[5, 5] = 1e-7
+    J[:, 6] = 0.0
+    assert not regular(J), "on a curve, or next to another"

@@ -132,10 +132,16 @@ def polish(constants, G, q, T, J):
 
 
 @leaf
-def is_regular(J, miss):
-    """Tell whether a solution is isolated, and surely so near to where Newton's steps ended as _OFF; overwrites J."""
-    pivot = gauss(J, len(J), len(J))
-    return pivot > _REGULAR and miss < _OFF * pivot
+def is_regular(J):
+    """Tell whether a solution is isolated, and nearer than _OFF to where Newton's steps ended; overwrites J.
+
+    How far off it is the next step would tell: pivots may be far larger than the weakest singular value.
+    """
+    pivot, off = gauss(J, len(J), len(J) + 1), 0.0
+    substitute(J, len(J), len(J) + 1)
+    for n in range(len(J)):
+        off = max(off, abs(J[n, len(J)]))
+    return pivot > _REGULAR and off < _OFF
 
 
 def angle_of(cosine, sine):
@@ -212,7 +218,7 @@ def is_complex_solution(constants, place, hidden, G, z, T, J, others, count):
         return False
     if not 4.0 * abs(np.sin(0.5 * (z[place] - hidden))) < abs(hidden.imag):
         return False
-    if not (largest_imaginary(z) > SAME and is_regular(J, miss) and count < len(others)):
+    if not (largest_imaginary(z) > SAME and is_regular(J) and count < len(others)):
         return False
     for r in range(count):
         one, other = 0.0, 0.0

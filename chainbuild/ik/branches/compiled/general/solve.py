@@ -174,7 +174,7 @@ def add_solutions(constants, part, room, half, angle, size, noise, values, found
             for n in range(JOINTS):
                 values[found, n] = q[n]
             found += 1
-            regular = regular and is_regular(J, miss)
+            regular = regular and is_regular(J)
     return found, perhaps if regular else -1, starts
 
 
