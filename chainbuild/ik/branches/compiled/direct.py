@@ -5,12 +5,12 @@ from __future__ import annotations
 from chainbuild.ik.branches.compiled.constants import DIRECT
 from chainbuild.ik.branches.compiled.small import one_turn, turned, two_turns_kept, vector
 from chainbuild.ik.branches.compiled.spherical import motion_of, product
-from chainbuild.ik.search.compiled.kernels import inlined
+from chainbuild.ik.search.compiled.kernels import jit
 
 _COUNT, _COLUMN, _AXES, _BACK, _TOOL, _ASIDE = DIRECT
 
 
-@inlined
+@jit
 def direct_branches(constants, T, keep, values):
     """Write the values of the rotary joints, and which is free; return how many rows, and whether none can be missing.
 

@@ -21,7 +21,7 @@ import numba
 _TRIED: Final = ((0, 62), (0, 68))
 # Without the wrappers that Python and C would call.
 INNER: Final[dict[str, Any]] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-# The same without counting references to arrays: for functions that make none and return none.
+# The same without counting references to arrays: for functions that make none, return none and are returned none.
 LEAF: Final = dict(INNER)
 # Options of entry points.
 ENTRY: Final[dict[str, Any]] = {}

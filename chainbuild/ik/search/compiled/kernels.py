@@ -15,17 +15,16 @@ import numpy as np
 from chainbuild.ik.search.compiled.inner import INNER, LEAF
 
 FAST: Final[Mapping[str, Any]] = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz", "arcp"}}
-# Functions that make arrays or return some. Without saying so, a function takes over from the first one that calls it
-# whether it is put into its callers.
+# Functions that make arrays, return some, or are returned some. Without saying so, a function takes over from the first
+# one that calls it whether it is put into its callers.
 jit: Final[Any] = numba.njit(forceinline=False, **INNER, **FAST)
-# Those that do neither, and count no references: who calls them holds the arrays. Counting takes as long as kinematics.
+# The others count no references, which would take as long as kinematics: who calls them holds the arrays. An array that
+# such a function is returned would never be freed.
 leaf: Final[Any] = numba.njit(forceinline=False, **LEAF, **FAST)
 # Likewise, put into their callers: handing over a machine as many arrays takes longer than what is done with it.
 inlined: Final[Any] = numba.njit(forceinline=True, **LEAF, **FAST)
 
-
 _SMALL: Final = 1e-4  # squared sine of a turn: below, three terms of a series are exact but for rounding
-
 
 # Rows of limits.
 LOWER: Final = 0
