@@ -75,10 +75,14 @@ def status_turn_rows(robot: Mechanism, axes: ArrayLike) -> Integers:
         AxisValueError: wrong shape, or a value that is not finite.
     """
     require_status(robot)
-    values = axis_rows(robot.axes, axes)
-    status = (_margins(robot, values) > _SET_ABOVE) @ _BITS
-    turn = (values < -tolerances.BELOW_ZERO_DEG) @ (1 << np.arange(values.shape[1]))
-    found: Integers = np.stack((status, turn), axis=1)
+    return status_turn_bits(robot, axis_rows(robot.axes, axes))
+
+
+def status_turn_bits(mechanism: Mechanism, values: Matrix) -> Integers:
+    """Return status and turn (N, 2) of rows (N, 6) as a solver makes them; nothing is checked."""
+    found: Integers = np.empty((len(values), 2), np.int64)
+    found[:, 0] = (_margins(mechanism, values) > _SET_ABOVE).dot(_BITS)
+    found[:, 1] = (values < -tolerances.BELOW_ZERO_DEG).dot(1 << np.arange(values.shape[1]))
     return found
 
 
@@ -146,7 +150,8 @@ def _margins(mechanism: Mechanism, values: Matrix) -> Matrix:
     arm = mechanism.prepared("status", lambda: _Arm.of(mechanism))
     angles = arm.angles(mechanism, values)
     waves = np.ones((len(values), 3, 3))
-    waves[:, 1], waves[:, 2] = np.cos(angles), np.sin(angles)
+    np.cos(angles, out=waves[:, 1])
+    np.sin(angles, out=waves[:, 2])
     products = waves[:, :, None, 0, None] * waves[:, None, :, 1, None] * waves[:, None, None, :, 2]
     x3, z3, xw, zw = (products.reshape(-1, 27) @ arm.coefficients).T
     margins = np.empty((len(values), 3))

@@ -15,7 +15,7 @@ from chainbuild.ik.branches.compiled.constants import REFUSED, ROWS, TOLD, UNSUR
 from chainbuild.ik.branches.compiled.doubtful.settle import Doubtful, is_searched, settled
 from chainbuild.ik.branches.compiled.forms import QuickForm, quick_form
 from chainbuild.ik.branches.core.branches import Branches, quick_made
-from chainbuild.ik.branches.status_turn import status_turn_rows
+from chainbuild.ik.branches.status_turn import status_turn_bits
 from chainbuild.ik.request import Held
 from chainbuild.ik.search.compiled.cores import on_all_cores
 from chainbuild.ik.search.solver import refusal
@@ -61,7 +61,7 @@ def quick_branches(
         names, axes = mechanism.labels.names, told[:, 4].astype(int).tolist()
         free = tuple((names[n],) if n >= 0 else () for n in axes)
         directions = tuple(along[0, k : k + 1] if n != -1 else directions[k] for k, n in enumerate(axes))
-    status, turn = status_turn_rows(mechanism, rows[0, :count]).T if form.has_status else (None, None)
+    status, turn = status_turn_bits(mechanism, rows[0, :count]).T if form.has_status else (None, None)
     return quick_made(
         rows[0, :count], told[:, 0], told[:, 1], told[:, 2].astype(np.int64), free, mechanism.task, mechanism.labels,
         status, turn, form.method, directions,
