@@ -38,3 +38,14 @@ def test_slides_along_each_other_are_left_to_the_plain_path_which_finds_the_plac
     assert quick_form(robot, None, None)[0] is not None
     assert not isinstance(quick_branches(robot, T.homogeneous, axes, None), Branches)
     assert any(np.abs(branch.axes - axes).max() < 1e-6 for branch in robot.ik_all(T, axes))
+
+
+def test_slides_nearly_along_each_other_are_placed_by_the_compiled_form() -> None:
+    robot = robot_from([
+        linear("X1", "x"), linear("Z3", "z"), rotary("C", "z"), shift(x=100.0), linear("Y2", "y"), rotary("B", "y"),
+        rotary("A", "x"), shift(z=-80.0),
+    ])  # fmt: skip
+    axes = np.array([10.0, -20.0, 90.0 + 1e-3, 30.0, 20.0, 35.0])
+    found = quick_branches(robot, robot.fk(axes).homogeneous, axes, None)
+    assert isinstance(found, Branches)
+    assert any(np.abs(row - axes).max() < 1e-6 for row in found.axes)
