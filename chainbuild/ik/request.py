@@ -16,7 +16,7 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.chain.names import axis_index
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.ik.region import freedoms_of
-from chainbuild.kinematics.inputs import Pose, as_pose, axis_vector
+from chainbuild.kinematics.inputs import Pose, as_pose
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.shown import fields_shown
 from chainbuild.units import Units
@@ -105,7 +105,7 @@ class IkRequest(NamedTuple):
             AxisValueError: start has a wrong number of values or a non-finite value.
             ChainbuildError: T is not 4×4 real numbers.
         """
-        begin = None if start is None else axis_vector(mechanism.chain.axes, start)
+        begin = None if start is None else mechanism.axis_values(start)
         return cls(mechanism, matrix_of(T), begin, held, options or DEFAULT)
 
     def to(self, target: Matrix, start: Vector | None) -> IkRequest:

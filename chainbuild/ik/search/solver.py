@@ -68,7 +68,7 @@ def find(problem: Problem, target: Matrix, start: Vector | None, options: IkOpti
                 raise refusal(target)
             if problem.rechecked:
                 found = _with_drives(problem, target, found, start, wanted, options)
-            return _held_inside(problem, found) if problem.held_beyond else found
+            return _held_inside(problem, found)
     if not is_rigid(target):
         raise refusal(target)
     return _held_inside(problem, plain.plain_search(problem, target, start, wanted, options))

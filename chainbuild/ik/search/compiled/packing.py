@@ -64,8 +64,8 @@ def _pack(problem: Problem) -> Packed | None:
     if row is None:
         return None
     box, starts, weights = problem.box, problem.starts, problem.weights
-    reach = problem.arm
-    arm = (np.eye(4), np.eye(4), np.inf) if reach is None else (reach.before, reach.after, reach.length)
+    known = problem.arm
+    arm = (np.eye(4), np.eye(4), np.inf) if known is None else (known.before, known.after, known.length)
     own, rows, turned = _turned(problem.turned_starts(), row.A.shape[1])
     parts = (
         row.fixed[:, :3], row.prismatic, row.A, row.b,
