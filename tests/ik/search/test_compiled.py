@@ -85,6 +85,16 @@ def test_kinematics_are_those_of_pinocchio(name: str) -> None:
         np.testing.assert_allclose(J, robot.jacobian(axes)[:, problem.free], atol=1e-10)
 
 
+def test_the_reach_counts_where_the_whole_distance_does() -> None:
+    from chainbuild.ik.search.compiled.kernels import unpack
+
+    robot = load("kr6r900")
+    for weights, counts in (((1.0,) * 6, True), ((0.0, 1.0, 1.0, 1.0, 1.0, 1.0), False)):
+        packed = compiled.packed(problem_of(robot, None, None, IkOptions(weights=weights)))
+        assert packed is not None
+        assert unpack.py_func(*packed.arrays).reach == (robot.kinematics.reach if counts else np.inf)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_answers_are_those_of_the_plain_path(name: str) -> None:
     robot = load(name)

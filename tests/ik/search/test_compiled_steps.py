@@ -88,3 +88,17 @@ def test_the_weakest_direction() -> None:
         others[0] = v
         assert weakest(room, 6, n, others, 1.0, second) == pytest.approx(0.3, rel=1e-2)
         assert abs(second @ V[:, -2]) > 0.99
+
+
+def test_an_iteration_towards_the_weakest_direction_keeps_its_side() -> None:
+    """A walk along a valley would turn back in every step."""
+    rng, inverted = np.random.default_rng(7), from_python(axes.inverted)
+    J = rng.normal(size=(6, 6)) @ np.diag([1.0, 1.0, 1.0, 1.0, 1.0, 1e-3])
+    room = axes.FinishRoom(
+        np.empty((3, 4)), np.empty((6, 6)), np.empty(6), np.empty(9), np.empty((6, 2)), J, np.empty((6, 6)),
+        np.empty(6), np.empty(6), np.empty(6), np.empty((2, 6)),
+    )  # fmt: skip
+    for side in (1.0, -1.0):
+        v = side * np.array([0.1, -0.2, 0.1, 0.3, 0.2, 0.9])
+        inverted(room, 6, 6, np.empty((1, 6)), 0.0, v)
+        assert side * v[5] > 0.99
