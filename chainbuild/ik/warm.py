@@ -64,6 +64,9 @@ def warm_up(*, progress: Progress = False) -> Mapping[str, float]:
         "all branches of many poses": partial(ik_all_batch, arm, poses),
         "all branches of a pose": partial(ik_all, arm, poses[0]),
         **{f"all branches: {plan_of(one).name}": _branches_of(one) for one in (machine, *others)},
+        "all branches of many poses: three parallel axes": partial(
+            ik_all_batch, others[0], others[0].fk_batch(start[None])
+        ),
         "all branches of a singular pose": partial(_settle_ahead, others[-1]),
         "linear axes of many positions": partial(linear_axes_batch, machine, np.zeros((1, 3)), zeros),
     }
@@ -88,10 +91,11 @@ def _settle_ahead(mechanism: Mechanism) -> None:
 
 
 def _other_arms(arm: Mechanism) -> Iterator[Mechanism]:
-    """Yield arms with other axes: three of them parallel, and none parallel to another or meeting it."""
-    for directions in (_THREE_PARALLEL, _ANYHOW):
+    """Yield arms with other axes: three parallel, the last two of which meet, and none parallel or meeting another."""
+    for directions, last in ((_THREE_PARALLEL, 0.0), (_ANYHOW, 0.1)):
+        shifts = [[0.1, 0.2 * n, 0.3] for n in range(5)] + [[last, 1.0, 0.3]]
         joints = (
-            replace(joint, direction=np.array(direction), T_parent_joint=transform(None, [0.1, 0.2 * n, 0.3]))
+            replace(joint, direction=np.array(direction), T_parent_joint=transform(None, shifts[n]))
             for n, (joint, direction) in enumerate(zip(arm.chain.joints, directions, strict=True))
         )
         yield Mechanism(replace(arm.chain, joints=tuple(joints)))

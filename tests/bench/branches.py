@@ -19,6 +19,7 @@ from chainbuild.ik.branches.core.serial import Serial
 from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.branches.many import ik_all_batch
 from chainbuild.ik.branches.opw.parameters import OpwArm, opw_arm
+from chainbuild.ik.branches.planar.batch import planar_batch
 from chainbuild.ik.plan import plan_of
 from chainbuild.ik.request import IkRequest
 from tests.bench.machines import Machine
@@ -66,8 +67,9 @@ def one_by_one(machine: Machine, count: int) -> list[BranchRow]:
 
 
 def over_arrays(machine: Machine, count: int) -> list[BranchRow]:
-    """Return the cost of all branches of many poses, processor time of one core; [] where there is no closed form."""
-    if arm_of(machine) is None:
+    """Return the cost of all branches of many poses, processor time of one core; [] where no formulas take arrays."""
+    robot = machine.robot
+    if arm_of(machine) is None and planar_batch(robot, np.eye(4)[None], limits=True, compiled=False) is None:
         return []
     targets = machine.robot.fk_batch(machine.axes(count, seed=3))
     rows = []

@@ -17,6 +17,7 @@ def test_every_entry_point_is_called(run: Run, monkeypatch: pytest.MonkeyPatch) 
     pytest.importorskip("numba")
     from chainbuild.ik.branches.compiled import entries as branches
     from chainbuild.ik.branches.opw import compiled as opw
+    from chainbuild.ik.branches.planar import compiled as planar
     from chainbuild.ik.search.compiled import entries, slides
 
     called: list[str] = []
@@ -28,9 +29,9 @@ def test_every_entry_point_is_called(run: Run, monkeypatch: pytest.MonkeyPatch) 
 
         return call
 
-    names = {"search_one", "search_many", "track_many", "write_branches", "write_linear_axes"}
-    names |= {"finish_poses", "beside_pose", "nearest_places"}
-    for module in (entries, opw, slides, branches):
+    names = {"search_one", "search_many", "track_many", "write_branches", "write_planar_branches"}
+    names |= {"write_linear_axes", "finish_poses", "beside_pose", "nearest_places"}
+    for module in (entries, opw, planar, slides, branches):
         for name in names:
             if (entry := getattr(module, name, None)) is not None:
                 monkeypatch.setattr(module, name, noting(name, entry))
@@ -38,7 +39,7 @@ def test_every_entry_point_is_called(run: Run, monkeypatch: pytest.MonkeyPatch) 
     assert outcome.code == 0
     assert set(called) == names
     seconds = json.loads(outcome.out)["seconds"]
-    assert len(seconds) == 10
+    assert len(seconds) == 11
     assert all(value > 0.0 for value in seconds.values())
 
 

@@ -10,7 +10,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from chainbuild.arrays import Matrix, Vector
+from chainbuild.chain.assemble import Element, Fixed, Mark, Move
+from chainbuild.chain.elements import Axis
 from chainbuild.ik.branches.core.serial import Screw, Serial
+from chainbuild.robot import Robot
+from tests.kit.chains import chain_from
 
 WRISTS: Final = ("meeting", "parallel", "apart")
 
@@ -65,6 +69,26 @@ def made_arm(name: str) -> Serial:
         step[:3, :3], step[:3, 3] = Rotation.from_euler("x", alpha, degrees=True).as_matrix(), (a, 0.0, d)
         T = T @ step
     return Serial(tuple(screws), T)
+
+
+def robot_of_screws(serial: Serial, limits: Sequence[tuple[float, float]] | None = None) -> Robot:
+    """Return a robot whose axis values are the joint values in degrees; without limits its axes are endless."""
+    axes, tool, before = [], list[Element](), np.zeros(3)
+    for n, screw in enumerate(serial.screws):
+        name, (lower, upper) = f"A{n + 1}", limits[n] if limits else (-180.0, 180.0)
+        axes.append(Axis(name, "rotary", "deg", lower, upper, assumed=False, endless=limits is None))
+        direction = (float(screw.direction[0]), float(screw.direction[1]), float(screw.direction[2]))
+        tool += [Fixed(_shifted(screw.point - before)), Move(name, "revolute", direction, {name: 1.0})]
+        before = screw.point
+    last = serial.M.copy()
+    last[:3, 3] = 1e3 * (serial.M[:3, 3] - before)
+    return Robot(chain_from(axes, [*tool, Mark("flange"), Fixed(last)]))
+
+
+def _shifted(shift: Vector) -> Matrix:
+    T = np.eye(4)
+    T[:3, 3] = 1e3 * shift
+    return T
 
 
 def with_signs(serial: Serial, signs: Sequence[float]) -> Serial:

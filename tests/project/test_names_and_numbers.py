@@ -14,7 +14,7 @@ PACKAGE = Path(__file__).parent.parent.parent / "chainbuild"
 FILES = sorted(PACKAGE.rglob("*.py"))
 
 # The compiled search, closed forms and formulas have a plain counterpart that bears the same name.
-COMPILED = re.compile(r"ik/search/compiled/|ik/branches/compiled/|ik/branches/opw/compiled\.py")
+COMPILED = re.compile(r"ik/search/compiled/|ik/branches/compiled/|ik/branches/\w+/compiled\.py")
 # Both dialects have a translator, a tool, an assignment, …
 DIALECT = re.compile(r"formats/(sinumerik|twincat)/")
 # A command bears the name of the function it calls, in a file of that name.

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from chainbuild.arrays import Matrix
+from chainbuild.arrays import Indices, Matrix, Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik.branches.compiled.constants import ROWS
 from chainbuild.ik.branches.compiled.forms import quick_form
@@ -17,6 +17,7 @@ from chainbuild.ik.branches.compiled.quick import write_branches_of
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.every import every_branch
 from chainbuild.ik.branches.opw.batch import has_ortho_parallel_batch, ortho_parallel_batch
+from chainbuild.ik.branches.planar.batch import planar_batch
 from chainbuild.ik.branches.redundant import REDUNDANT_SAMPLES, Redundant, held_samples
 from chainbuild.ik.plan import plan_of
 from chainbuild.ik.request import Held, IkRequest, held_by_name, in_controller_units, start_point
@@ -106,33 +107,57 @@ def _batch(
             parameter="held",
             permitted="axes held or named as redundant until the pose determines the others",
         )
-    form, x0 = quick_form(mechanism, start, held) if compiled else (None, start_point(mechanism, start, held)[0])
-    parts = [np.full((0, 1, len(robot.axes)), np.nan)]
+    quick = planar_batch(robot, targets, limits=limits, compiled=compiled) if held is None else None
     with counting(len(targets), progress, _BAR) as advance:
-        for first in range(0, len(targets), _CHUNK):
-            part = targets[first : first + _CHUNK]
-            found = np.full((len(part), ROWS, len(robot.axes)), np.nan)
-            counts = np.full(len(part), -1, dtype=np.int64)
-            doubtful = {} if form is None else write_branches_of(form, part, x0, found, counts)
-            alone: dict[int, Matrix] = {}
-            for row in np.flatnonzero(counts < 0).tolist():
-                try:
-                    query = BranchQuery.of(IkRequest(mechanism, part[row], start, held))
-                except ChainbuildError as error:
-                    raise at_row(error, first + row) from None
-                alone[row] = every_branch(query, doubtful.get(row)).branches.axes
-            found = _wide(found, max([1, *counts.tolist(), *map(len, alone.values())]))
-            for row, axes in alone.items():
-                found[row] = np.nan
-                found[row, : len(axes)] = axes
-            parts.append(found)
-            advance(len(part))
+        if quick is None:
+            return _in_parts(mechanism, targets, np.arange(len(targets)), (start, held), compiled, advance)
+        found, counts = quick
+        doubtful = np.flatnonzero(counts < 0)
+        advance(len(targets) - len(doubtful))
+        others = _in_parts(mechanism, targets, doubtful, (start, held), compiled, advance)
+    found = _wide(found, max(others.shape[1], int(counts.max(initial=0))))
+    found[doubtful] = _wide(others, found.shape[1])
+    return found
+
+
+def _in_parts(
+    mechanism: Mechanism,
+    targets: Matrix,
+    rows: Indices,
+    begin: tuple[Vector | None, Held | None],
+    compiled: bool,
+    advance: Callable[[int], None],
+) -> Matrix:
+    """Return the branches (n, K, n_axes) of some rows of poses; begin: start and held axes."""
+    form, x0 = quick_form(mechanism, *begin) if compiled else (None, start_point(mechanism, *begin)[0])
+    parts = [np.full((0, 1, len(mechanism.axes)), np.nan)]
+    for first in range(0, len(rows), _CHUNK):
+        some = rows[first : first + _CHUNK]
+        part = targets[some]
+        found = np.full((len(some), ROWS, len(mechanism.axes)), np.nan)
+        counts = np.full(len(some), -1, dtype=np.int64)
+        doubtful = {} if form is None else write_branches_of(form, part, x0, found, counts)
+        alone: dict[int, Matrix] = {}
+        for row in np.flatnonzero(counts < 0).tolist():
+            try:
+                query = BranchQuery.of(IkRequest(mechanism, part[row], *begin))
+            except ChainbuildError as error:
+                raise at_row(error, int(some[row])) from None
+            alone[row] = every_branch(query, doubtful.get(row)).branches.axes
+        found = _wide(found, max([1, *counts.tolist(), *map(len, alone.values())]))
+        for row, axes in alone.items():
+            found[row] = np.nan
+            found[row, : len(axes)] = axes
+        parts.append(found)
+        advance(len(some))
     most = max(part.shape[1] for part in parts)
     return np.concatenate([_wide(part, most) for part in parts])
 
 
 def _wide(found: Matrix, width: int) -> Matrix:
     """Return branches (N, K, n_axes) with K cut or filled up to a width."""
+    if found.shape[1] == width:
+        return found
     wide = np.full((len(found), width, found.shape[2]), np.nan)
     kept = min(width, found.shape[1])
     wide[:, :kept] = found[:, :kept]

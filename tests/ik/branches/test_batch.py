@@ -25,11 +25,9 @@ from chainbuild.ik.branches.opw import (
 from chainbuild.ik.branches.opw import (
     constants as opw_constants,
 )
-from chainbuild.ik.branches.opw import (
-    formulas as opw_branches,
-)
 from chainbuild.ik.branches.opw.formulas import CONSTANTS
 from chainbuild.ik.branches.opw.parameters import opw_arm
+from chainbuild.ik.branches.vectors import operands
 from chainbuild.ik.request import IkRequest
 from chainbuild.robot import Robot
 from tests.kit.kin_robots import poses
@@ -289,11 +287,11 @@ def test_compiled_angles_are_those_of_the_library() -> None:
 
     @numba.njit
     def angle(y, x):
-        return opw_branches.arctan2(y, x)
+        return operands.arctan2(y, x)
 
     @numba.njit
     def pair(a):
-        return opw_branches.sine_cosine(a)
+        return operands.sine_cosine(a)
 
     assert compiled_opw.write_branches is not None  # registers the formulas
     rng = np.random.default_rng(0)

@@ -16,13 +16,12 @@ from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.subproblems import ON_AXIS
 from chainbuild.ik.branches.opw.constants import opw_constants
 from chainbuild.ik.branches.opw.formulas import (
-    BRANCHES,
-    affine,
     constant_rows,
     finished,
     flipped,
     upper_branches,
 )
+from chainbuild.ik.branches.vectors.operands import BRANCHES, affine
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.search.batch import at_row
 from chainbuild.ik.search.compiled import packing

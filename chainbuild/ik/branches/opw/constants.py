@@ -12,13 +12,13 @@ from chainbuild.arrays import Matrix
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.frames import inverse
 from chainbuild.ik.branches.core.query import BranchQuery
-from chainbuild.ik.branches.opw.formulas import CONSTANTS, confirmed, constant_rows, product
+from chainbuild.ik.branches.opw.formulas import CONSTANTS, confirmed, constant_rows
 from chainbuild.ik.branches.opw.parameters import OpwArm, opw_arm
+from chainbuild.ik.branches.vectors.axes import axis_constants
+from chainbuild.ik.branches.vectors.operands import product
 from chainbuild.ik.request import IkRequest
 from chainbuild.kinematics.mechanism import Mechanism
-from chainbuild.tolerances import LIMIT_SLACK
 
-_NO_LIMIT: Final = 1e300  # infinity times zero turns would be no number
 _SHORTEST: Final = 1e-6  # upper arm and forearm of at least this [m]
 _WHOLE: Final = 1e-9  # a determinant so near to 1 is one but for rounding: axes and joints make the same turns
 _SAMPLES: Final = 16  # any wrong constant shows in the first one
@@ -57,9 +57,7 @@ def _filled(arm: OpwArm, back: Matrix, zero: Matrix, query: BranchQuery, limits:
     forearm, bend = math.hypot(p["a2"], p["c3"]), math.atan2(p["a2"], p["c3"])
     wanted = query.x0 / factors
     first, _, _, fourth, _, _ = back @ wanted + zero
-    turn = np.linalg.inv(back)
     near = (tolerances.IK_POSITION_M**2, tolerances.IK_ROTATION_RAD**2)
-    lower, upper = (np.clip(values / factors, -_NO_LIMIT, _NO_LIMIT) for values in (query.lower, query.upper))
     return {
         "base": inverse(arm.T_base_arm)[:3],
         "flange": inverse(arm.T_flange_tool)[:3],
@@ -67,16 +65,7 @@ def _filled(arm: OpwArm, back: Matrix, zero: Matrix, query: BranchQuery, limits:
         "bend": (bend, math.cos(bend), math.sin(bend), p["a2"], p["c3"], 0.0),
         "keep": (math.cos(first), math.sin(first), math.cos(fourth), math.sin(fourth), 0.0, 0.0),
         "tip": (*arm.T_flange_tool[:3, 3], *near, 0.0),
-        "turn": turn,
-        "shift": -turn @ zero,
-        "back": back,
-        "zero": zero,
-        "wanted": wanted,
-        "period": math.tau / factors,
-        "per_turn": factors / math.tau,
-        "lower": lower if limits else np.full(6, -_NO_LIMIT),
-        "upper": upper if limits else np.full(6, _NO_LIMIT),
-        "slack": np.full(6, LIMIT_SLACK),
+        **axis_constants(query, back, zero, wanted, limits=limits),
     }
 
 

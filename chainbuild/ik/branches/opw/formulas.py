@@ -10,18 +10,27 @@ Slot 4·flip + 2·shoulder + elbow: flip 0 has θ5 ≥ 0, shoulder 0 the arm in 
 from __future__ import annotations
 
 import math
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from chainbuild.ik.branches.core.subproblems import ON_AXIS, TOUCH
+from chainbuild.ik.branches.vectors.axes import AXIS_ROWS
+from chainbuild.ik.branches.vectors.operands import (
+    Operand,
+    affine,
+    arctan2,
+    inside,
+    product,
+    root,
+    rows_of_axes,
+    sine_cosine,
+    six,
+    where,
+)
 
-BRANCHES: Final = 8  # shoulder, elbow and wrist have two ways each
 # Two branches whose angles differ by less than twice this are one [rad].
 SAME: Final = 5e-6
-
-# A number or an array of them, and tuples of these; a pose is twelve numbers, a 3×4 matrix row by row.
-Operand = Any
 
 # The rows of the array of constants (n, 6), by name.
 CONSTANTS: Final = (
@@ -31,65 +40,18 @@ CONSTANTS: Final = (
     "bend",  # angle of the forearm's line from its c3, its cosine, its sine; a2, c3
     "keep",  # cosine and sine of θ1 and θ4 at the start: values of an angle without effect
     "tip",  # tool on the sixth axis [m], squared tolerances [m², rad²]
-    "turn",  # (6, 6) axis values = turn·θ + shift, mm and degrees
-    "shift",
-    "back",  # (6, 6) θ = back·axes + zero
-    "zero",
-    "wanted",  # axis values at the start: whole turns end near to them
-    "period",  # a whole turn
-    "per_turn",  # its inverse
-    "lower",  # limits, large numbers where there are none
-    "upper",
-    "slack",  # how far beyond a limit rounding may be
+    *AXIS_ROWS,
 )
-
-
-def arctan2(y: Operand, x: Operand) -> Operand:
-    """Return the angle of (x, y)."""
-    return np.arctan2(y, x)
-
-
-def sine_cosine(angle: Operand) -> Operand:
-    """Return sine and cosine, through the tangent of half the angle: NumPy is quicker at one tangent than at both."""
-    t = np.tan(0.5 * angle)
-    share = 2.0 / (1.0 + t * t)
-    return t * share, share - 1.0
-
-
-def root(value: Operand) -> Operand:
-    """Return the square root."""
-    return np.sqrt(value)
-
-
-def where(condition: Operand, a: Operand, b: Operand) -> Operand:
-    """Return a where a condition holds, else b."""
-    return np.where(condition, a, b)
 
 
 def constant_rows(constants: Operand) -> Operand:
     """Return constants (n, 6) as tuples: separate variables are read once, not at every pose."""
-    return (
+    own = (
         six(constants, 0) + six(constants, 1),
         six(constants, 2) + six(constants, 3),
         (six(constants, 4), six(constants, 5), six(constants, 6), six(constants, 7)),
-        (
-            six(constants, 8), six(constants, 9), six(constants, 10), six(constants, 11), six(constants, 12),
-            six(constants, 13), six(constants, 14),
-        ),
-        (
-            six(constants, 15), six(constants, 16), six(constants, 17), six(constants, 18), six(constants, 19),
-            six(constants, 20), six(constants, 21),
-        ),
-        (
-            six(constants, 22), six(constants, 23), six(constants, 24), six(constants, 25), six(constants, 26),
-            six(constants, 27),
-        ),
-    )  # fmt: skip
-
-
-def six(c: Operand, row: int) -> Operand:
-    """Return a row as six numbers."""
-    return c[row, 0], c[row, 1], c[row, 2], c[row, 3], c[row, 4], c[row, 5]
+    )
+    return own + rows_of_axes(constants, 8)
 
 
 def all_branches(T: Operand, rows: Operand) -> Operand:
@@ -112,24 +74,6 @@ def upper_branches(T: Operand, rows: Operand) -> Operand:
     a, b = both_elbows(M, c1, s1, front, arm)
     c, d = both_elbows(M, c1_behind, s1_behind, behind, arm)
     return M, a, b, c, d
-
-
-def product(a: Operand, b: Operand) -> Operand:
-    """Return the product of two poses."""
-    return (
-        a[0] * b[0] + a[1] * b[4] + a[2] * b[8],
-        a[0] * b[1] + a[1] * b[5] + a[2] * b[9],
-        a[0] * b[2] + a[1] * b[6] + a[2] * b[10],
-        a[0] * b[3] + a[1] * b[7] + a[2] * b[11] + a[3],
-        a[4] * b[0] + a[5] * b[4] + a[6] * b[8],
-        a[4] * b[1] + a[5] * b[5] + a[6] * b[9],
-        a[4] * b[2] + a[5] * b[6] + a[6] * b[10],
-        a[4] * b[3] + a[5] * b[7] + a[6] * b[11] + a[7],
-        a[8] * b[0] + a[9] * b[4] + a[10] * b[8],
-        a[8] * b[1] + a[9] * b[5] + a[10] * b[9],
-        a[8] * b[2] + a[9] * b[6] + a[10] * b[10],
-        a[8] * b[3] + a[9] * b[7] + a[10] * b[11] + a[11],
-    )
 
 
 def shoulders(M: Operand, arm: Operand) -> Operand:
@@ -233,23 +177,6 @@ def finished(branch: Operand, straight: Operand, M: Operand, rows: Operand) -> O
         where(good, x0, none), where(good, x1, none), where(good, x2, none),
         where(good, x3, none), where(good, x4, none), where(good, x5, none),
     )  # fmt: skip
-
-
-def affine(x: Operand, rows: Operand) -> Operand:
-    """Return rows·x with the last row of constants added."""
-    matrix, last = np.array(rows[:6]), np.array(rows[6])
-    stacked = np.array(x[:6])
-    flat: Operand = matrix @ stacked.reshape(6, -1) + last[:, None]
-    return flat.reshape(stacked.shape)
-
-
-def inside(x: Operand, limits: Operand, n: int) -> Operand:
-    """Return an axis value moved by whole turns into its limits, near to the start, and whether it is inside."""
-    wanted, period, per_turn, lower, upper, slack = limits
-    near = x - period[n] * np.rint((x - wanted[n]) * per_turn[n])
-    low, high = lower[n] - slack[n], upper[n] + slack[n]
-    moved = near + where(near < low, period[n], 0.0) - where(near > high, period[n], 0.0)
-    return np.minimum(np.maximum(moved, lower[n]), upper[n]), (moved >= low) & (moved <= high)
 
 
 def confirmed(x: Operand, M: Operand, arm: Operand, backward: Operand) -> Operand:
