@@ -9,8 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from chainbuild.arrays import Matrices, Matrix, Vector
+from chainbuild.chain.assemble import rotary, shift
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
@@ -24,7 +26,7 @@ from chainbuild.ik.branches.planar.formulas import PLANAR_ROWS, arm_rows
 from chainbuild.ik.request import IkRequest
 from chainbuild.robot import Robot
 from tests.kit.parallel_arms import MADE, made_arm, pose_by_hand, random_parallel_arm, robot_of_screws, with_signs
-from tests.kit.robots import arm, ur5
+from tests.kit.robots import arm, robot_from, ur5
 
 LIMITS = ((-170, 190), (-200, 95), (-150, 155), (-360, 360), (-20, 300), (-350, 20))
 both_paths = pytest.mark.parametrize("compiled", [True, False])
@@ -149,13 +151,52 @@ def test_an_axis_on_its_limit_is_in_doubt(compiled: bool) -> None:
 def test_half_a_turn_from_the_middle_of_the_limits(compiled: bool) -> None:
     """180 and -180 degrees are the same place: the one that `ik_all` tells."""
     serial = made_arm("UR5")
+    others = np.random.default_rng(9).uniform(-90.0, 90.0, (12, 6))
     for middle in (0.0, 30.0, -30.0):
         robot = robot_of_screws(serial, [(middle - 360.0, middle + 360.0)] * 6)
-        values = np.array(
-            [[20.0, -70.0, 80.0, 30.0, 50.0, middle + 180.0], [middle - 180.0, -70.0, 80.0, 30.0, 50.0, 9.0]]
-        )
-        targets = np.array([pose_by_hand(serial, np.radians(row)) for row in values])
-        compare(robot, serial, targets, compiled)
+        for n in (0, 5):
+            values = others.copy()
+            values[:, n] = middle + 180.0
+            targets = np.array([pose_by_hand(serial, np.radians(row)) for row in values])
+            compare(robot, serial, targets, compiled)
+
+
+@both_paths
+@pytest.mark.parametrize("beside", [1e-9, 1e-8, 1e-4, -1e-9])
+def test_where_both_values_of_angle_1_nearly_meet(beside: float, compiled: bool) -> None:
+    """The wrist as far from axis 1 as the shoulder is offset from it, but for a share."""
+    serial = made_arm("UR5")
+    robot = robot_of_screws(serial, LIMITS)
+    _, targets = poses(serial, 12)
+    wrist = targets[:, :2, 3] - 0.0823 * targets[:, :2, 2]
+    away = np.linalg.norm(wrist, axis=1, keepdims=True)
+    targets[:, :2, 3] += wrist * (0.10915 * (1.0 + beside) / away - 1.0)
+    near = np.linalg.norm(targets[:, :2, 3] - 0.0823 * targets[:, :2, 2], axis=1)
+    np.testing.assert_allclose(near, 0.10915 * (1.0 + beside), rtol=1e-13)
+    _, doubtful = compare(robot, serial, targets, compiled)
+    assert doubtful == (0 if beside > 1e-5 else 12)
+
+
+@both_paths
+@pytest.mark.parametrize("wrist", ["over axis 1", "parallel to axis 1"])
+def test_where_angle_1_has_no_effect_but_for_rounding(wrist: str, compiled: bool) -> None:
+    """Every angle 1 is right: a whole curve of solutions, not none."""
+    over = wrist == "over axis 1"
+    robot = robot_from([
+        shift(z=100.0), rotary("A1", "z"), rotary("A2", "y"), shift(z=400.0), rotary("A3", "y"), shift(z=300.0),
+        rotary("A4", "y"), rotary("A5", "z"), shift(x=0.0 if over else 200.0, z=50.0),
+        rotary("A6", "y" if over else "z"), shift(z=77.0),
+    ])  # fmt: skip
+    rng, targets = np.random.default_rng(11), []
+    for row in rng.uniform(-150.0, 150.0, (12, 6)):
+        T = robot.fk(row).homogeneous
+        if over:  # where axes 5 and 6 meet
+            T[:2, 3] -= (T @ [0.0, 0.0, -0.077, 1.0])[:2]
+        else:
+            T[:3, :3] = Rotation.from_rotvec([0.0, 0.0, rng.uniform(-3.0, 3.0)]).as_matrix()
+        targets.append(T)
+    _, counts = quick(robot, np.array(targets), compiled=compiled)
+    assert (counts == -1).all()
 
 
 @both_paths

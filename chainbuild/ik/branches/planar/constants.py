@@ -86,16 +86,14 @@ def _measures(arm: ParallelArm) -> tuple[dict[str, object], Vector, Vector]:
     direction = (X4[1, 1] * X5[1, 1], -X4[2, 1] * X5[2, 1], 0.0)
     alone, both = (point, direction) if arm.alone == 0 else (direction, point)
     amplitude = math.hypot(both[1], both[2])
-    effect = EFFECT * arm.size**2
+    effect = EFFECT * (arm.size**2 if arm.alone == 0 else 1.0)
     measures: dict[str, object] = {
         "before": (inverse(before[0]) @ arm.before)[:3],
         "after": after[:3],
         "first": _turn_and_shift(X1),
         "fourth": _turn_and_shift(X4),
         "fifth": _turn_and_shift(X5),
-        "links": (
-            inner, outer, inner**2 + outer**2, 0.5 / (inner * outer), effect if arm.alone == 0 else EFFECT, effect
-        ),
+        "links": (inner, outer, inner**2 + outer**2, 0.5 / (inner * outer), effect, 0.0),
         "alone": (
             1.0 - arm.alone, alone[0], both[0], both[1] / amplitude, both[2] / amplitude, 1.0 / amplitude
         ),

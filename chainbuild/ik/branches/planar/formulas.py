@@ -32,7 +32,7 @@ from chainbuild.ik.branches.vectors.operands import (
 )
 
 CLEAR: Final = 1e-6  # squared sine: angles farther apart keep their digits, and no other branch is near
-EFFECT: Final = 1e-8  # squared share of the size of an arm or a direction: with less an angle loses digits
+EFFECT: Final = 1e-8  # squared share of the size of an arm or a direction: with less, angle 1 loses digits
 
 # The rows of the array of constants (n, 6), by name.
 PLANAR_ROWS: Final = (
@@ -41,7 +41,7 @@ PLANAR_ROWS: Final = (
     "first",  # X1: cosine and sine of its turn, its shift [m]
     "fourth",  # X4
     "fifth",  # X5
-    "links",  # a2, a3, the sum of their squares, half the inverse of their product; squares that angles 1 and 2 need
+    "links",  # a2, a3, the sum of their squares, half the inverse of their product, the square that angle 1 needs
     "alone",  # 1: the equation of the point has angle 1 alone, 0: that of the direction; numbers of both equations
     "kept",  # squared tolerances of branches [m², rad²], 1: an arm seen from the tool
     *AXIS_ROWS,
@@ -133,7 +133,7 @@ def links(M: Operand, c1: Operand, s1: Operand, c5: Operand, s5: Operand, doubt:
     # What angle 6 does to the height along the parallel axes.
     u, v = fourth[1] * s5, fourth[1] * c5 * fifth[0] + fourth[0] * fifth[1]
     square = u * u + v * v
-    share = 1.0 / square
+    share = 1.0 / square  # where it is 0, so is the sine of angle 5
     high_0 = first[1] * (M[0] * s1 - M[4] * c1) + first[0] * M[8]
     high_1 = first[1] * (M[1] * s1 - M[5] * c1) + first[0] * M[9]
     c6, s6 = (high_0 * u + high_1 * v) * share, (high_0 * v - high_1 * u) * share
@@ -153,11 +153,10 @@ def links(M: Operand, c1: Operand, s1: Operand, c5: Operand, s5: Operand, doubt:
         c1, s1, M[0] * u + M[1] * v + M[2] * w, M[4] * u + M[5] * v + M[6] * w, M[8] * u + M[9] * v + M[10] * w
     )
     turn = arctan2(first[0] * v + first[1] * w, cosine)
-    apart = x * x + y * y
-    bend = (apart - sizes[2]) * sizes[3]
+    bend = (x * x + y * y - sizes[2]) * sizes[3]
     left = 1.0 - bend * bend
     wide = root(where(left > 0.0, left, np.nan))
-    unclear = doubt | (square <= EFFECT) | (np.abs(left) <= CLEAR) | (apart <= sizes[5])
+    unclear = doubt | (np.abs(left) <= CLEAR)
     middle, ahead, third = arctan2(y, x), arctan2(sizes[1] * wide, sizes[0] + sizes[1] * bend), arctan2(wide, bend)
     one, five, six_ = arctan2(s1, c1), arctan2(s5, c5), arctan2(s6, c6)
     return (
