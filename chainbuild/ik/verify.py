@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from chainbuild.arrays import Vector
 from chainbuild.chain.elements import Task
 from chainbuild.kinematics.inputs import Pose
@@ -28,8 +26,8 @@ def on_limits(mechanism: Mechanism, target: Pose, axes: Vector, task: Task) -> t
     Returns:
         Axis values, distance [m], angle [rad]; None if no axis has to move, or the pose would not be met then.
     """
-    moved = mechanism.limits.onto(axes)
-    if np.array_equal(moved, axes):
+    if not mechanism.limits.is_beyond(axes):
         return None
+    moved = mechanism.limits.onto(axes)
     distance, angle = mechanism.kinematics.errors(moved * mechanism.kinematics.si_factors, target, task)
     return (moved, distance, angle) if is_met(task, distance, angle) else None

@@ -188,11 +188,11 @@ class Kinematics:
         return *self._missed(T, target, task), J
 
     def _missed(self, T: pin.SE3, target: pin.SE3, task: Task) -> tuple[float, float]:
-        distance = float(np.linalg.norm(T.translation - target.translation))
+        distance = math.dist(T.translation.tolist(), target.translation.tolist())
         if task == "pose":
-            return distance, float(np.linalg.norm(pin.log3(T.rotation.T @ target.rotation)))
+            return distance, math.hypot(*pin.log3(T.rotation.T @ target.rotation).tolist())
         direction = T.rotation.T @ target.rotation[:, self.tool_axis]
-        return distance, float(np.linalg.norm(tilt(direction, self.tool_axis)))
+        return distance, math.hypot(*tilt(direction, self.tool_axis).tolist())
 
 
 def tilt(direction: Vector, axis: int) -> Vector:

@@ -150,6 +150,11 @@ class Limits:
             inside[inside] = [not self.broken_drives(row) for row in rows[inside]]
         return inside
 
+    def is_beyond(self, values: Vector) -> bool:
+        """Return whether values (n_axes,) put an axis beyond its limit, be it by rounding."""
+        rows = zip(values.tolist(), self.lower.tolist(), self.upper.tolist(), strict=True)
+        return not all(low <= value <= high for value, low, high in rows)
+
     def onto(self, values: Vector) -> Vector:
         """Return values (n_axes,) with every axis beyond its limit moved onto it."""
         return np.minimum(np.maximum(values, self.lower), self.upper)

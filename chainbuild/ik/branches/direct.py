@@ -19,13 +19,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from chainbuild import tolerances
-from chainbuild.arrays import Vector
+from chainbuild.arrays import Matrix, Vector
 from chainbuild.errors import ChainbuildError
 from chainbuild.frames import transform
 from chainbuild.ik.branches.arms.orientation import Turns, for_direction, for_rotation
 from chainbuild.ik.branches.core.axis_values import axes_for
 from chainbuild.ik.branches.core.branches import Solutions, collect, verified
 from chainbuild.ik.branches.core.free_axis import with_free_axes_inside
+from chainbuild.ik.branches.core.plain import plain_cross, plain_dot, plain_length
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.result import IkResult
@@ -33,6 +34,7 @@ from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.kinematics.newton import below, newton, shrinking
 
 _LINEAR_STEPS: Final = 2  # the second one only corrects the last digits
+_SPAN: Final = 1e-3  # share of their product: slides that span less are moved by least squares
 _TURN_STEPS: Final = 40  # far more than a turn about one axis needs
 _MET: Final = below(1e-22)  # as good as a polished solution
 _DAMPING: Final = shrinking(1e-3, 1e-12)
@@ -140,8 +142,22 @@ def _with_linear_axes(query: BranchQuery, x: Vector) -> Vector | None:
         if not np.isfinite(error).all():
             return None
         # A rotary axis may have turned one slide into the plane of the others, but for rounding.
-        x[linear] += np.linalg.lstsq(J[:3, linear], error, rcond=tolerances.RANK)[0]
+        x[linear] += _moved_by(J[:3, linear], error)
+        if query.mechanism.kinematics.affine is not None:
+            break  # slides keep their directions
     return x
+
+
+def _moved_by(slides: Matrix, error: Vector) -> Vector:
+    """Return how far slides (3, 3) move to move the tip by a vector, the least where one lies in a plane of others."""
+    a, b, c = slides.T.tolist()
+    normal = plain_cross(b, c)
+    volume = plain_dot(a, normal)
+    if not abs(volume) > _SPAN * plain_length(a) * plain_length(b) * plain_length(c):
+        return np.asarray(np.linalg.lstsq(slides, error, rcond=tolerances.RANK)[0], dtype=float)
+    e = error.tolist()
+    along = plain_dot(e, normal), plain_dot(a, plain_cross(e, c)), plain_dot(a, plain_cross(b, e))
+    return np.array(along) / volume
 
 
 def _rotary_solutions(query: BranchQuery) -> Iterator[tuple[Turns, NDArray[np.intp]]]:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from chainbuild.arrays import Matrix, Vector
-from chainbuild.ik.branches.core.subproblems import norm, perpendicular_part, rotate, subproblem_1, subproblem_2
+from chainbuild.ik.branches.core.plain import plain_turned
+from chainbuild.ik.branches.core.subproblems import plain_turn, rotate, subproblem_1, subproblem_2
 
 
-@dataclass(frozen=True, slots=True)
-class Turns:
+class Turns(NamedTuple):
     """Angles of the rotary joints, in the order of the product, and which of them are free."""
 
     angles: tuple[float, ...]
@@ -61,18 +62,21 @@ def for_rotation(axes: Sequence[Vector], R: Matrix, keep: Sequence[float]) -> li
     else:
         pairs = subproblem_2(axes[0], axes[1], last, image, (keep[0], keep[1]))
         heads = [Turns((p.first, p.second), (p.first_free, p.second_free)) for p in pairs]
-    aside = perpendicular(last)
+    aside, plain = perpendicular(last), [axis.tolist() for axis in axes]
+    turned, start = (R @ aside).tolist(), aside.tolist()
     found = []
     for head in heads:
-        back = R @ aside
-        for w, angle in zip(axes[:-1], head.angles, strict=True):
-            back = rotate(w, -angle, back)
-        found.append(Turns((*head.angles, subproblem_1(last, aside, back, keep[-1]).angle), (*head.free, False)))
+        back = turned
+        for w, angle in zip(plain[:-1], head.angles, strict=True):
+            back = plain_turned(w, -angle, back)
+        found.append(Turns((*head.angles, plain_turn(plain[-1], start, back, keep[-1]).angle), (*head.free, False)))
     return found
 
 
 def perpendicular(axis: Vector) -> Vector:
     """Return a unit vector at right angles to an axis."""
-    helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    part = perpendicular_part(axis, helper)
-    return part / norm(part)
+    k = axis.tolist()
+    sizes = [abs(component) for component in k]
+    n = sizes.index(min(sizes))
+    part = [float(m == n) - k[n] * k[m] for m in range(3)]
+    return np.array(part) / math.hypot(*part)

@@ -15,10 +15,9 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.frames import inverse, transform
 from chainbuild.ik.branches.arms.orientation import perpendicular
 from chainbuild.ik.branches.arms.positioner import MEETING, meeting_point, parallel
+from chainbuild.ik.branches.core.plain import PlainVector
 from chainbuild.ik.branches.core.serial import Screw, Serial
 from chainbuild.ik.branches.core.subproblems import cross, norm, perpendicular_part
-
-PlainVector = tuple[float, float, float]
 
 _TRIALS: Final = 2  # sets of joint values at which the joints must move the tool in all six freedoms
 _SINGULAR: Final = 1e-9  # share of the largest singular value below which they do not

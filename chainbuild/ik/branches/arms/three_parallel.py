@@ -9,8 +9,6 @@ and the direction of axis 6, which E6 leaves alone, therefore give two equations
 Both are linear in the cosine and sine of angle 1 and in those of angle 5. Where axes 5 and 6 meet or are parallel, one
 of them has angle 1 alone: two values of it with two of angle 5 each; else they leave one unknown of degree four. Angle
 6 follows from what it does to h, and then the motion of the parallel axes is known: a planar arm of two links.
-
-All is computed on plain numbers: arrays of three cost more than what they hold.
 """
 
 from __future__ import annotations
@@ -24,7 +22,8 @@ import numpy as np
 from chainbuild.arrays import Matrix
 from chainbuild.frames import inverse
 from chainbuild.ik.branches.arms.angle_pairs import AnglePairs, Pair, angle_pairs
-from chainbuild.ik.branches.arms.parallel_axes import ParallelArm, PlainVector
+from chainbuild.ik.branches.arms.parallel_axes import ParallelArm
+from chainbuild.ik.branches.core.plain import PlainVector, plain_cross, plain_dot, plain_length, plain_turned
 from chainbuild.ik.branches.core.serial import Solution
 from chainbuild.ik.branches.core.subproblems import ON_AXIS, TOUCH, half_open
 
@@ -130,11 +129,12 @@ class ThreeParallelAxes:
         """Return the solutions with an angle 1, free or not, and an angle 5."""
         (first, fifth), (one, five, six) = pair, self.arm.axes
         up = (0.0, 0.0, 1.0)
-        seen = _turned_back(E, _rotated(one, first, up))
-        wanted = _rotated(five, -fifth, up)
-        across = _cross(seen, wanted)
-        last_free = max(_length(_cross(six, seen)), _length(_cross(six, wanted))) < _ROUNDING
-        lasts = [math.atan2(_dot(six, across), _dot(seen, wanted) - _dot(six, seen) * _dot(six, wanted))]
+        seen = _turned_back(E, plain_turned(one, first, up))
+        wanted = plain_turned(five, -fifth, up)
+        across = plain_cross(seen, wanted)
+        last_free = max(plain_length(plain_cross(six, seen)), plain_length(plain_cross(six, wanted))) < _ROUNDING
+        level = plain_dot(six, seen) * plain_dot(six, wanted)
+        lasts = [math.atan2(plain_dot(six, across), plain_dot(seen, wanted) - level)]
         if last_free:
             lasts = self._nearest_reach(E, first, fifth, keep[5])
         found: list[Solution] = []
@@ -152,8 +152,8 @@ class ThreeParallelAxes:
         on_one, on_five, on_six = self.arm.points
         place = _about(on_six, six, -last, _about(on_five, five, -fifth, self.arm.tip))
         x, y, _ = _about(on_one, one, -first, _moved(E, place))
-        aside = _rotated(six, -last, _rotated(five, -fifth, (1.0, 0.0, 0.0)))
-        cosine, sine, _ = _rotated(one, -first, _turned(E, aside))
+        aside = plain_turned(six, -last, plain_turned(five, -fifth, (1.0, 0.0, 0.0)))
+        cosine, sine, _ = plain_turned(one, -first, _turned(E, aside))
         return x, y, math.atan2(sine, cosine)
 
     def _links(self, x: float, y: float, keep: float) -> list[tuple[float, float, bool]]:
@@ -221,19 +221,12 @@ def _nearest_within(wave: Sinusoid, low: float, high: float, keep: float) -> flo
 
 def _heights(k: PlainVector, p: PlainVector) -> PlainVector:
     """Return a, b, c with a·cos t + b·sin t + c = z of p turned about k by t."""
-    along = _dot(k, p)
+    along = plain_dot(k, p)
     return p[2] - k[2] * along, k[0] * p[1] - k[1] * p[0], k[2] * along
 
 
-def _rotated(k: PlainVector, angle: float, p: PlainVector) -> PlainVector:
-    c, s = math.cos(angle), math.sin(angle)
-    x, y, z = _cross(k, p)
-    rest = (1.0 - c) * _dot(k, p)
-    return c * p[0] + s * x + rest * k[0], c * p[1] + s * y + rest * k[1], c * p[2] + s * z + rest * k[2]
-
-
 def _about(point: PlainVector, k: PlainVector, angle: float, p: PlainVector) -> PlainVector:
-    x, y, z = _rotated(k, angle, _difference(p, point))
+    x, y, z = plain_turned(k, angle, _difference(p, point))
     return x + point[0], y + point[1], z + point[2]
 
 
@@ -254,17 +247,5 @@ def _moved(E: list[list[float]], p: PlainVector) -> PlainVector:
     return x + E[0][3], y + E[1][3], z + E[2][3]
 
 
-def _dot(p: PlainVector, q: PlainVector) -> float:
-    return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
-
-
-def _cross(p: PlainVector, q: PlainVector) -> PlainVector:
-    return p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]
-
-
 def _difference(p: PlainVector, q: PlainVector) -> PlainVector:
     return p[0] - q[0], p[1] - q[1], p[2] - q[2]
-
-
-def _length(p: PlainVector) -> float:
-    return math.sqrt(_dot(p, p))

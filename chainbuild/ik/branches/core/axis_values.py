@@ -43,14 +43,36 @@ def axes_for(query: BranchQuery, joints: Indices, values: Vector, columns: Indic
     if not isinstance(axis_map, AffineMap):
         x = _through_nonlinear_map(query, joints, values, columns)
         return [] if x is None else list(turned_axes(query, x, columns))
+    return next(_through_affine_map(query, axis_map, joints, [values], columns))
+
+
+def axes_for_each(
+    query: BranchQuery, joints: Indices, rows: Sequence[Vector], columns: Indices
+) -> Iterator[list[Vector]]:
+    """Yield what `axes_for` returns, for each of some joint values."""
+    axis_map = query.mechanism.chain.axis_map
+    if len(columns) and isinstance(axis_map, AffineMap) and rows:
+        yield from _through_affine_map(query, axis_map, joints, rows, columns)
+        return
+    for values in rows:
+        yield axes_for(query, joints, values, columns)
+
+
+def _through_affine_map(
+    query: BranchQuery, axis_map: AffineMap, joints: Indices, rows: Sequence[Vector], columns: Indices
+) -> Iterator[list[Vector]]:
     block = block_of(query.mechanism, axis_map, joints, columns)
     if block is None:
-        return []
-    x = query.x0.copy()
-    x[columns] = block.inverse @ (values[block.rows] - block.from_others @ x[block.others] - block.b)
-    if block.turns_per_axis:
-        return list(turned_axes(query, x, columns))
-    return _turned_joints(query, x, block, joints[block.rows], columns)
+        yield from ([] for _ in rows)
+        return
+    constant = block.from_others @ query.x0[block.others] + block.b
+    found = np.tile(query.x0, (len(rows), 1))
+    found[:, columns] = (np.array(rows)[:, block.rows] - constant) @ block.inverse.T
+    for x in found:
+        if block.turns_per_axis:
+            yield list(turned_axes(query, x, columns))
+        else:
+            yield _turned_joints(query, x, block, joints[block.rows], columns)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -139,6 +161,9 @@ def turned_axes(query: BranchQuery, x: Vector, columns: Indices) -> Iterator[Vec
     Of axes with a common limit, a sum or a drive, the nearest that keeps it.
     """
     limits = query.mechanism.limits
+    if not (query.windings or query.below_zero or limits.together):
+        yield _nearest_turns(query, x, columns)
+        return
     choices, open_choices = [], False
     for n in columns:
         places = _whole_turns(query, float(x[n]), int(n)) if query.periodic[n] else [float(x[n])]
@@ -153,6 +178,27 @@ def turned_axes(query: BranchQuery, x: Vector, columns: Indices) -> Iterator[Vec
     yield next((one for one in nearest if not limits.breaks_together(query.shown(one))), nearest[0])
 
 
+def _nearest_turns(query: BranchQuery, x: Vector, columns: Indices) -> Vector:
+    """Return x with the whole turns of `_whole_turns` that are nearest to the start."""
+    values, start, periodic = x.tolist(), query.x0.tolist(), query.periodic.tolist()
+    lower, upper, slack = query.lower.tolist(), query.upper.tolist(), query.slack.tolist()
+    for n in columns.tolist():
+        if periodic[n]:
+            value, low, high = values[n], lower[n] - slack[n], upper[n] + slack[n]
+            away = _nudged(start[n]) - value
+            if not (lower[n] <= value <= upper[n] and abs(away) <= math.pi):  # most are there
+                first = -math.inf if math.isinf(low) else math.ceil((low - value) / math.tau)
+                last = math.inf if math.isinf(high) else math.floor((high - value) / math.tau)
+                if first <= last:
+                    values[n] = value + min(max(round(away / math.tau), first), last) * math.tau
+    return np.array(values)
+
+
+def _nudged(start: float) -> float:
+    """Return a start as it counts where two places are half a turn to either side."""
+    return start + math.copysign(rules.HALF_TURN_NUDGE, rules.HALF_TURN_TOWARDS - start)
+
+
 def _combined(x: Vector, columns: Indices, choices: Sequence[Sequence[float]]) -> Iterator[Vector]:
     for combination in itertools.islice(itertools.product(*choices), _MAX_TURNS):
         turned = x.copy()
@@ -162,8 +208,7 @@ def _combined(x: Vector, columns: Indices, choices: Sequence[Sequence[float]]) -
 
 def _whole_turns(query: BranchQuery, value: float, n: int) -> list[float]:
     """Return value + whole turns within the limits of axis n, nearest to the start first; else one outside them."""
-    lower, upper, wanted = float(query.lower[n]), float(query.upper[n]), float(query.x0[n])
-    wanted += math.copysign(rules.HALF_TURN_NUDGE, rules.HALF_TURN_TOWARDS - wanted)
+    lower, upper, wanted = float(query.lower[n]), float(query.upper[n]), _nudged(float(query.x0[n]))
     slack = float(query.slack[n])
     nearest = round((wanted - value) / math.tau)
     first = nearest - 1 if math.isinf(lower) else math.ceil((lower - slack - value) / math.tau)

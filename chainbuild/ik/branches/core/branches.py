@@ -224,15 +224,16 @@ def collect(query: BranchQuery, candidates: Iterable[Candidate]) -> Solutions:
     inside: list[tuple[float, VerifiedRow]] = []
     beyond: list[tuple[float, VerifiedRow, tuple[str, ...]]] = []
     factors = mechanism.kinematics.si_factors
-    known = np.empty((0, len(factors)))
+    known: list[list[float]] = []
     for x, free_axes in candidates:
         row = verified(query, x)
         if row is None or not (query.keeps is None or query.keeps(row.axes)):
             continue
         reached = row.axes * factors
-        if len(known) and _is_known(query, known - reached):
+        if _is_known(query, known, reached.tolist()):
             continue
-        row = row._replace(free_axes=free_axes)
+        if free_axes:
+            row = row._replace(free_axes=free_axes)
         out = mechanism.limits.violated(row.axes)
         if out:
             beyond.append((query.distance(reached), row, out))
@@ -241,7 +242,7 @@ def collect(query: BranchQuery, candidates: Iterable[Candidate]) -> Solutions:
         if moved is not None:
             row = row._replace(axes=moved[0], distance=moved[1], angle=moved[2])
         inside.append((query.distance(reached), row))
-        known = np.vstack((known, reached))
+        known.append(reached.tolist())
     inside.sort(key=lambda item: item[0])
     nearest = min(beyond, key=lambda item: item[0], default=None)
     outside = () if nearest is None or inside else nearest[2]
@@ -251,15 +252,22 @@ def collect(query: BranchQuery, candidates: Iterable[Candidate]) -> Solutions:
     return Solutions(branches, first, outside, np.array(jacobians) if inside else np.empty((0, 0, len(factors))))
 
 
-def _is_known(query: BranchQuery, motions: Matrix) -> bool:
-    """Return whether one of the motions to known branches (k, n_axes) is none, or whole turns if these do not count.
+def _is_known(query: BranchQuery, known: Sequence[Sequence[float]], reached: Sequence[float]) -> bool:
+    """Return whether SI axis values are those of a known branch, but for whole turns if these do not count.
 
     Half a turn from the start both ways are as near, and rounding decides: two solutions may have gone both.
     """
-    sizes = np.abs(motions)
-    if not query.windings and float(sizes.max()) > math.pi:
-        sizes = np.where(query.periodic, np.abs(np.remainder(motions + math.pi, math.tau) - math.pi), sizes)
-    return bool((sizes.max(axis=1) < SAME_BRANCH).any())
+    periodic = query.periodic.tolist()
+    for other in known:
+        for n, value in enumerate(reached):
+            way = abs(value - other[n])
+            if way > math.pi and periodic[n] and not query.windings:
+                way = abs(math.remainder(way, math.tau))
+            if not way < SAME_BRANCH:
+                break
+        else:
+            return True
+    return False
 
 
 def _as_arrays(rows: Sequence[VerifiedRow], mechanism: Mechanism) -> Branches:

@@ -58,9 +58,12 @@ def _nearly_singular(J: NDArray[np.float64]) -> NDArray[np.bool_]:
     finite: NDArray[np.bool_] = np.asarray(np.isfinite(J).reshape(count, -1).all(axis=1))
     if columns > rows:
         return finite
-    H = np.swapaxes(J, 1, 2) @ J
     try:  # quicker than singular values: the traces bound the largest one, and the smallest one by the inverse
-        squared = np.einsum("kii->k", H) * np.einsum("kii->k", np.linalg.inv(H))
+        if rows == columns:
+            squared = np.square(J).sum(axis=(1, 2)) * np.square(np.linalg.inv(J)).sum(axis=(1, 2))
+        else:
+            H = np.swapaxes(J, 1, 2) @ J
+            squared = np.einsum("kii->k", H) * np.einsum("kii->k", np.linalg.inv(H))
         if ((squared > 0.0) & (squared < _NEARLY**-2)).all():
             return np.zeros(count, dtype=bool)
     except np.linalg.LinAlgError:

@@ -15,7 +15,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from chainbuild.arrays import Vector
-from chainbuild.ik.branches.core.axis_values import axes_for
+from chainbuild.ik.branches.core.axis_values import axes_for_each
 from chainbuild.ik.branches.core.branches import Candidate, collect, verified
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import ArmSolver
@@ -39,8 +39,10 @@ def solutions_of(solver: ArmSolver) -> SolutionsOf:
         joints = np.array([screw.joint for screw in query.serial().screws], dtype=np.intp)
         keep = query.q0[joints].tolist()
         free_axes = query.structure.free
-        for values, free in solver(query.target.homogeneous, keep):
-            for x in axes_for(query, joints, values, free_axes):
+        found = solver(query.target.homogeneous, keep)
+        every = axes_for_each(query, joints, [values for values, _ in found], free_axes)
+        for (_, free), places in zip(found, every, strict=True):
+            for x in places:
                 yield x, query.undetermined_axes(joints, free, free_axes)
 
     return solve

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
@@ -90,4 +91,4 @@ class BranchQuery:
 
     def distance(self, x: Vector) -> float:
         """Return the distance to the start [m and rad alike]."""
-        return float(np.linalg.norm(x - self.x0))
+        return math.dist(x.tolist(), self.x0.tolist())

@@ -15,13 +15,20 @@ the fourth is known from the inverse kinematics of arms with parallel axes.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.arrays import Vector
+from chainbuild.ik.branches.core.plain import (
+    PlainVector,
+    across_axis,
+    plain_cross,
+    plain_dot,
+    plain_length,
+    plain_turned,
+)
 
 # A vector whose part across an axis is below this share of its length lies on the axis: its turn has no effect.
 ON_AXIS: Final = 1e-9
@@ -29,8 +36,7 @@ ON_AXIS: Final = 1e-9
 TOUCH: Final = 1e-9
 
 
-@dataclass(frozen=True, slots=True)
-class Turn:
+class Turn(NamedTuple):
     """A turn about one axis.
 
     Attributes:
@@ -44,8 +50,7 @@ class Turn:
     miss: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class TwoTurns:
+class TwoTurns(NamedTuple):
     """Turns about two axes, the first one outside."""
 
     first: float
@@ -66,25 +71,25 @@ def half_open(angle: float) -> float:
 
 def cross(a: Vector, b: Vector) -> Vector:
     """Return a × b; quicker than `np.cross` on single vectors."""
-    ax, ay, az = a
-    bx, by, bz = b
-    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+    ax, ay, az = a.tolist()
+    bx, by, bz = b.tolist()
+    return np.array((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx))
 
 
 def rotate(k: Vector, angle: float, p: Vector) -> Vector:
     """Return Rot(k, angle)·p by Rodrigues' formula."""
-    c, s = math.cos(angle), math.sin(angle)
-    result: Vector = c * p + s * cross(k, p) + (1.0 - c) * float(k @ p) * k
-    return result
+    return np.array(plain_turned(k.tolist(), angle, p.tolist()))
 
 
 def rotation(k: Vector, angle: float) -> NDArray[np.float64]:
     """Return the matrix Rot(k, angle)."""
-    x, y, z = k
+    x, y, z = k.tolist()
     c, s = math.cos(angle), math.sin(angle)
-    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    matrix: NDArray[np.float64] = c * np.eye(3) + s * skew + (1.0 - c) * np.outer(k, k)
-    return matrix
+    u, v, w = (1.0 - c) * x, (1.0 - c) * y, (1.0 - c) * z
+    sx, sy, sz = s * x, s * y, s * z
+    return np.array((
+        (c + u * x, u * y - sz, u * z + sy), (v * x + sz, c + v * y, v * z - sx), (w * x - sy, w * y + sx, c + w * z)
+    ))  # fmt: skip
 
 
 def norm(vector: Vector) -> float:
@@ -110,14 +115,17 @@ def subproblem_1(k: Vector, p: Vector, q: Vector, keep: float = 0.0) -> Turn:
         q: (3,) goal.
         keep: Angle to return where p or q lies on the axis.
     """
-    height_p, height_q = float(k @ p), float(k @ q)
-    across_p, across_q = p - height_p * k, q - height_q * k
-    radius_p, radius_q = norm(across_p), norm(across_q)
+    return plain_turn(k.tolist(), p.tolist(), q.tolist(), keep)
+
+
+def plain_turn(k: PlainVector, p: PlainVector, q: PlainVector, keep: float) -> Turn:
+    """Return the turn of `subproblem_1` by plain numbers."""
+    (height_p, across_p), (height_q, across_q) = across_axis(k, p), across_axis(k, q)
+    radius_p, radius_q = plain_length(across_p), plain_length(across_q)
     miss = math.hypot(height_p - height_q, radius_p - radius_q)
-    scale = max(norm(p), norm(q))
-    if min(radius_p, radius_q) <= ON_AXIS * scale:
+    if min(radius_p, radius_q) <= ON_AXIS * max(plain_length(p), plain_length(q)):
         return Turn(keep, True, miss)
-    return Turn(math.atan2(float(k @ cross(p, q)), float(across_p @ across_q)), False, miss)
+    return Turn(math.atan2(plain_dot(k, plain_cross(p, q)), plain_dot(across_p, across_q)), False, miss)
 
 
 def subproblem_2(
@@ -135,37 +143,43 @@ def subproblem_2(
     Returns:
         None, one (touching or singular) or two pairs.
     """
-    length = max(norm(p), norm(q))
-    if abs(norm(p) - norm(q)) > TOUCH * length:
+    one, two, start, end = k1.tolist(), k2.tolist(), p.tolist(), q.tolist()
+    size_p, size_q = plain_length(start), plain_length(end)
+    length = max(size_p, size_q)
+    if abs(size_p - size_q) > TOUCH * length:
         return ()
-    if norm(cross(k1, k2)) <= ON_AXIS:
-        return _parallel_axes(k1, k2, p, q, keep)
-    if norm(cross(k2, p)) <= ON_AXIS * length:
-        turn = subproblem_1(k1, p, q, keep[0])
+    if plain_length(plain_cross(one, two)) <= ON_AXIS:
+        return _parallel_axes(one, two, start, end, keep)
+    if plain_length(plain_cross(two, start)) <= ON_AXIS * length:
+        turn = plain_turn(one, start, end, keep[0])
         return (TwoTurns(turn.angle, keep[1], turn.free, True),) if turn.miss <= TOUCH * length else ()
-    if norm(cross(k1, q)) <= ON_AXIS * length:
-        turn = subproblem_1(k2, p, q, keep[1])
+    if plain_length(plain_cross(one, end)) <= ON_AXIS * length:
+        turn = plain_turn(two, start, end, keep[1])
         return (TwoTurns(keep[0], turn.angle, True, turn.free),) if turn.miss <= TOUCH * length else ()
-    return _crossing_axes(k1, k2, p, q)
+    return _crossing_axes(one, two, start, end)
 
 
-def _parallel_axes(k1: Vector, k2: Vector, p: Vector, q: Vector, keep: tuple[float, float]) -> tuple[TwoTurns, ...]:
+def _parallel_axes(
+    k1: PlainVector, k2: PlainVector, p: PlainVector, q: PlainVector, keep: tuple[float, float]
+) -> tuple[TwoTurns, ...]:
     """Return the pair for (anti)parallel axes: only the sum of the turns counts, the inner one is kept."""
-    turn = subproblem_1(k1, rotate(k2, keep[1], p), q, keep[0])
-    if turn.miss > TOUCH * norm(q):
+    turn = plain_turn(k1, plain_turned(k2, keep[1], p), q, keep[0])
+    if turn.miss > TOUCH * plain_length(q):
         return ()
     return (TwoTurns(turn.angle, keep[1], turn.free, True),)
 
 
-def _crossing_axes(k1: Vector, k2: Vector, p: Vector, q: Vector) -> tuple[TwoTurns, ...]:
+def _crossing_axes(k1: PlainVector, k2: PlainVector, p: PlainVector, q: PlainVector) -> tuple[TwoTurns, ...]:
     """Return the pairs by the outer axis' pole: turns about k1 keep the distance from it, so θ2 alone must reach it.
 
     The pole nearer to q is taken: close to it a distance keeps the digits that a height along k1 loses.
     """
-    pole = math.copysign(norm(q), float(k1 @ q)) * k1
+    far = math.copysign(plain_length(q), plain_dot(k1, q))
+    pole = (far * k1[0], far * k1[1], far * k1[2])
+    between = plain_length((q[0] - pole[0], q[1] - pole[1], q[2] - pole[2]))
     return tuple(
-        TwoTurns(subproblem_1(k1, rotate(k2, inner.angle, p), q).angle, inner.angle)
-        for inner in subproblem_3(k2, p, pole, norm(q - pole))
+        TwoTurns(plain_turn(k1, plain_turned(k2, inner.angle, p), q, 0.0).angle, inner.angle)
+        for inner in _to_distance(k2, p, pole, between, 0.0)
     )
 
 
@@ -179,15 +193,18 @@ def subproblem_3(k: Vector, p: Vector, q: Vector, distance: float, keep: float =
         distance: What |q − Rot(k, θ)·p| shall be.
         keep: Angle to return where it is free.
     """
-    height_p, height_q = float(k @ p), float(k @ q)
-    across_p, across_q = p - height_p * k, q - height_q * k
-    radius_p, radius_q = norm(across_p), norm(across_q)
-    scale = max(norm(p), norm(q), distance)
+    return _to_distance(k.tolist(), p.tolist(), q.tolist(), distance, keep)
+
+
+def _to_distance(k: PlainVector, p: PlainVector, q: PlainVector, distance: float, keep: float) -> tuple[Turn, ...]:
+    (height_p, across_p), (height_q, across_q) = across_axis(k, p), across_axis(k, q)
+    radius_p, radius_q = plain_length(across_p), plain_length(across_q)
+    scale = max(plain_length(p), plain_length(q), distance)
     flat = distance * distance - (height_p - height_q) ** 2
     if min(radius_p, radius_q) <= ON_AXIS * scale:
         reached = math.hypot(height_p - height_q, radius_p - radius_q)
         return (Turn(keep, True),) if abs(reached - distance) <= TOUCH * scale else ()
-    middle = math.atan2(float(k @ cross(p, q)), float(across_p @ across_q))
+    middle = math.atan2(plain_dot(k, plain_cross(p, q)), plain_dot(across_p, across_q))
     # By half angles, which are exact near both ends of the range.
     product = 4.0 * radius_p * radius_q
     return _either_side(
@@ -205,13 +222,12 @@ def subproblem_4(k: Vector, p: Vector, h: Vector, d: float, keep: float = 0.0) -
         d: Height.
         keep: Angle to return where it is free.
     """
-    along = float(k @ p)
-    across = p - along * k
-    in_phase, quadrature = float(h @ across), float(h @ cross(k, p))
-    amplitude = math.hypot(in_phase, quadrature)
-    rest = d - float(h @ k) * along
-    if amplitude <= ON_AXIS * max(norm(p), abs(d)):
-        return (Turn(keep, True),) if abs(rest) <= TOUCH * max(norm(p), abs(d)) else ()
+    axis, start, up = k.tolist(), p.tolist(), h.tolist()
+    along, across = across_axis(axis, start)
+    in_phase, quadrature = plain_dot(up, across), plain_dot(up, plain_cross(axis, start))
+    amplitude, rest, size = math.hypot(in_phase, quadrature), d - plain_dot(up, axis) * along, plain_length(start)
+    if amplitude <= ON_AXIS * max(size, abs(d)):
+        return (Turn(keep, True),) if abs(rest) <= TOUCH * max(size, abs(d)) else ()
     cosine = rest / amplitude
     return _either_side(math.atan2(quadrature, in_phase), (1.0 - cosine) / 2.0, (1.0 + cosine) / 2.0)
 
