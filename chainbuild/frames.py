@@ -87,9 +87,12 @@ def unit(direction: ArrayLike) -> Matrix:
     return vector / norm
 
 
+_IDENTITY: Final = np.eye(4)  # copied in a quarter of the time that making it takes
+
+
 def transform(rotation: ArrayLike | None = None, position: ArrayLike = (0.0, 0.0, 0.0)) -> Matrix:
     """Return the 4×4 transform of a rotation (3×3, default 1) and a position (3)."""
-    result = np.eye(4)
+    result = _IDENTITY.copy()
     if rotation is not None:
         result[:3, :3] = rotation
     result[:3, 3] = position

@@ -74,6 +74,14 @@ class Screw:
         return moved
 
 
+def seen_from(screws: Sequence[Screw], values: Sequence[float], R: Matrix) -> Matrix:
+    """Return a rotation (3, 3) as seen from behind screws."""
+    for screw, value in zip(screws, values, strict=True):
+        if screw.kind == "revolute":
+            R = rotation(screw.direction, -value) @ R
+    return R
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Serial:
     """Screws from the workpiece to the tool, and the pose at their zero.

@@ -80,13 +80,13 @@ class Eliminant:
         """
         readings: list[tuple[float, _Triple]] = []
         settled, hidden = True, self._hidden_values(near)
-        for h in hidden:
-            powers = (1.0, h, h * h)
-            matrix = np.asarray(sum(power * block for power, block in zip(powers, self.blocks, strict=True)))
-            value = _joint_value(h, self.kinds[0], near)
-            if value is None:
-                continue
-            pairs, apart = _kernel_pairs(_multiplied(matrix, once=False))
+        values = {h: value for h in hidden if (value := _joint_value(h, self.kinds[0], near)) is not None}
+        powers = np.array([(1.0, h, h * h) for h in values]).reshape(-1, 3)
+        matrices = np.tensordot(powers, self.blocks, 1)
+        whole = np.array([_multiplied(matrix, once=False) for matrix in matrices]).reshape(-1, 24, 16)
+        _, every_size, every_row = np.linalg.svd(whole, full_matrices=False)
+        for value, matrix, sizes, rows in zip(values.values(), matrices, every_size, every_row, strict=True):
+            pairs, apart = _kernel_pairs(sizes, rows)
             settled = settled and apart
             for x, y in pairs:
                 first, second = _joint_value(x, self.kinds[1], near), _joint_value(y, self.kinds[2], near)
@@ -157,9 +157,13 @@ def _multiplied(block: Complex, *, once: bool) -> Complex:
     return np.concatenate(rows)
 
 
-def _kernel_pairs(matrix: Complex) -> tuple[list[tuple[complex, complex]], bool]:
-    """Return the pairs (x, y) whose products lie in the kernel of a matrix (24, 16), and whether it holds no others."""
-    _, sizes, rows = np.linalg.svd(matrix)
+def _kernel_pairs(sizes: Vector, rows: Complex) -> tuple[list[tuple[complex, complex]], bool]:
+    """Return the pairs (x, y) whose products lie in the kernel of a matrix (24, 16), and whether it holds no others.
+
+    Args:
+        sizes: (16,) singular values of the matrix,
+        rows: (16, 16) and right singular vectors.
+    """
     counts = {min(max(int((sizes < share * sizes[0]).sum()), 1), _MAX_NULLITY) for share in _KERNELS}
     readings = [_pairs_of(rows, count) for count in sorted(counts)]
     return [pair for pairs, _ in readings for pair in pairs], all(apart for _, apart in readings)
@@ -170,6 +174,12 @@ def _pairs_of(rows: Complex, count: int) -> tuple[list[tuple[complex, complex]],
     kernel = rows[-count:].conj().T.reshape(4, 4, count)
     low = kernel[:3, :3].reshape(9, count)
     shifted = np.concatenate([kernel[1:, :3].reshape(9, count), kernel[:3, 1:].reshape(9, count)], axis=1)
+    if count == 1:  # most are
+        column = low[:, 0].conj()
+        square = float(np.vdot(low, low).real)
+        if square > 0.0:
+            x, y = (column @ shifted / square).tolist()
+            return [(x, y)], True
     times, _, _, sizes = np.linalg.lstsq(low, shifted, rcond=_AT_INFINITY)
     times_x, times_y = times[:, :count], times[:, count:]
     _, vectors = np.linalg.eig(times_x + _MIX * times_y)

@@ -74,6 +74,8 @@ class Elimination:
         self.screws = [Screw(s.kind, s.direction, (s.point - self.centre) / self.size, s.joint) for s in serial.screws]
         self.parts = [coefficients(screw) for screw in self.screws]
         self.turns = np.array([screw.kind == "revolute" for screw in self.screws])
+        across = [np.cross(screw.direction, np.eye(3)).T for screw in self.screws]  # K·v is direction × v
+        self._turning = [(K, K @ K) for K in across]
         self.serial, self.back = serial, inverse(serial.M)
         self.openings = self._openings()
 
@@ -214,9 +216,12 @@ class Elimination:
                 T[:, :3, 3] += values[:, n, None] * k
                 continue
             point = T[:, :3, :3] @ screw.point + T[:, :3, 3]
-            J[:, :3, n], J[:, 3:, n] = np.cross(point, k), k
-            K = np.cross(screw.direction, np.eye(3)).T  # K·v is direction × v
-            turn = np.sin(values[:, n, None, None]) * K + (1.0 - np.cos(values[:, n, None, None])) * (K @ K)
+            J[:, 0, n] = point[:, 1] * k[:, 2] - point[:, 2] * k[:, 1]
+            J[:, 1, n] = point[:, 2] * k[:, 0] - point[:, 0] * k[:, 2]
+            J[:, 2, n] = point[:, 0] * k[:, 1] - point[:, 1] * k[:, 0]
+            J[:, 3:, n] = k
+            K, K_squared = self._turning[n]
+            turn = np.sin(values[:, n, None, None]) * K + (1.0 - np.cos(values[:, n, None, None])) * K_squared
             T[:, :3, :3] += T[:, :3, :3] @ turn
             T[:, :3, 3] = point - T[:, :3, :3] @ screw.point
         return T, J
@@ -283,7 +288,9 @@ def _values(
         inner = [0.0, 0.0, 0.0]
         for place, value in zip(inner_order(hidden), solution, strict=True):
             inner[place] = value
-        found += [np.roll(np.array(values), first) for values in closed(loop, (inner[0], inner[1], inner[2]), G, off)]
+        every = closed(loop, (inner[0], inner[1], inner[2]), G, off)
+        # In the order of the chain.
+        found += [np.array(values[JOINTS - first :] + values[: JOINTS - first]) for values in every]
     return found
 
 

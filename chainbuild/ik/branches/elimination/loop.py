@@ -17,9 +17,9 @@ from chainbuild.arrays import Complex, Matrix, Vector
 from chainbuild.ik.branches.arms.orientation import perpendicular
 from chainbuild.ik.branches.arms.positioner import parallel
 from chainbuild.ik.branches.arms.two_joints import JointPair, reach_by_two
-from chainbuild.ik.branches.core.serial import Screw, transformed_point
+from chainbuild.ik.branches.core.serial import Screw, seen_from, transformed_point
 from chainbuild.ik.branches.core.subproblems import rotate, subproblem_1, subproblem_2
-from chainbuild.ik.branches.elimination.conformal import ONE, SIZE, backwards, motion
+from chainbuild.ik.branches.elimination.conformal import ONE, SIZE, arrow, backwards
 from chainbuild.ik.branches.elimination.eliminant import Eliminant
 
 _EQUATIONS: Final = np.array([n for n in range(SIZE) if n != ONE])
@@ -120,14 +120,12 @@ def closed(loop: OpenedLoop, inner: tuple[float, float, float], G: Matrix, off: 
         G: (4, 4) what the loop closes to.
         off: By how much these values may be off, so that the arrow misses its goal.
     """
-    middle = np.eye(4)
-    for screw, value in zip(loop.row[2:5], inner, strict=True):
-        middle = middle @ screw.T(value)
-    last = loop.row[5]
+    three, four, five = (screw.T(value) for screw, value in zip(loop.row[2:5], inner, strict=True))
+    middle, (one, two, *_, last) = three @ four @ five, loop.row
     aside = perpendicular(last.direction)
     found = []
     for first, second in _outer_pairs(loop, middle, G, off):
-        R = (loop.row[0].T(first) @ loop.row[1].T(second) @ middle)[:3, :3].T @ G[:3, :3]
+        R = middle[:3, :3].T @ seen_from((one, two), (first, second), G[:3, :3])
         found.append([first, second, *inner, subproblem_1(last.direction, aside, R @ aside).angle])
     return found
 
@@ -135,7 +133,9 @@ def closed(loop: OpenedLoop, inner: tuple[float, float, float], G: Matrix, off: 
 def _outer_pairs(loop: OpenedLoop, middle: Matrix, G: Matrix, off: float) -> list[JointPair]:
     """Return the values of joints 1 and 2 that bring the arrow behind them to its goal."""
     right = loop.right_side
-    solved = right.solved @ ((motion(middle) @ loop.end)[_EQUATIONS] - right.constant)
+    last = loop.row[5]
+    moved = arrow(transformed_point(middle, last.point), middle[:3, :3] @ last.direction)
+    solved = right.solved @ (moved[_EQUATIONS] - right.constant)
     constant = _constant(loop.row[1]) * 3 + _constant(loop.row[0])
     table = np.concatenate([solved[:constant], [1.0], solved[constant:]]).reshape(3, 3)
     second = _value(loop.row[1], table[:2].ravel(), table[1:].ravel())
