@@ -161,7 +161,7 @@ def answer(request: IkRequest, solver: str, searched: IkResult | None = None) ->
     found = search(request) if searched is None else searched
     if found.success or solver == "damped" or certainly_unreachable(request):
         return found
-    other = _complete_answer(request)
+    other = _complete_answer(request, explained=False)
     return other if other is not None and other.success else found
 
 
@@ -171,7 +171,7 @@ def keeping_sums(request: IkRequest, found: IkResult, solver: str) -> IkResult:
     broken = limits.joint_violations(found.axes) if found.success and (limits.sums or limits.curved) else ()
     if not broken:
         return found
-    other = _complete_answer(request) if solver == "auto" else None
+    other = _complete_answer(request, explained=False) if solver == "auto" else None
     if other is not None and other.success:
         return other
     reason = f"reached only outside the limits of {', '.join(text for _, text in broken)}"
@@ -193,11 +193,11 @@ def checked(request: IkRequest, found: IkResult) -> IkResult:
     return replace(found, axes=axes, position_error=distance, rotation_error=angle)
 
 
-def _complete_answer(request: IkRequest) -> IkResult | None:
-    """Return the branch nearest to the start by the plan's closed form, or a failure; None: the plan only searches."""
+def _complete_answer(request: IkRequest, *, explained: bool = True) -> IkResult | None:
+    """Return the branch nearest to the start by the plan's closed form, or a failure; see `every.nearest_branch`."""
     from chainbuild.ik.branches.every import nearest_branch
 
-    return nearest_branch(request)
+    return nearest_branch(request, explained=explained)
 
 
 def _closed_form(request: IkRequest) -> IkResult:

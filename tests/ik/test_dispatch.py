@@ -11,6 +11,7 @@ from chainbuild.chain.elements import ControllerSolver
 from chainbuild.chain.sums import AxisSum
 from chainbuild.errors import ChainbuildError
 from chainbuild.ik import solve as dispatch
+from chainbuild.ik.branches import every
 from chainbuild.ik.result import IkResult
 from chainbuild.robot import Robot
 from tests.kit.robots import arm
@@ -52,6 +53,25 @@ def test_auto_asks_the_closed_form_where_damping_finds_nothing(monkeypatch: pyte
     far = robot.fk(AXES)
     far.translation = np.array([9.0, 0.0, 0.0])
     assert robot.ik(far, AXES).reason == "gave up"
+
+
+def test_outside_the_limits_nothing_is_computed_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Compiled code is sure that no branch is inside: the plain closed form would add nothing to the search."""
+    pytest.importorskip("numba")
+    robot = arm()
+    outside = robot.fk(AXES + np.array([0.0, 0.0, 0.0, 0.0, 95.0, 0.0]))  # both ways of the wrist are beyond A5
+    assert len(robot.ik_all(outside)) == 0
+    damped = robot.ik(outside, AXES, solver="damped")
+    assert robot.ik(outside, AXES, solver="analytic").status == "limits"  # which says why
+
+    def refused(*_: object) -> object:
+        raise AssertionError("the plain closed form was asked")
+
+    monkeypatch.setattr(every, "every_branch", refused)
+    found = robot.ik(outside, AXES)
+    assert (found.status, found.reason) == (damped.status, damped.reason)
+    with pytest.raises(AssertionError, match="plain closed form"):
+        robot.ik(outside, AXES, solver="analytic")
 
 
 def test_every_branch_through_the_robot() -> None:

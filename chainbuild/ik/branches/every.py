@@ -93,11 +93,16 @@ def _every_solution(query: BranchQuery, plan: SolverPlan, known: Doubtful | None
     return found
 
 
-def nearest_branch(request: IkRequest) -> IkResult | None:
-    """Return the branch nearest to the start, or a failure; None if the plan only searches."""
+def nearest_branch(request: IkRequest, *, explained: bool = True) -> IkResult | None:
+    """Return the branch nearest to the start, or a failure; None if the plan only searches.
+
+    Args:
+        request: The request.
+        explained: False: None as well where compiled code is sure that there is no branch; to say why takes longer.
+    """
     quick = quick_branches(request.mechanism, request.target, request.start, request.held)
-    if isinstance(quick, Branches) and len(quick):
-        return quick[0]
+    if isinstance(quick, Branches) and (len(quick) or not explained):
+        return quick[0] if len(quick) else None
     query = BranchQuery.of(request)
     if not plan_for(query).complete:
         return None
