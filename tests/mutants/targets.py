@@ -48,6 +48,11 @@ DISPLAYED = (
 )
 URDF = (*_tests("formats", "urdf_in", "urdf_joints", "urdf_links", "urdf_overlay"), *_tests("chain", "compose_masses"))
 STATUS = _tests("ik/branches", "status_filter", "status_turn")
+# Compiled code does not see a mutant of what it was compiled from.
+PLANAR = (*_tests("ik/branches", "planar"), "-k", "numpy or measures")
+ORTHO_PARALLEL = (*_tests("ik/branches", "batch"), "-k", "numpy or lengths")
+SUBPROBLEMS = _tests("ik/branches", "subproblems", "three_parallel")
+THREE_PARALLEL = _tests("ik/branches", "three_parallel")
 PROGRAMMED = (*_tests("chain", "vectors_by_hand", "vectors"), *_tests("ik/policies", "programmed"), *STATUS)
 
 
@@ -86,7 +91,12 @@ def _beside_the_translators(package: Path) -> dict[Path, tuple[str, ...]]:
         package / "formats" / f"{name}.py" for name in ("urdf/robot", "urdf/joints", "urdf/tree", "overlay_sums")
     ]
     files |= dict.fromkeys([*formats, chain / "bodies" / "inertia.py"], URDF)
-    files[package / "ik" / "branches" / "status_turn.py"] = STATUS
+    branches = package / "ik" / "branches"
+    files[branches / "status_turn.py"] = STATUS
+    files |= dict.fromkeys([branches / "planar" / f"{name}.py" for name in ("formulas", "constants")], PLANAR)
+    files[branches / "opw" / "formulas.py"] = ORTHO_PARALLEL
+    files |= dict.fromkeys([branches / "core" / f"{name}.py" for name in ("plain", "subproblems")], SUBPROBLEMS)
+    files[branches / "arms" / "three_parallel.py"] = THREE_PARALLEL
     displayed = [kinematics / "displayed.py", package / "ik" / "displayed.py", package / "ik" / "rtcp.py"]
     displayed += [chain / "programmed" / "display.py", twincat / "types" / "displays.py"]
     return files | dict.fromkeys(displayed, DISPLAYED)

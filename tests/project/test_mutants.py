@@ -31,7 +31,8 @@ def test_every_room_that_signs_pass_through_is_mutated() -> None:
     twincat = {f"formats/twincat/{room}" for room in ("families", "maps", "recipes", "coupling", "types", "universal")}
     robx = {"formats/sinumerik/geometry", "formats/sinumerik/rules"}
     chain = {"chain", "chain/bodies", "chain/programmed", "coupling", "kinematics", "ik", "ik/branches"}
-    assert rooms == {*twincat, *robx, *chain, "formats/twincat", "formats/urdf", "formats"}
+    closed = {f"ik/branches/{room}" for room in ("planar", "opw", "core", "arms")}
+    assert rooms == {*twincat, *robx, *chain, *closed, "formats/twincat", "formats/urdf", "formats"}
 
 
 def test_the_types_of_a_family_are_read_from_its_file() -> None:

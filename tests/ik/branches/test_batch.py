@@ -34,7 +34,7 @@ from tests.kit.kin_robots import poses
 from tests.kit.robots import arm, table_machine
 
 MACHINES = ("arm", "kr6r900", "tx2_60", "irb2600", "parallelogram_nr")
-both_paths = pytest.mark.parametrize("compiled", [True, False])
+both_paths = pytest.mark.parametrize("compiled", [True, False], ids=["compiled", "numpy"])
 
 
 def machine(name: str) -> Robot:

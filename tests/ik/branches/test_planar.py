@@ -29,7 +29,7 @@ from tests.kit.parallel_arms import MADE, made_arm, pose_by_hand, random_paralle
 from tests.kit.robots import arm, robot_from, ur5
 
 LIMITS = ((-170, 190), (-200, 95), (-150, 155), (-360, 360), (-20, 300), (-350, 20))
-both_paths = pytest.mark.parametrize("compiled", [True, False])
+both_paths = pytest.mark.parametrize("compiled", [True, False], ids=["compiled", "numpy"])
 
 
 def poses(serial: Serial, count: int, seed: int = 5) -> tuple[Matrix, Matrices]:
