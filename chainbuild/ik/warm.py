@@ -33,6 +33,7 @@ _BENT_DEG: Final = 20.0  # of every axis: inside the limits of all, far from sin
 _X, _Y, _Z = np.eye(3).tolist()
 _THREE_PARALLEL: Final = (_Z, _Y, _Y, _Y, _Z, _Y)
 _ANYHOW: Final = (_Z, _Y, [0.6, 0.0, 0.8], _X, [0.0, 0.6, 0.8], _Y)
+_WITH_STATUS: Final = "kr6r900_2"  # KIN_TYP 45: the control numbers its branches
 _MANY: Final = 512  # repetitions: enough poses for the entry point of large batches
 _MACHINE: Final = "ac_table_kin58"  # of RTCP: its linear axes are solved alone
 
@@ -67,6 +68,7 @@ def warm_up(*, progress: Progress = False) -> Mapping[str, float]:
         "all branches of many poses: three parallel axes": partial(
             ik_all_batch, others[0], others[0].fk_batch(start[None])
         ),
+        "status and turn": _branches_of(Mechanism(load(_WITH_STATUS).chain())),
         "all branches of a singular pose": partial(_settle_ahead, others[-1]),
         "linear axes of many positions": partial(linear_axes_batch, machine, np.zeros((1, 3)), zeros),
     }

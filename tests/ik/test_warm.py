@@ -30,7 +30,7 @@ def test_every_entry_point_is_called(run: Run, monkeypatch: pytest.MonkeyPatch) 
         return call
 
     names = {"search_one", "search_many", "track_many", "write_branches", "write_planar_branches"}
-    names |= {"write_linear_axes", "finish_poses", "beside_pose", "nearest_places"}
+    names |= {"write_linear_axes", "finish_poses", "beside_pose", "nearest_places", "status_rows"}
     for module in (entries, opw, planar, slides, branches):
         for name in names:
             if (entry := getattr(module, name, None)) is not None:
@@ -39,7 +39,7 @@ def test_every_entry_point_is_called(run: Run, monkeypatch: pytest.MonkeyPatch) 
     assert outcome.code == 0
     assert set(called) == names
     seconds = json.loads(outcome.out)["seconds"]
-    assert len(seconds) == 11
+    assert len(seconds) == 12
     assert all(value > 0.0 for value in seconds.values())
 
 

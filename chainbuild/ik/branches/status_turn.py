@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from chainbuild import tolerances
-from chainbuild.arrays import Integers, Matrix
+from chainbuild.arrays import Integers, Matrix, Vector
 from chainbuild.chain.axismap import AffineMap, joint_values
 from chainbuild.chain.elements import Joint
 from chainbuild.chain.poses import link_placements
@@ -84,6 +84,16 @@ def status_turn_bits(mechanism: Mechanism, values: Matrix) -> Integers:
     found[:, 0] = (_margins(mechanism, values) > _SET_ABOVE).dot(_BITS)
     found[:, 1] = (values < -tolerances.BELOW_ZERO_DEG).dot(1 << np.arange(values.shape[1]))
     return found
+
+
+def status_constants(mechanism: Mechanism) -> Vector | None:
+    """Return what compiled code takes to name status and turn, see `compiled.status`; None where it does not."""
+    axis_map = mechanism.chain.axis_map
+    if not has_status(mechanism) or not isinstance(axis_map, AffineMap):
+        return None
+    arm = mechanism.prepared("status", lambda: _Arm.of(mechanism))
+    angles = np.column_stack([axis_map.A * axis_map.si_factors, axis_map.b])[arm.places]
+    return np.concatenate([angles.ravel(), arm.coefficients.ravel(), [arm.shoulder_x]])
 
 
 def status_and_decided(mechanism: Mechanism, values: Matrix) -> tuple[Integers, Integers]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import tracemalloc
 from dataclasses import replace
@@ -9,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import py_opw_kinematics
 import pytest
-from scipy.spatial.transform import RigidTransform
+from scipy.spatial.transform import RigidTransform, Rotation
 
 import chainbuild
 from chainbuild.chain.sums import AxisConstraint, AxisSum
@@ -25,7 +26,7 @@ from chainbuild.ik.branches.opw import (
 from chainbuild.ik.branches.opw import (
     constants as opw_constants,
 )
-from chainbuild.ik.branches.opw.formulas import CONSTANTS
+from chainbuild.ik.branches.opw.formulas import CONSTANTS, confirmed, constant_rows
 from chainbuild.ik.branches.opw.parameters import opw_arm
 from chainbuild.ik.branches.vectors import operands
 from chainbuild.ik.request import IkRequest
@@ -200,6 +201,36 @@ def test_what_forward_kinematics_does_not_confirm_is_left_out(monkeypatch: pytes
             found = ik_all_batch(robot, targets, limits=False, compiled=compiled)
             assert np.isfinite(found).sum() == count
         monkeypatch.undo()
+
+
+def test_every_part_of_a_pose_is_confirmed() -> None:
+    """A pose that is turned about the TCP, or moved, by more than the tolerance is not the one that was meant."""
+    robot = arm()
+    known = opw_constants.opw_constants(robot, limits=True)
+    assert known is not None
+    base, flange, measures, _, backward, _ = constant_rows(known)
+    axes = np.random.default_rng(5).uniform(-170.0, 170.0, (60, 6))
+    meant = robot.fk_batch(axes)
+    seen = operands.product(operands.product(base, meant[:, :3].reshape(60, 12).T), flange)
+    for n, off in itertools.product(range(6), (0.5e-6, 2e-6)):
+        T = meant.copy()
+        if n < 3:
+            T[:, n, 3] += off
+        else:
+            T[:, :3, :3] = Rotation.from_rotvec(off * np.eye(3)[n - 3]).as_matrix() @ T[:, :3, :3]
+        M = operands.product(operands.product(base, T[:, :3].reshape(60, 12).T), flange)
+        met = confirmed(axes.T, M, measures, backward)
+        assert (met == (off < 1e-6)).all(), (n, off)
+    # Turned about the flange, a long tool moves: what is 0.9e-6 rad there is 9e-6 m at 10 m.
+    for tip in 10.0 * np.eye(3):
+        long = (*measures[:3], (*tip, *measures[3][3:]))
+        for n in range(3):
+            M = np.array(seen).T.reshape(60, 3, 4)
+            about_tip = Rotation.from_rotvec(0.9e-6 * np.eye(3)[n]).as_matrix()
+            place = M[:, :, :3] @ tip + M[:, :, 3]
+            M[:, :, :3] = about_tip @ M[:, :, :3]
+            M[:, :, 3] = place - M[:, :, :3] @ tip
+            assert confirmed(axes.T, M.reshape(60, 12).T, long, backward).all(), (tip, n)
 
 
 @pytest.mark.parametrize("length", ["a1", "a2", "b", "c1", "c2", "c3"])

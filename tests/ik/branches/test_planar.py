@@ -22,7 +22,7 @@ from chainbuild.ik.branches.every import every_branch
 from chainbuild.ik.branches.planar import batch, constants
 from chainbuild.ik.branches.planar.batch import planar_batch
 from chainbuild.ik.branches.planar.constants import planar_constants
-from chainbuild.ik.branches.planar.formulas import PLANAR_ROWS, arm_rows
+from chainbuild.ik.branches.planar.formulas import PLANAR_ROWS, arm_rows, is_confirmed, seen_from_axes
 from chainbuild.ik.request import IkRequest, start_point
 from chainbuild.robot import Robot
 from tests.kit.parallel_arms import MADE, made_arm, pose_by_hand, random_parallel_arm, robot_of_screws, with_signs
@@ -189,7 +189,7 @@ def test_where_angle_1_has_no_effect_but_for_rounding(wrist: str, compiled: bool
         rotary("A6", "y" if over else "z"), shift(z=77.0),
     ])  # fmt: skip
     rng, targets = np.random.default_rng(11), []
-    for row in rng.uniform(-150.0, 150.0, (12, 6)):
+    for row in rng.uniform(-150.0, 150.0, (100, 6)):
         T = robot.fk(row).homogeneous
         if over:  # where axes 5 and 6 meet
             T[:2, 3] -= (T @ [0.0, 0.0, -0.077, 1.0])[:2]
@@ -242,7 +242,25 @@ def row_of(name: str) -> int:
     return sum(lengths.get(before, 1) for before in PLANAR_ROWS[: PLANAR_ROWS.index(name)])
 
 
-MEASURES = {"before": 12, "after": 12, "first": 5, "fourth": 5, "fifth": 5, "links": 2, "back": 36, "zero": 6}
+@pytest.mark.parametrize("wrist", ["meeting", "parallel"])
+def test_every_part_of_a_pose_is_confirmed(wrist: str) -> None:
+    """Moved along each axis or turned about it by more than the tolerance, a pose is not the one that was meant."""
+    robot = robot_of_screws(random_parallel_arm(np.random.default_rng(4), wrist))
+    known = planar_constants(robot, limits=True)
+    assert known is not None
+    rows = arm_rows(known)
+    axes = np.random.default_rng(5).uniform(-170.0, 170.0, (60, 6))
+    meant = np.array(seen_from_axes(robot.fk_batch(axes)[:, :3].reshape(60, 12).T, rows)).T.reshape(60, 3, 4)
+    for n, off in itertools.product(range(6), (0.5e-9, 3e-9)):
+        M = meant.copy()
+        if n < 3:
+            M[:, n, 3] += off
+        else:
+            M[:, :, :3] = Rotation.from_rotvec(off * np.eye(3)[n - 3]).as_matrix() @ M[:, :, :3]
+        assert (is_confirmed(axes.T, M.reshape(60, 12).T, rows[2], rows[4]) == (off < 1e-9)).all(), (n, off)
+
+
+MEASURES = {"before": 12, "after": 12, "first": 4, "fourth": 5, "fifth": 3, "links": 2, "back": 36, "zero": 6}
 
 
 @pytest.mark.parametrize("name", MEASURES)

@@ -12,7 +12,12 @@ import chainbuild
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.programmed.status import WRIST_IN_FRONT
 from chainbuild.errors import ChainbuildError
-from chainbuild.ik.branches.status_turn import status_and_decided, status_turn
+from chainbuild.ik.branches.status_turn import (
+    status_and_decided,
+    status_constants,
+    status_turn,
+    status_turn_rows,
+)
 from chainbuild.robot import Robot
 from tests.kit.arms45 import bent_arm, status_by_frames
 from tests.kit.kin_robots import robot_of
@@ -83,7 +88,8 @@ def test_reversed_axes_do_not_change_what_is_seen() -> None:
         assert status_turn(mirrored, axes * [-1, -1, -1, 1, 1, 1])[0] == status_turn(plain, axes)[0]
 
 
-def test_zeros_couplings_and_every_offset_count() -> None:
+def everything_counts() -> Robot:
+    """Return an arm with zeros, a coupling and offsets that its recipe does not have."""
     chain = bent_arm().chain
     assert isinstance(chain.axis_map, AffineMap)
     coupled = chain.axis_map.A.copy()
@@ -95,10 +101,32 @@ def test_zeros_couplings_and_every_offset_count() -> None:
         T = joints[n].T_parent_joint.copy()
         T[:3, 3] += 0.05 * joints[before].direction
         joints[n] = replace(joints[n], T_parent_joint=T)
-    robot = Robot(replace(chain, joints=tuple(joints), axis_map=AffineMap.of(coupled, b, ["rotary"] * 6)))
+    return Robot(replace(chain, joints=tuple(joints), axis_map=AffineMap.of(coupled, b, ["rotary"] * 6)))
+
+
+def test_zeros_couplings_and_every_offset_count() -> None:
+    robot = everything_counts()
     rng = np.random.default_rng(9)
     rows = rng.uniform(-170.0, 170.0, (200, 6))
     assert [status_turn(robot, row) for row in rows] == [status_by_frames(robot, row) for row in rows]
+
+
+def test_compiled_code_names_the_same(kuka: Robot) -> None:
+    pytest.importorskip("numba")
+    from chainbuild.ik.branches.compiled.entries import status_rows
+
+    turned = build(45, {7: 400.0, 8: 455.0, 9: 420.0, 10: 80.0, 11: 25.0, 12: -35.0, 1: 50.0, 33: 1}).robot
+    rng = np.random.default_rng(10)
+    for robot in (kuka, everything_counts(), turned):
+        rows = rng.uniform(-170.0, 170.0, (400, 6))
+        rows[:200] = 10.0 * np.round(rows[:200] / 10.0)
+        rows[rng.random(rows.shape) < 0.1] = 0.0
+        rows += rng.choice([0.0, -2.5e-15, 2e-9, -2e-9], rows.shape)
+        constants, bits = status_constants(robot), np.empty((len(rows), 2), np.int64)
+        status_rows(constants, rows, bits)
+        np.testing.assert_array_equal(bits, status_turn_rows(robot, rows))
+        assert len(np.unique(bits[:, 0])) == 8
+    assert status_constants(arm()) is None
 
 
 @pytest.mark.parametrize(("aside_mm", "decided"), [(0.05, 0), (0.2, WRIST_IN_FRONT)])

@@ -23,7 +23,7 @@ from chainbuild.ik.branches.arms.loose_turns import loose_turns, with_loose_turn
 from chainbuild.ik.branches.arms.orientation import for_rotation, perpendicular
 from chainbuild.ik.branches.arms.positioner import MEETING, meeting_point, parallel, positioner, two_parallel_turns
 from chainbuild.ik.branches.arms.two_joints import reach_by_two
-from chainbuild.ik.branches.core.serial import ArmSolver, Screw, Serial, Solution, seen_from, transformed_point
+from chainbuild.ik.branches.core.serial import ArmSolver, Screw, Serial, Solution, rotation_seen_from, transformed_point
 from chainbuild.ik.branches.core.subproblems import (
     norm,
     perpendicular_part,
@@ -141,7 +141,7 @@ class _SphericalWrist:
         motion = target @ self.back
         found: list[Solution] = []
         for arm in self.reach(self.centre, transformed_point(motion, self.centre), keep[:3]):
-            R = seen_from(self.serial.screws[:3], arm, motion[:3, :3])
+            R = rotation_seen_from(self.serial.screws[:3], arm, motion[:3, :3])
             solutions = for_rotation(self.wrist, R, keep[3:])
             found += [(np.array((*arm, *t.angles)), (False, False, False, *t.free)) for t in solutions]
             if not solutions:
@@ -164,7 +164,7 @@ class _SingleWrist:
         aside = perpendicular(last.direction)
         found: list[Solution] = []
         for arm in self.reach(self.point, transformed_point(motion, self.point), keep[:3]):
-            R = seen_from(self.serial.screws[:3], arm, motion[:3, :3])
+            R = rotation_seen_from(self.serial.screws[:3], arm, motion[:3, :3])
             if norm(R @ last.direction - last.direction) > _TILTED:
                 loose = loose_turns(self.serial.screws[:3], arm, self.point)
                 found += with_loose_turns(self.serial.screws[:3], arm, loose, [last.direction], motion[:3, :3], keep)
@@ -219,7 +219,7 @@ class _ParallelArm:
                 sense_b = float(shoulder.direction @ elbow.direction)
                 sense_c = float(shoulder.direction @ tilt.direction)
                 third = sense_c * (pitch - pair[0] - sense_b * pair[1])
-                R = seen_from(self.screws[:4], (first, *pair, third), motion[:3, :3])
+                R = rotation_seen_from(self.screws[:4], (first, *pair, third), motion[:3, :3])
                 aside = perpendicular(hand.direction)
                 last = subproblem_1(hand.direction, aside, R @ aside, keep[4]).angle
                 found.append((np.array((first, *pair, third, last)), (False,) * 5))

@@ -20,6 +20,7 @@ from chainbuild.ik.branches.compiled import (
     finish,
     small,
     spherical,
+    status,
     three_parallel,
 )
 from chainbuild.ik.branches.compiled import axes as machine_axes
@@ -36,6 +37,7 @@ from chainbuild.ik.branches.compiled.general import constants as general_constan
 from chainbuild.ik.branches.compiled.general import eigen, equations, solutions, solve
 from chainbuild.ik.branches.compiled.general.solve import general_branches
 from chainbuild.ik.branches.compiled.spherical import spherical_branches
+from chainbuild.ik.branches.compiled.status import write_status
 from chainbuild.ik.branches.compiled.three_parallel import three_parallel_branches
 from chainbuild.ik.branches.core import branches, subproblems
 from chainbuild.ik.search.compiled import kernels as compiled_kernels
@@ -186,6 +188,16 @@ def _three_parallel(fingerprint: int) -> Any:
     return three_parallel_poses
 
 
+def _status(fingerprint: int) -> Any:
+    @kept_jit(nogil=True, **FAST)
+    def status_rows(constants, values, bits):
+        """Write status and turn of rows of axis values; see `write_status`."""
+        if fingerprint >= 0:
+            write_status(constants, values, bits)
+
+    return status_rows
+
+
 def _fingerprint(*modules: Any) -> int:
     return crc32(b"".join(Path(str(module.__file__)).read_bytes() for module in modules))
 
@@ -197,6 +209,7 @@ _FINISH: Final = _fingerprint(
 finish_poses: Final = _finish(_FINISH)
 beside_pose: Final = _beside(_FINISH ^ _fingerprint(beside, descents, followed_curves, steps))
 nearest_places: Final = _nearest(_FINISH ^ _fingerprint(followed_curves, steps))
+status_rows: Final = _status(_fingerprint(status, tolerances, compiled_kernels))
 # Form → its entry point.
 FORMS: Final = {
     "spherical": _spherical(_SMALL ^ _fingerprint(spherical, angle_pairs)),

@@ -27,7 +27,7 @@ from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.core.serial import Screw, Serial
 from chainbuild.ik.branches.core.subproblems import rotation
 from chainbuild.ik.branches.direct import query_is_direct
-from chainbuild.ik.branches.status_turn import has_status
+from chainbuild.ik.branches.status_turn import status_constants
 from chainbuild.ik.plan import TASK_ROWS, plan_for
 from chainbuild.ik.request import Held, IkRequest, start_point
 from chainbuild.ik.search.compiled import packing
@@ -52,7 +52,7 @@ class QuickForm:
         brief: The same for poses of which to be sure is worth less.
         axes: The axes in one array, and their sizes; see `axes.axes_of`.
         x0: (n_axes,) where branches are counted from without a start [SI].
-        has_status: Whether the controller numbers the branches (KIN_TYP 45).
+        status: What names status and turn where the controller numbers the branches (KIN_TYP 45), or None.
         by_axes: (6, n_axes) joint values in the order of the screws by SI axis values,
         at_zero: (6,) and where these are 0.
         keep: (6,) joint values of x0.
@@ -66,7 +66,7 @@ class QuickForm:
     brief: Vector
     axes: tuple[Vector, Integers]
     x0: Vector
-    has_status: bool
+    status: Vector | None
     by_axes: Matrix
     at_zero: Vector
     keep: Vector
@@ -136,9 +136,10 @@ def _quick_form(mechanism: Mechanism, start: Vector | None, held: Held | None) -
     alone = (isolated(mechanism.labels),) * ROWS
     beside = _moves_beside(_SHARE * float(np.linalg.norm(product.fixed[:, :3, 3], axis=1).sum()))
     brief = brief_constants(constants) if form == "general" else constants
+    status = status_constants(mechanism)
     return QuickForm(
-        method, form, constants, brief, packed, query.x0, has_status(mechanism), by_axes, at_zero, keep, alone, beside
-    )
+        method, form, constants, brief, packed, query.x0, status, by_axes, at_zero, keep, alone, beside
+    )  # fmt: skip
 
 
 def _moves_beside(length: float) -> Matrices:

@@ -13,9 +13,8 @@ import numpy as np
 from chainbuild.arrays import Integers, Matrix, Vector
 from chainbuild.ik.branches.compiled.constants import REFUSED, ROWS, TOLD, UNSURE
 from chainbuild.ik.branches.compiled.doubtful.settle import Doubtful, is_searched, settled
-from chainbuild.ik.branches.compiled.forms import QuickForm, quick_form
+from chainbuild.ik.branches.compiled.forms import QuickForm, compiled_entries, quick_form
 from chainbuild.ik.branches.core.branches import Branches, quick_made
-from chainbuild.ik.branches.status_turn import status_turn_bits
 from chainbuild.ik.request import Held
 from chainbuild.ik.search.compiled.cores import on_all_cores
 from chainbuild.ik.search.solver import refusal
@@ -61,7 +60,11 @@ def quick_branches(
         names, axes = mechanism.labels.names, told[:, 4].astype(int).tolist()
         free = tuple((names[n],) if n >= 0 else () for n in axes)
         directions = tuple(along[0, k : k + 1] if n != -1 else directions[k] for k, n in enumerate(axes))
-    status, turn = status_turn_bits(mechanism, rows[0, :count]).T if form.has_status else (None, None)
+    status, turn = None, None
+    if form.status is not None:
+        bits = np.empty((count, 2), np.int64)
+        compiled_entries().status_rows(form.status, rows[0, :count], bits)
+        status, turn = bits.T
     return quick_made(
         rows[0, :count], told[:, 0], told[:, 1], told[:, 2].astype(np.int64), free, mechanism.task, mechanism.labels,
         status, turn, form.method, directions,

@@ -74,7 +74,7 @@ class Screw:
         return moved
 
 
-def seen_from(screws: Sequence[Screw], values: Sequence[float], R: Matrix) -> Matrix:
+def rotation_seen_from(screws: Sequence[Screw], values: Sequence[float], R: Matrix) -> Matrix:
     """Return a rotation (3, 3) as seen from behind screws."""
     for screw, value in zip(screws, values, strict=True):
         if screw.kind == "revolute":

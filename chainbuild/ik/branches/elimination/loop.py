@@ -17,7 +17,7 @@ from chainbuild.arrays import Complex, Matrix, Vector
 from chainbuild.ik.branches.arms.orientation import perpendicular
 from chainbuild.ik.branches.arms.positioner import parallel
 from chainbuild.ik.branches.arms.two_joints import JointPair, reach_by_two
-from chainbuild.ik.branches.core.serial import Screw, seen_from, transformed_point
+from chainbuild.ik.branches.core.serial import Screw, rotation_seen_from, transformed_point
 from chainbuild.ik.branches.core.subproblems import rotate, subproblem_1, subproblem_2
 from chainbuild.ik.branches.elimination.conformal import ONE, SIZE, arrow, backwards
 from chainbuild.ik.branches.elimination.eliminant import Eliminant
@@ -125,7 +125,7 @@ def closed(loop: OpenedLoop, inner: tuple[float, float, float], G: Matrix, off: 
     aside = perpendicular(last.direction)
     found = []
     for first, second in _outer_pairs(loop, middle, G, off):
-        R = middle[:3, :3].T @ seen_from((one, two), (first, second), G[:3, :3])
+        R = middle[:3, :3].T @ rotation_seen_from((one, two), (first, second), G[:3, :3])
         found.append([first, second, *inner, subproblem_1(last.direction, aside, R @ aside).angle])
     return found
 

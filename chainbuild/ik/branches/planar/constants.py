@@ -78,11 +78,7 @@ def _measures(arm: ParallelArm) -> tuple[dict[str, object], Vector, Vector]:
     turns = [(inverse(a) @ b)[:2, 0] for a, b in zip(before, behind, strict=True)]
     X1, X4, X5 = (inverse(behind[n]) @ before[n + 1] for n in (0, 3, 4))
     after = arm.after @ behind[5]
-    point = (
-        X4[2, 3] + X4[1, 1] * X5[2, 3] - X1[2, 1] * X1[1, 3] + X1[1, 1] * X1[2, 3],
-        X4[2, 1] * X5[1, 3],
-        X4[2, 1] * X5[0, 3],
-    )
+    point = (X4[2, 3] - X1[2, 1] * X1[1, 3], 0.0, X4[2, 1] * X5[0, 3])
     direction = (X4[1, 1] * X5[1, 1], -X4[2, 1] * X5[2, 1], 0.0)
     alone, both = (point, direction) if arm.alone == 0 else (direction, point)
     amplitude = math.hypot(both[1], both[2])

@@ -2,7 +2,7 @@
 
 The equations of `arms.three_parallel` for arms whose axes 5 and 6 meet or are parallel, so that one equation has angle
 1 alone. Every axis turns about the z axis of its own frame, and of each frame the x axis is chosen such that nothing
-but a turn about it and a shift lead to the next:
+but a turn about it and a shift lead to the next; X1 shifts across axis 1, X5 along its x axis:
 
     M = Z(q1)·X1·Z(q2)·(a2, 0, 0)·Z(q3)·(a3, 0, 0)·Z(q4)·X4·Z(q5)·X5·Z(q6)
 
@@ -140,15 +140,14 @@ def links(M: Operand, c1: Operand, s1: Operand, c5: Operand, s5: Operand, doubt:
     # The point of axis 4, then the direction of its x axis, seen from axis 6,
     x, y, z = turned_back(c5, s5, -fourth[2], -fourth[0] * fourth[3] - fourth[1] * fourth[4],
                      fourth[1] * fourth[3] - fourth[0] * fourth[4])  # fmt: skip
-    x, y, z = x - fifth[2], y - fifth[3], z - fifth[4]
-    x, y, z = turned_back(c6, s6, x, fifth[0] * y + fifth[1] * z, fifth[0] * z - fifth[1] * y)
+    x, y, z = turned_back(c6, s6, x - fifth[2], fifth[0] * y + fifth[1] * z, fifth[0] * z - fifth[1] * y)
     u, v, w = turned_back(c6, s6, c5, -s5 * fifth[0], s5 * fifth[1])
     # and from axis 2.
     x, y, z = turned_back(
         c1, s1, M[0] * x + M[1] * y + M[2] * z + M[3], M[4] * x + M[5] * y + M[6] * z + M[7],
         M[8] * x + M[9] * y + M[10] * z + M[11],
     )  # fmt: skip
-    x, y = x - first[2], first[0] * (y - first[3]) + first[1] * (z - first[4])
+    x, y = x - first[2], first[0] * (y - first[3]) + first[1] * z
     cosine, v, w = turned_back(
         c1, s1, M[0] * u + M[1] * v + M[2] * w, M[4] * u + M[5] * v + M[6] * w, M[8] * u + M[9] * v + M[10] * w
     )
@@ -219,11 +218,8 @@ def is_confirmed(x: Operand, M: Operand, arm: Operand, backward: Operand) -> Ope
     v0, w0 = fourth[0] * v0 - fourth[1] * w0, fourth[1] * v0 + fourth[0] * w0
     v1, w1 = fourth[0] * v1 - fourth[1] * w1, fourth[1] * v1 + fourth[0] * w1
     v2, w2 = fourth[0] * v2 - fourth[1] * w2, fourth[1] * v2 + fourth[0] * w2
-    px, py = c5 * fifth[2] - s5 * fifth[3], s5 * fifth[2] + c5 * fifth[3]
-    px, py, pz = (
-        px + fourth[2], fourth[0] * py - fourth[1] * fifth[4] + fourth[3],
-        fourth[1] * py + fourth[0] * fifth[4] + fourth[4],
-    )  # fmt: skip
+    along = s5 * fifth[2]
+    px, py, pz = c5 * fifth[2] + fourth[2], fourth[0] * along + fourth[3], fourth[1] * along + fourth[4]
     # and what it misses of the one that is wanted, seen from axis 2 before it turns.
     x0, y0, z0 = missed(turned_back(c, -s, u0, v0, w0), turned_back(c1, s1, M[0], M[4], M[8]), first)
     x1, y1, z1 = missed(turned_back(c, -s, u1, v1, w1), turned_back(c1, s1, M[1], M[5], M[9]), first)
@@ -232,7 +228,7 @@ def is_confirmed(x: Operand, M: Operand, arm: Operand, backward: Operand) -> Ope
     u, v, w = turned_back(c1, s1, M[3], M[7], M[11])
     x, y, z = missed(
         (x + sizes[0] * c2 + sizes[1] * c23, y + sizes[0] * s2 + sizes[1] * s23, z),
-        (u - first[2], v - first[3], w - first[4]), first,
+        (u - first[2], v - first[3], w), first,
     )  # fmt: skip
     distance = x * x + y * y + z * z
     # A rotation by a small angle differs from 1 by √2 times that angle.
