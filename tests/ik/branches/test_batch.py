@@ -144,6 +144,17 @@ def test_without_limits_every_branch_is_exact(compiled: bool) -> None:
 
 
 @both_paths
+def test_a_stretched_arm_has_its_branches(compiled: bool) -> None:
+    """The wrist as far away as it comes, but for rounding: 4.76° straighten the forearm, which is 35 mm aside."""
+    robot = arm()
+    axes = np.array(poses(robot, 30))
+    axes[:, 2] = math.degrees(math.atan2(35.0, 420.0))
+    found = ik_all_batch(robot, robot.fk_batch(axes), limits=False, compiled=compiled)
+    off = np.abs(np.remainder(found - axes[:, None] + 180.0, 360.0) - 180.0).max(axis=2)
+    assert np.nanmin(off, axis=1).max() < 1e-4
+
+
+@both_paths
 def test_a_slot_is_a_branch(compiled: bool) -> None:
     """Along a path every slot moves continuously: it is the same branch in every pose."""
     robot = machine("irb2600")

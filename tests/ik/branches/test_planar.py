@@ -12,7 +12,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from chainbuild.arrays import Matrices, Matrix, Vector
-from chainbuild.chain.assemble import rotary, shift
+from chainbuild.chain.assemble import rotary, shift, turn
 from chainbuild.chain.axismap import AffineMap
 from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.errors import ChainbuildError
@@ -183,18 +183,23 @@ def test_where_both_values_of_angle_1_nearly_meet(beside: float, compiled: bool)
 def test_where_angle_1_has_no_effect_but_for_rounding(wrist: str, compiled: bool) -> None:
     """Every angle 1 is right: a whole curve of solutions, not none."""
     over = wrist == "over axis 1"
+    base, tool = (
+        Rotation.from_euler("xyz", (0.3, -0.5, 0.7)).as_matrix(),
+        Rotation.from_rotvec((0.4, 0.6, -0.2)).as_matrix(),
+    )
     robot = robot_from([
-        shift(z=100.0), rotary("A1", "z"), rotary("A2", "y"), shift(z=400.0), rotary("A3", "y"), shift(z=300.0),
-        rotary("A4", "y"), rotary("A5", "z"), shift(x=0.0 if over else 200.0, z=50.0),
-        rotary("A6", "y" if over else "z"), shift(z=77.0),
+        turn(base), shift(z=100.0), rotary("A1", "z"), rotary("A2", "y"), shift(z=400.0), rotary("A3", "y"),
+        shift(z=300.0), rotary("A4", "y"), rotary("A5", "z"), shift(x=0.0 if over else 200.0, z=50.0),
+        rotary("A6", "y" if over else "z"), shift(z=77.0), turn(tool),
     ])  # fmt: skip
     rng, targets = np.random.default_rng(11), []
     for row in rng.uniform(-150.0, 150.0, (100, 6)):
         T = robot.fk(row).homogeneous
         if over:  # where axes 5 and 6 meet
-            T[:2, 3] -= (T @ [0.0, 0.0, -0.077, 1.0])[:2]
+            wrist = base.T @ (T[:3, 3] - 0.077 * T[:3, :3] @ tool.T[:, 2])
+            T[:3, 3] -= base @ [*wrist[:2], 0.0]
         else:
-            T[:3, :3] = Rotation.from_rotvec([0.0, 0.0, rng.uniform(-3.0, 3.0)]).as_matrix()
+            T[:3, :3] = base @ Rotation.from_rotvec([0.0, 0.0, rng.uniform(-3.0, 3.0)]).as_matrix() @ tool
         targets.append(T)
     _, counts = quick(robot, np.array(targets), compiled=compiled)
     assert (counts == -1).all()
