@@ -139,6 +139,14 @@ def test_distance_out_of_range_touching_and_free() -> None:
     assert apart(far.angle, math.pi) < 1e-12
     assert sub.subproblem_3(Z, Z, two_x, math.sqrt(5.0), keep=0.3) == (sub.Turn(0.3, True),)
     assert sub.subproblem_3(Z, Z, two_x, 2.0) == ()
+    # Both at a height of their own, and the other one on the axis.
+    assert sub.subproblem_3(Z, 2.0 * Z, 4.0 * X + 5.0 * Z, 5.0, keep=0.3) == (sub.Turn(0.3, True),)
+    assert sub.subproblem_3(Z, 4.0 * X + 5.0 * Z, 2.0 * Z, 5.0, keep=0.3) == (sub.Turn(0.3, True),)
+    assert sub.subproblem_3(Z, 4.0 * X + 5.0 * Z, -2.0 * Z, 5.0) == ()
+
+
+def test_parts_across_an_axis() -> None:
+    np.testing.assert_allclose(sub.perpendicular_part(Z, 2.0 * X - 3.0 * Z), 2.0 * X)
 
 
 def test_height() -> None:
