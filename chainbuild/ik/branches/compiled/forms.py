@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, Final
@@ -15,6 +16,7 @@ from chainbuild.frames import transform
 from chainbuild.ik.branches.arms.parallel_axes import three_parallel_constants
 from chainbuild.ik.branches.arms.virtual_joints import common_rotary_axis, with_spin_joint
 from chainbuild.ik.branches.compiled.constants import (
+    ALONG,
     COLUMNS,
     ROWS,
     direct_constants,
@@ -57,6 +59,7 @@ class QuickForm:
         at_zero: (6,) and where these are 0.
         keep: (6,) joint values of x0.
         isolated: Free directions of branches that have none.
+        free_names: Free axis as `finish.finished` tells it → its name, or no name.
         beside: (2·k, 4, 4) what leads from a pose to poses beside it, in pairs on either side: turn, and shift [m].
     """
 
@@ -71,6 +74,7 @@ class QuickForm:
     at_zero: Vector
     keep: Vector
     isolated: tuple[Matrix, ...]
+    free_names: Mapping[float, tuple[str, ...]]
     beside: Matrices
 
     def write(
@@ -137,8 +141,10 @@ def _quick_form(mechanism: Mechanism, start: Vector | None, held: Held | None) -
     beside = _moves_beside(_SHARE * float(np.linalg.norm(product.fixed[:, :3, 3], axis=1).sum()))
     brief = brief_constants(constants) if form == "general" else constants
     status = status_constants(mechanism)
+    named: dict[float, tuple[str, ...]] = {-1.0: (), float(ALONG): ()}
+    named |= {float(n): (name,) for n, name in enumerate(mechanism.labels.names)}
     return QuickForm(
-        method, form, constants, brief, packed, query.x0, status, by_axes, at_zero, keep, alone, beside
+        method, form, constants, brief, packed, query.x0, status, by_axes, at_zero, keep, alone, named, beside
     )  # fmt: skip
 
 

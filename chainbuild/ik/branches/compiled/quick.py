@@ -57,9 +57,9 @@ def quick_branches(
     free: tuple[tuple[str, ...], ...] = _NONE_FREE[count]
     directions, told = form.isolated[:count], left[0, :count]
     if loose:
-        names, axes = mechanism.labels.names, told[:, 4].astype(int).tolist()
-        free = tuple((names[n],) if n >= 0 else () for n in axes)
-        directions = tuple(along[0, k : k + 1] if n != -1 else directions[k] for k, n in enumerate(axes))
+        axes, ways = told[:, 4].tolist(), along[0]
+        free = tuple([form.free_names[n] for n in axes])
+        directions = tuple([directions[k] if n == -1.0 else ways[k : k + 1] for k, n in enumerate(axes)])
     status, turn = None, None
     if form.status is not None:
         bits = np.empty((count, 2), np.int64)
