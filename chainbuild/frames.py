@@ -127,7 +127,9 @@ def is_rigid(T: Matrix, tolerance: float = tolerances.ROTATION_MATRIX) -> bool:
         and abs(a * c + d * f + g * i) < tolerance
         and abs(b * c + e * f + h * i) < tolerance
         and a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) > 0.0
-        and max(abs(x), abs(y), abs(z)) < tolerances.HUGE_POSITION_M
+        and abs(x) < tolerances.HUGE_POSITION_M  # one by one: the largest of several numbers may hide NaN
+        and abs(y) < tolerances.HUGE_POSITION_M
+        and abs(z) < tolerances.HUGE_POSITION_M
         and last == [0.0, 0.0, 0.0, 1.0]
     )
     return rigid

@@ -34,6 +34,9 @@ UNIT_VECTOR: Final = 1e-6
 # How far R·Rᵀ may be from 1 in a pose given by the user.
 ROTATION_MATRIX: Final = 1e-6
 
+# How far RᵀR of a rotation that was computed in 64 bits may be from 1: what is farther off has lost digits.
+EXACT_ROTATION: Final = 1e-12
+
 # How far a quaternion's norm may be from 1 in a table: files carry rounded digits.
 QUATERNION_NORM: Final = 1e-3
 

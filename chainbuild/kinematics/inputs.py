@@ -16,6 +16,7 @@ from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.frames import is_rigid
 
 Pose: TypeAlias = pin.SE3  # what the other rooms call it, which import no Pinocchio
+_IDENTITY: Final = np.eye(3)  # RᵀR of a rotation
 _HUGE: Final = tolerances.HUGE_AXIS_VALUE**2  # as the sum of squares of axis values
 
 
@@ -78,12 +79,18 @@ def as_pose(T: pin.SE3 | ArrayLike) -> pin.SE3:
             "a pose must be a rigid 4×4 transform: finite, with a right-handed rotation and the last row 0 0 0 1",
             permitted=f"positions below {tolerances.HUGE_POSITION_M:.0e} m",
         )
+    square = matrix[:3, :3].T @ matrix[:3, :3]
+    if (
+        np.abs(square - _IDENTITY).max() > tolerances.EXACT_ROTATION
+    ):  # of few digits, as in 32 bits: the nearest rotation is meant
+        matrix = matrix.copy()
+        matrix[:3, :3] = matrix[:3, :3] @ (1.5 * _IDENTITY - 0.5 * square)  # Newton's step squares what it is off by
     return pin.SE3(np.ascontiguousarray(matrix))
 
 
 def real_numbers(values: ArrayLike) -> Vector | None:
     """Return real numbers as a float array, or None for anything else (masked, complex, dates, text)."""
-    if type(values) is np.ndarray and values.dtype.char == "d":  # most calls, in a third of the time
+    if type(values) is np.ndarray and values.dtype == np.float64:  # most calls, in a third of the time
         return values.copy()
     if isinstance(values, np.ma.MaskedArray):
         return None

@@ -7,7 +7,8 @@ import pinocchio as pin
 import pytest
 
 from chainbuild.chain.assemble import Element, linear, mark, rotary, shift
-from chainbuild.errors import AxisValueError
+from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.ik.search.compiled import packing
 from chainbuild.robot import Robot
 from tests.kit.draws import random_axes
 from tests.kit.robots import arm, make_chain, table_machine
@@ -65,6 +66,40 @@ def test_an_array_serves_as_pose() -> None:
     robot = arm()
     target = robot.fk([10.0, -80.0, 70.0, 20.0, 40.0, 30.0])
     np.testing.assert_array_equal(robot.ik(target.homogeneous).axes, robot.ik(target).axes)
+
+
+def test_the_order_of_bytes_and_their_number_do_not_matter() -> None:
+    robot = arm()
+    target = robot.fk([10.0, -80.0, 70.0, 20.0, 40.0, 30.0]).homogeneous
+    for kind, within in ((">f8", 1e-12), ("f4", 1e-4)):
+        given = target.astype(kind)
+        np.testing.assert_allclose(robot.ik(given).axes, robot.ik(target).axes, atol=within)
+        np.testing.assert_allclose(robot.ik_all(given).axes, robot.ik_all(target).axes, atol=within)
+        np.testing.assert_allclose(robot.ik_batch(given[None]).axes[0], robot.ik(target).axes, atol=within)
+        np.testing.assert_allclose(robot.ik_all_batch(given[None]), robot.ik_all_batch(target[None]), atol=within)
+    with pytest.raises(ChainbuildError, match="rigid"):
+        robot.ik_all_batch(2.0 * np.eye(4, dtype=">f8")[None])
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, 1e300])
+@pytest.mark.parametrize("row", [0, 1, 2])
+def test_every_coordinate_of_a_place_is_a_number(
+    monkeypatch: pytest.MonkeyPatch, row: int, wrong: float, compiled: bool
+) -> None:
+    if not compiled:
+        monkeypatch.setattr(packing, "available", lambda: False)
+    for robot in (arm(), table_machine(), scara()):
+        T = robot.fk(np.zeros(len(robot.axes))).homogeneous
+        T[row, 3] = wrong
+        for call in (
+            robot.ik,
+            robot.ik_all,
+            lambda T, r=robot: r.ik_batch([T]),
+            lambda T, r=robot: r.ik_all_batch([T]),
+        ):
+            with pytest.raises(ChainbuildError, match="rigid"):
+                call(T)
 
 
 def test_the_same_call_gives_the_same_answer() -> None:

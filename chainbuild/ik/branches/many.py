@@ -113,7 +113,8 @@ def _batch(
             return _in_parts(mechanism, targets, np.arange(len(targets)), (start, held), compiled, advance)
         found, counts = quick
         doubtful = np.flatnonzero(counts < 0)
-        advance(len(targets) - len(doubtful))
+        if len(targets) > len(doubtful):
+            advance(len(targets) - len(doubtful))
         others = _in_parts(mechanism, targets, doubtful, (start, held), compiled, advance)
     found = _wide(found, max(others.shape[1], int(counts.max(initial=0))))
     found[doubtful] = _wide(others, found.shape[1])
@@ -145,8 +146,8 @@ def _in_parts(
                 raise at_row(error, int(some[row])) from None
             alone[row] = every_branch(query, doubtful.get(row)).branches.axes
         found = _wide(found, max([1, *counts.tolist(), *map(len, alone.values())]))
+        found[np.arange(found.shape[1]) >= counts[:, None]] = np.nan  # what compiled code has left behind the last one
         for row, axes in alone.items():
-            found[row] = np.nan
             found[row, : len(axes)] = axes
         parts.append(found)
         advance(len(some))

@@ -206,8 +206,8 @@ def pose_array(poses: Sequence[Pose] | ArrayLike) -> Matrix:
     Raises:
         ChainbuildError: not a sequence of 4×4 arrays or `pin.SE3`.
     """
-    if isinstance(poses, np.ndarray) and poses.dtype == np.float64 and poses.shape[1:] == (4, 4) and poses.ndim == 3:
-        return np.ascontiguousarray(poses)
+    if isinstance(poses, np.ndarray) and poses.dtype.kind == "f" and poses.shape[1:] == (4, 4) and poses.ndim == 3:
+        return np.ascontiguousarray(poses, dtype=float)
     try:
         rows = list(poses)  # type: ignore[arg-type]
     except TypeError:

@@ -10,7 +10,9 @@ import pytest
 import chainbuild
 from chainbuild.chain.assemble import linear, rotary, shift
 from chainbuild.ik.branches.core.branches import Branch
+from chainbuild.ik.search.compiled import packing
 from chainbuild.robot import Robot
+from tests.kit.parallel_arms import made_arm, pose_by_hand, robot_of_screws
 from tests.kit.robots import make_chain, robot_from
 
 ALONG = np.linspace(-1.5, 1.5, 13)
@@ -148,3 +150,17 @@ def test_families_are_shown() -> None:
     assert "isolated" not in repr(regular)
     assert "Goes on" not in regular._repr_html_()
     assert regular[0].free_directions.shape == (0, 6)
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_what_was_settled_is_put_onto_its_limits(monkeypatch: pytest.MonkeyPatch, compiled: bool) -> None:
+    """A stretched arm but for a millionth of a degree, axis 2 on its limit: the settled place was beyond it."""
+    if not compiled:
+        monkeypatch.setattr(packing, "available", lambda: False)
+    serial = made_arm("UR10e")
+    values = [-80.2245235, 73.7203032, 1e-6, -30.0943268, -6.4310469, -68.0332078]
+    limits = [(-350.0, 350.0), (13.0, values[1]), *[(-350.0, 350.0)] * 4]
+    robot = robot_of_screws(serial, limits)
+    found = robot.ik_all(pose_by_hand(serial, np.radians(values)))
+    assert np.abs(found.axes - values).max(axis=1).min() < 1e-4
+    assert (found.axes[:, 1] <= values[1]).all()

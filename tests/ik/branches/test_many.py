@@ -9,6 +9,7 @@ import chainbuild
 from chainbuild.errors import AxisValueError, ChainbuildError
 from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.branches.many import ik_all_batch
+from chainbuild.ik.search.compiled import packing
 from chainbuild.robot import Robot
 from tests.kit.draws import random_axes
 from tests.kit.robots import arm
@@ -49,6 +50,28 @@ def test_the_same_branches_as_one_by_one(name: str, compiled: bool) -> None:
         for axes in kept:
             assert np.abs(single - axes).max(axis=1).min() < 1e-5
             assert robot.violated_limits(axes) == ()
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize(
+    "name",
+    ["hand", "kr6r900_2", "arm_rr", "arm_nn", "ac_table_kin58", "plasma_head_kin25", "tripod_table_kin209", "scara_cc"],
+)
+def test_poses_with_few_digits_have_the_same_branches(
+    monkeypatch: pytest.MonkeyPatch, name: str, compiled: bool
+) -> None:
+    """Seven decimals, as in a file, or 32 bits: the nearest rotation is meant, which the equations need to 1e-9."""
+    if not compiled:
+        monkeypatch.setattr(packing, "available", lambda: False)
+    robot = arm() if name == "hand" else chainbuild.Robot.load(name)
+    for T in some_poses(robot, 5 if compiled else 2):
+        exact = robot.ik_all(T).axes
+        for given in (T.round(7), T.astype(np.float32)):
+            few, batch = robot.ik_all(given).axes, rows_of(robot.ik_all_batch(given[None])[0])
+            assert len(few) == len(batch) == len(exact)
+            for axes in exact:
+                assert np.abs(few - axes).max(axis=1).min() < 0.05
+                assert np.abs(batch - axes).max(axis=1).min() < 0.05
 
 
 @pytest.mark.parametrize("name", ["ac_table_kin58", "scara_cc", "palletiser_kin213"])

@@ -148,6 +148,48 @@ def test_an_axis_on_its_limit_is_in_doubt(compiled: bool) -> None:
 
 
 @both_paths
+@pytest.mark.parametrize("digits", [9, 8, 7, 0])
+def test_poses_with_few_digits(digits: int, compiled: bool) -> None:
+    """Rounded, or in 32 bits: the nearest rotation is meant; nothing is lost, also on limits, and few are in doubt."""
+    serial, rng = made_arm("UR10e"), np.random.default_rng(12)
+    for side in range(12 if compiled else 3):
+        values = rng.uniform(-150.0, 150.0, 6).round()
+        limits = np.column_stack([values - 25.0, values + 25.0])
+        limits[side % 6] = (values[side % 6] - 50.0, values[side % 6])
+        robot = robot_of_screws(serial, [(low, high) for low, high in limits.tolist()])
+        T = pose_by_hand(serial, np.radians(values))
+        given = T.round(digits) if digits else T.astype(np.float32)
+        single = one_by_one(robot, given.astype(float), compiled=compiled)
+        every = robot.ik_all_batch(given[None], compiled=compiled)[0]
+        kept = every[np.isfinite(every[:, 0])]
+        assert len(kept) == len(single)
+        np.testing.assert_allclose(kept, single, rtol=0.0, atol=2e-5)
+    _, targets = poses(serial, 300)
+    rounded = targets.round(digits) if digits else targets.astype(np.float32).astype(float)
+    _, counts = quick(robot_of_screws(serial), rounded, compiled=compiled)
+    assert (counts < 0).sum() < 5
+    spoiled = targets.copy()
+    spoiled[:, :3, 0] *= 1.0 + 1e-5
+    with pytest.raises(ChainbuildError, match="pose 0: "):
+        quick(robot_of_screws(serial), spoiled, compiled=compiled)
+
+
+@both_paths
+def test_what_another_pose_needs_room_for_is_no_branch(compiled: bool) -> None:
+    """A singular pose beside one with more branches, both left to the poses one by one."""
+    serial = made_arm("UR10e")
+    limits = [(-350.0, 350.0), (-350.0, 350.0), (-360.0, 360.0), (-170.0, 170.0), (-180.0, 180.0), (-360.0, 360.0)]
+    robot = robot_of_screws(serial, limits)
+    singular = pose_by_hand(serial, np.radians([78.0, 15.0, 180.0, 107.0, -180.0, 90.0]))
+    stretched = pose_by_hand(serial, np.radians([20.0, -70.0, 0.0, 30.0, 50.0, -40.0]))
+    alone = [robot.ik_all_batch(T[None], compiled=compiled)[0] for T in (singular, stretched)]
+    together = robot.ik_all_batch(np.array([singular, stretched, singular]), compiled=compiled)
+    for row, one in zip(together, (*alone, alone[0]), strict=True):
+        np.testing.assert_array_equal(row[np.isfinite(row[:, 0])], one[np.isfinite(one[:, 0])])
+    assert len({len(one) for one in alone}) == 2
+
+
+@both_paths
 def test_half_a_turn_from_the_start(compiled: bool) -> None:
     """180 and -180 degrees are the same place: the one that `ik_all` tells."""
     serial = made_arm("UR5")
@@ -313,6 +355,8 @@ def test_poses_that_are_not_rigid_are_refused_by_number(compiled: bool) -> None:
         (lambda T: T.__setitem__((slice(3), 0), -T[:3, 0]), "rotation"),
         (lambda T: T.__setitem__((3, 0), 0.5), "last row"),
         (lambda T: T.__setitem__((0, 3), math.nan), "finite"),
+        (lambda T: T.__setitem__((1, 3), math.nan), "finite"),
+        (lambda T: T.__setitem__((2, 3), math.nan), "finite"),
         (lambda T: T.__setitem__((0, 3), 1e300), "pose"),
     ):
         targets = good.copy()
@@ -358,6 +402,9 @@ def test_progress_ends_with_all_poses() -> None:
     targets[5] = robot.fk([0.0, -80.0, 0.0, 20.0, 40.0, 30.0]).homogeneous  # stretched: in doubt
     robot.ik_all_batch(targets, progress=lambda done, total: told.append((done, total)))
     assert told[-1] == (300, 300)
+    told.clear()
+    robot.ik_all_batch(np.empty((0, 4, 4)), progress=lambda done, total: told.append((done, total)))
+    assert told == []
 
 
 @both_paths

@@ -16,6 +16,7 @@ from chainbuild.arrays import Matrix, Vector
 from chainbuild.ik.branches.core.beside import Beside
 from chainbuild.ik.branches.core.branches import BETWEEN_BRANCHES, CLOSE_BRANCHES, Branches, Solutions
 from chainbuild.ik.branches.core.query import BranchQuery
+from chainbuild.ik.verify import on_limits
 
 # Singular values below this share of the largest: a solution that lost digits where branches meet has such.
 _NEARLY: Final = 1e-3
@@ -97,8 +98,8 @@ def _settled(query: BranchQuery, branches: Branches, places: list[Vector]) -> Br
     for n, x in enumerate(places):
         shown = query.shown(x)
         if np.abs(x - axes[n] * kinematics.si_factors).max() > _MOVED and not mechanism.limits.violated(shown):
-            axes[n] = shown
-            distances[n], angles[n] = kinematics.errors(x, query.target, mechanism.task)
+            moved = on_limits(mechanism, query.target, shown, mechanism.task)
+            axes[n], distances[n], angles[n] = moved or (shown, *kinematics.errors(x, query.target, mechanism.task))
     return replace(branches, axes=axes, position_error=distances, rotation_error=angles)
 
 

@@ -95,7 +95,7 @@ def _write_branches(targets: Array, constants: Array, axes: Array, doubtful: NDA
     rows = constant_rows(constants)
     for chunk in _chunks(len(targets)):
         T = np.ascontiguousarray(targets[chunk, :3].transpose(1, 2, 0)).reshape(12, -1)
-        with np.errstate(invalid="ignore", divide="ignore"):
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             M, *upper = upper_branches(T, rows)
             every = (*upper, *map(flipped, upper))
             branches, straight = np.array([one[:6] for one in every]), np.array([one[6] for one in every])

@@ -20,8 +20,8 @@ from chainbuild.ik.search.compiled.entries import kept_jit
 from chainbuild.ik.search.compiled.kernels import FAST, jit, leaf
 
 _FORMULAS: Final = (
-    "arm_rows", "every_branch_of", "seen_from_axes", "first_angles", "chosen", "fifth_angles", "links", "turned_back",
-    "completed", "among_limits", "is_confirmed", "missed",
+    "arm_rows", "every_branch_of", "nearest_rotation", "seen_from_axes", "first_angles", "chosen", "fifth_angles",
+    "links", "turned_back", "completed", "among_limits", "is_confirmed", "missed",
 )  # fmt: skip
 _FINGERPRINT: Final = crc32(
     b"".join(Path(str(m.__file__)).read_bytes() for m in (formulas, operands, vectors, compiled_kernels))

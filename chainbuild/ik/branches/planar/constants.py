@@ -19,6 +19,7 @@ from chainbuild.ik.plan import plan_for
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.rules import HALF_TURN_NUDGE, HALF_TURN_TOWARDS
 from chainbuild.kinematics.mechanism import Mechanism
+from chainbuild.tolerances import ROTATION_MATRIX
 
 _WHOLE: Final = 1e-9  # a determinant so near to 1 is one but for rounding: axes and joints make the same turns
 _SAMPLES: Final = 16  # any wrong constant shows in the first one
@@ -93,7 +94,7 @@ def _measures(arm: ParallelArm) -> tuple[dict[str, object], Vector, Vector]:
         "alone": (
             1.0 - arm.alone, alone[0], both[0], both[1] / amplitude, both[2] / amplitude, 1.0 / amplitude
         ),
-        "kept": (_EXACT**2, _EXACT**2, float(arm.backwards), 0.0, 0.0, 0.0),
+        "kept": (_EXACT**2, _EXACT**2, float(arm.backwards), ROTATION_MATRIX, 0.0, 0.0),
     }  # fmt: skip
     return measures, np.array([1.0, 1.0, *arm.signs, 1.0, 1.0]), np.array([math.atan2(s, c) for c, s in turns])
 

@@ -43,7 +43,7 @@ PLANAR_ROWS: Final = (
     "fifth",  # X5
     "links",  # a2, a3, the sum of their squares, half the inverse of their product, the square that angle 1 needs
     "alone",  # 1: the equation of the point has angle 1 alone, 0: that of the direction; numbers of both equations
-    "kept",  # squared tolerances of branches [m², rad²], 1: an arm seen from the tool
+    "kept",  # squared tolerances of branches [m², rad²], 1: an arm seen from the tool, tolerance of rotations
     *AXIS_ROWS,
 )
 
@@ -63,8 +63,11 @@ def arm_rows(constants: Operand) -> Operand:
 
 def every_branch_of(T: Operand, rows: Operand) -> Operand:
     """Return the axis values of eight branches, six each; NaN where there is none, see `completed`."""
-    M, arm = seen_from_axes(T, rows), rows[2]
+    arm = rows[2]
+    T, off = nearest_rotation(T)
+    M = seen_from_axes(T, rows)
     c1, s1, c1_too, s1_too, doubt = first_angles(M, arm)
+    doubt = doubt | (off >= arm[5][3])
     a = fifth_angles(M, c1, s1, doubt, arm)
     b = fifth_angles(M, c1_too, s1_too, doubt, arm)
     p, q = links(M, c1, s1, a[0], a[1], a[4], arm)
@@ -75,6 +78,28 @@ def every_branch_of(T: Operand, rows: Operand) -> Operand:
         completed(p, M, rows), completed(q, M, rows), completed(r, M, rows), completed(s, M, rows),
         completed(t, M, rows), completed(u, M, rows), completed(v, M, rows), completed(w, M, rows),
     )  # fmt: skip
+
+
+def nearest_rotation(T: Operand) -> Operand:
+    """Return a pose whose rotation has lost digits, as in 32 bits, with the nearest one, and by how much it was off."""
+    a, b, c = (
+        T[0] * T[0] + T[4] * T[4] + T[8] * T[8], T[1] * T[1] + T[5] * T[5] + T[9] * T[9],
+        T[2] * T[2] + T[6] * T[6] + T[10] * T[10],
+    )  # fmt: skip
+    d, e, f = (
+        T[0] * T[1] + T[4] * T[5] + T[8] * T[9], T[0] * T[2] + T[4] * T[6] + T[8] * T[10],
+        T[1] * T[2] + T[5] * T[6] + T[9] * T[10],
+    )  # fmt: skip
+    # One of Newton's steps towards it, R·(3 - RᵀR)/2, which squares what it is off by.
+    u, v, w = 1.5 - 0.5 * a, 1.5 - 0.5 * b, 1.5 - 0.5 * c
+    x, y, z = -0.5 * d, -0.5 * e, -0.5 * f
+    off = np.maximum(np.maximum(np.abs(a - 1.0), np.abs(b - 1.0)), np.abs(c - 1.0))
+    off = np.maximum(np.maximum(np.maximum(off, np.abs(d)), np.abs(e)), np.abs(f))
+    return (
+        T[0] * u + T[1] * x + T[2] * y, T[0] * x + T[1] * v + T[2] * z, T[0] * y + T[1] * z + T[2] * w, T[3],
+        T[4] * u + T[5] * x + T[6] * y, T[4] * x + T[5] * v + T[6] * z, T[4] * y + T[5] * z + T[6] * w, T[7],
+        T[8] * u + T[9] * x + T[10] * y, T[8] * x + T[9] * v + T[10] * z, T[8] * y + T[9] * z + T[10] * w, T[11],
+    ), off  # fmt: skip
 
 
 def seen_from_axes(T: Operand, rows: Operand) -> Operand:
@@ -182,7 +207,9 @@ def completed(branch: Operand, M: Operand, rows: Operand) -> Operand:
     within = in_0 & in_1 & in_2 & in_3 & in_4 & in_5
     near = near_0 & near_1 & near_2 & near_3 & near_4 & near_5
     met = is_confirmed((x0, x1, x2, x3, x4, x5), M, rows[2], rows[4])
-    none = where(branch[6] | (near & ~(within & met)), np.inf, np.nan)
+    exists = np.abs(branch[2]) < np.inf
+    # Digits may be lost, or rounding may decide about a limit.
+    none = where(branch[6] | (exists & ~met) | (near & ~within), np.inf, np.nan)
     good = within & met & ~branch[6]
     return (
         where(good, x0, none), where(good, x1, none), where(good, x2, none),
