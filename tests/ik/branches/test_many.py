@@ -7,6 +7,8 @@ import pytest
 
 import chainbuild
 from chainbuild.errors import AxisValueError, ChainbuildError
+from chainbuild.ik.branches.compiled.quick import quick_branches
+from chainbuild.ik.branches.core.branches import Branches
 from chainbuild.ik.branches.every import ik_all
 from chainbuild.ik.branches.many import ik_all_batch
 from chainbuild.ik.search.compiled import packing
@@ -20,6 +22,10 @@ PLANS = {
     "palletiser_kin213": 6, "linear_robot_kin206": 3, "c_face_kin14": 6, "delta_kin37": 4, "parallelogram_nr": 20,
     "irb2600_track": 20,
 }  # fmt: skip
+
+
+# Machines that compiled code knows.
+COMPILED = {"hand", "kr6r900_2", "arm_nn", "ac_table_kin58"}
 
 
 def some_poses(robot: Robot, count: int, seed: int = 3) -> np.ndarray:
@@ -67,6 +73,8 @@ def test_poses_with_few_digits_have_the_same_branches(
     for T in some_poses(robot, 5 if compiled else 2):
         exact = robot.ik_all(T).axes
         for given in (T.round(7), T.astype(np.float32)):
+            if compiled and name in COMPILED:
+                assert isinstance(quick_branches(robot, np.asarray(given, dtype=float), None, None), Branches)
             few, batch = robot.ik_all(given).axes, rows_of(robot.ik_all_batch(given[None])[0])
             assert len(few) == len(batch) == len(exact)
             for axes in exact:
