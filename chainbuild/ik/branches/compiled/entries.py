@@ -11,8 +11,6 @@ from pathlib import Path
 from typing import Any, Final
 from zlib import crc32
 
-import numpy as np
-
 from chainbuild import tolerances
 from chainbuild.ik import rules
 from chainbuild.ik.branches.arms import parallel_axes
@@ -38,7 +36,6 @@ from chainbuild.ik.branches.compiled.finish import finished
 from chainbuild.ik.branches.compiled.general import constants as general_constants
 from chainbuild.ik.branches.compiled.general import eigen, equations, solutions, solve
 from chainbuild.ik.branches.compiled.general.solve import general_branches
-from chainbuild.ik.branches.compiled.small import write_rigid
 from chainbuild.ik.branches.compiled.spherical import spherical_branches
 from chainbuild.ik.branches.compiled.status import write_status
 from chainbuild.ik.branches.compiled.three_parallel import three_parallel_branches
@@ -139,13 +136,11 @@ def _spherical(fingerprint: int) -> Any:
             values: (N, ROWS, COLUMNS) out: joint values in the order of the screws, see `COLUMNS`.
             counts: (N,) out: how many rows, UNSURE less that or REFUSED.
         """
-        T = np.empty((4, 4))
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
             values[i, :, 6:] = -1.0
             if is_rigid(targets[i], rigid):
-                write_rigid(targets[i], T)
-                count, sure = spherical_branches(constants, T, keep, values[i])
+                count, sure = spherical_branches(constants, targets[i], keep, values[i])
                 counts[i] = count if sure else UNSURE - count
 
     return spherical_poses
@@ -155,13 +150,11 @@ def _direct(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
     def direct_poses(constants, targets, rigid, keep, values, counts):
         """Write the values of rotary joints; see `spherical_poses`."""
-        T = np.empty((4, 4))
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
             values[i, :, 6:] = -1.0
             if is_rigid(targets[i], rigid):
-                write_rigid(targets[i], T)
-                count, sure = direct_branches(constants, T, keep, values[i])
+                count, sure = direct_branches(constants, targets[i], keep, values[i])
                 counts[i] = count if sure else UNSURE - count
 
     return direct_poses
@@ -171,13 +164,11 @@ def _general(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
     def general_poses(constants, targets, rigid, keep, values, counts):
         """Write the joint values of poses; see `spherical_poses`."""
-        T = np.empty((4, 4))
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
             values[i, :, 6:] = -1.0
             if is_rigid(targets[i], rigid):
-                write_rigid(targets[i], T)
-                count, sure = general_branches(constants, T, values[i])
+                count, sure = general_branches(constants, targets[i], values[i])
                 counts[i] = count if sure else UNSURE - count
 
     return general_poses
@@ -187,13 +178,11 @@ def _three_parallel(fingerprint: int) -> Any:
     @kept_jit(nogil=True, **FAST)
     def three_parallel_poses(constants, targets, rigid, keep, values, counts):
         """Write the joint values of poses; see `spherical_poses`."""
-        T = np.empty((4, 4))
         for i in range(len(targets)):
             counts[i] = REFUSED + 0 * fingerprint
             values[i, :, 6:] = -1.0
             if is_rigid(targets[i], rigid):
-                write_rigid(targets[i], T)
-                count, sure = three_parallel_branches(constants, T, keep, values[i])
+                count, sure = three_parallel_branches(constants, targets[i], keep, values[i])
                 counts[i] = count if sure else UNSURE - count
 
     return three_parallel_poses
@@ -213,7 +202,7 @@ def _fingerprint(*modules: Any) -> int:
     return crc32(b"".join(Path(str(module.__file__)).read_bytes() for module in modules))
 
 
-_SMALL: Final = _fingerprint(small, tolerances, subproblems, form_constants, compiled_kernels, compiled_search)
+_SMALL: Final = _fingerprint(small, subproblems, form_constants, compiled_kernels, compiled_search)
 _FINISH: Final = _fingerprint(
     machine_axes, finish, form_constants, branches, compiled_kernels, least_squares, rules, tolerances
 )

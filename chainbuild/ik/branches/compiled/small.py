@@ -11,7 +11,6 @@ from typing import Final
 
 from chainbuild.ik.branches.core.subproblems import ON_AXIS, TOUCH
 from chainbuild.ik.search.compiled.kernels import leaf
-from chainbuild.tolerances import EXACT_ROTATION
 
 # A vector whose part across an axis is below this share of its length: its turn keeps half the digits at most.
 BARELY: Final = 1e-7
@@ -72,26 +71,6 @@ def turned(k, angle, p):
 def turned_about(k, point, angle, p):
     """Return where a turn about an axis through a point takes p."""
     return plus(turned(k, angle, minus(p, point)), 1.0, point)
-
-
-@leaf
-def write_rigid(T, out):
-    """Write a pose (4, 4); where its rotation has lost digits, as in 32 bits, the nearest one is meant."""
-    worst = 0.0
-    for i in range(4):
-        for j in range(4):
-            out[i, j] = T[i, j]
-    for i in range(3):
-        for j in range(i + 1):
-            square = T[0, i] * T[0, j] + T[1, i] * T[1, j] + T[2, i] * T[2, j]
-            worst = max(worst, abs(square - (1.0 if i == j else 0.0)))
-    if worst > EXACT_ROTATION:
-        for i in range(3):  # one of Newton's steps, R·(3 - RᵀR)/2, which squares what it is off by
-            for j in range(3):
-                total = 1.5 * T[i, j]
-                for k in range(3):
-                    total -= 0.5 * T[i, k] * (T[0, k] * T[0, j] + T[1, k] * T[1, j] + T[2, k] * T[2, j])
-                out[i, j] = total
 
 
 @leaf
