@@ -195,6 +195,22 @@ def within(arm: Arm, lower: float, upper: float) -> Robot:
     return Robot(replace(chain, axes=(first, *chain.axes[1:])))
 
 
+@pytest.mark.parametrize("width", [12.0, 3.0])
+def test_a_curve_is_found_wherever_limits_leave_a_piece_of_it(width: float) -> None:
+    """Steps along a curve are longer than such a piece; the last digits of the pose decide where they end."""
+    arm, (q, along) = arms()["crx"], folded()
+    rng = np.random.default_rng(8)
+    for lower in range(-180, 180, 40):
+        narrow = within(arm, lower, lower + width)
+        T, start = arm.pose(q), np.degrees(q)
+        T[:3] += 1e-15 * rng.normal(size=(3, 4))
+        start[0] = lower + 1.0
+        curved = [np.radians(row.axes) for row in narrow.ik_all(T, start=start) if len(row.free_directions)]
+        # Beside it there may be what nearly is another one: it keeps the pose to 1e-9 m.
+        off = [math.remainder(x[3] - q[3] - along[3] * (x[0] - q[0]), math.tau) for x in curved]
+        assert min(map(abs, off), default=math.inf) < 1e-6, lower
+
+
 @pytest.mark.parametrize(("lower", "upper"), [(60.0, 90.0), (-95.0, -70.0), (150.0, 170.0), (-170.0, -160.0)])
 def test_of_a_curve_the_place_inside_the_limits_that_is_nearest_counts(lower: float, upper: float) -> None:
     """Of axis 1 a piece is left, whose end next to the start is nearest; the start itself is outside."""

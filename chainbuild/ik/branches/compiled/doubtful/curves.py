@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from chainbuild.ik.branches.compiled.axes import copy_rows, inverted, inverted_again, way_of, weakest
+from chainbuild.ik.branches.compiled.axes import TURN, copy_rows, inverted, inverted_again, way_of, weakest
 from chainbuild.ik.branches.compiled.constants import FOLLOWED, PIECES, POINTS, STATE, UNKNOWN
 from chainbuild.ik.branches.compiled.doubtful.steps import (
     ARRIVED,
@@ -38,6 +38,9 @@ _FULL: Final = -1
 _ALONG: Final = 0.8  # squared cosine of directions that are one where curves cross
 _NEARER: Final = 24  # steps along a curve to where it is nearest to the start, or as near as limits permit
 _STILL: Final = 1e-12  # rad or m of such a step that ends them
+_ASIDE: Final = 0.1  # share of a step by which a curve, which turns by _BENT at most, may leave the chord
+_PARTS: Final = 8  # of a step between two places outside the limits, where the curve may pass through these
+_MOST_PARTS: Final = 64  # the same where an axis has only a small part of the step
 
 
 class Curves(NamedTuple):
@@ -233,6 +236,40 @@ def _distance(x, x0):
     return far
 
 
+@leaf
+def _parts(axes, start, end):
+    """Return in how many parts a step along a curve is looked at for places inside the limits; 0: it has none."""
+    size, parts = 0.0, float(_PARTS)
+    for m in range(len(start)):
+        size = max(size, abs(end[m] - start[m]))
+    for m in range(len(start)):
+        lower, upper = axes.each[LOWER, m], axes.each[UPPER, m]
+        low, high = min(start[m], end[m]) - _ASIDE * size, max(start[m], end[m]) + _ASIDE * size
+        turns = 0.0
+        if axes.each[PERIODIC, m] != 0.0 and lower > -math.inf and upper < math.inf:
+            turns = TURN * np.ceil((lower - high) / TURN)
+        if low + turns > upper or high + turns < lower:
+            return 0
+        if upper > lower:
+            parts = max(parts, 2.0 * abs(end[m] - start[m]) / (upper - lower))
+    return int(min(np.ceil(parts), float(_MOST_PARTS)))
+
+
+@leaf
+def _between(axes, room, target, x0, start, end, nearest, best):
+    """Look for places inside the limits between two of a curve that are outside; return how near the nearest one is."""
+    count = _parts(axes, start, end)
+    for k in range(1, count):
+        for m in range(len(start)):
+            room.x[m] = start[m] + k / count * (end[m] - start[m])
+        met = corrected(axes, room, target) < ARRIVED
+        if met and inside_by_turns(axes, room.x, x0) > 0 and _distance(room.x, x0) < nearest:
+            nearest = _distance(room.x, x0)
+            for m in range(len(start)):
+                best[m] = room.x[m]
+    return nearest
+
+
 @jit
 def nearest_on_curve(axes, room, target, x0, curves, owner, best):
     """Write the place of a curve inside all limits that is nearest to the start; return whether there is one.
@@ -247,16 +284,21 @@ def nearest_on_curve(axes, room, target, x0, curves, owner, best):
         best: (n,) out [SI].
     """
     nearest, spare, x = math.inf, np.empty((1, len(axes.free))), room.x
-    v = spare[0]
+    v, was_inside, share = spare[0], True, 1.0
     for i in range(curves.known[POINTS]):
         if curves.owners[curves.pieces[i]] == owner:
             for m in range(len(x)):
                 x[m] = curves.points[i, m]
-            if inside_by_turns(axes, x, x0) > 0 and _distance(x, x0) < nearest:
+            is_inside = inside_by_turns(axes, x, x0) > 0
+            if is_inside and _distance(x, x0) < nearest:
                 nearest = _distance(x, x0)
                 for m in range(len(x)):
                     best[m] = x[m]
-    share = 1.0
+            if not (was_inside or is_inside) and curves.pieces[i - 1] == curves.pieces[i]:
+                nearest = _between(axes, room, target, x0, curves.points[i - 1], curves.points[i], nearest, best)
+            was_inside = is_inside
+        else:
+            was_inside = True
     for _ in range(_NEARER if nearest < math.inf else 0):
         put(axes, room, best, 0.0, v)
         weakest_at(axes, room, target, spare)
