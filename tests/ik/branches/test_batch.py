@@ -133,6 +133,20 @@ def test_a_free_axis_keeps_sums_of_axes(compiled: bool) -> None:
 
 
 @both_paths
+def test_whole_turns_that_keep_sums_of_axes_are_found(compiled: bool) -> None:
+    """A2 + A4 within ten degrees, of axes that may turn more than once: not only the turns nearest to the middle."""
+    sums = AxisConstraint("A2 + A4", AxisSum((0.0, 1.0, 0.0, 1.0, 0.0, 0.0), 0.0), 223.0, 233.0)
+    free = narrowed(arm(), **{f"A{n}": (-540.0, 540.0) for n in range(1, 7)})
+    robot = Robot(replace(free.chain, constraints=(sums,)))
+    axes = np.random.default_rng(3).uniform(-170.0, 170.0, (12, 6))
+    axes[:, 3] = np.random.default_rng(4).uniform(224.0, 232.0, 12) - axes[:, 1]
+    targets = robot.fk_batch(axes)
+    found = ik_all_batch(robot, targets, compiled=compiled)
+    assert np.isfinite(found[:, :, 0]).any(axis=1).all()
+    compare_with_single(robot, targets, found)
+
+
+@both_paths
 def test_without_limits_every_branch_is_exact(compiled: bool) -> None:
     robot = arm()
     targets = robot.fk_batch(np.array(poses(robot, 200)))

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from chainbuild.chain.sums import AxisConstraint, AxisSum
 from chainbuild.ik.rtcp import linear_axes_batch
 from chainbuild.robot import Robot
 
@@ -98,3 +99,42 @@ def test_a_pose_without_such_a_place_is_refused_by_name() -> None:
     robot = Robot.load("ac_table_kin58")
     found = robot.ik(robot.fk([10.0, 20.0, 130.0, 0.0, 50.0]), solver="analytic")
     assert (found.status, found.violated) == ("limits", ("Z",))
+
+
+def narrowed(robot: Robot, n: int, middle: float, width: float) -> Robot:
+    """Return a robot with little room for an axis."""
+    axes = list(robot.chain.axes)
+    axes[n] = replace(axes[n], lower=middle - 0.5 * width, upper=middle + 0.5 * width, endless=False)
+    return Robot(replace(robot.chain, axes=tuple(axes)))
+
+
+@pytest.mark.parametrize("width", [0.2, 1.0, 3.0])
+def test_ranges_that_lie_between_two_samples_are_found(width: float) -> None:
+    """Of another axis than the free one: it passes through its range within a few degrees of the free one."""
+    rng = np.random.default_rng(5)
+    arm, machine = Robot.load("kr6r900"), Robot.load("ac_table_kin58")
+    for _ in range(6):
+        axes = np.array([20.0, -60.0, 80.0, rng.uniform(-150.0, 150.0), 0.0, rng.uniform(-300.0, 300.0)])
+        narrow = narrowed(arm, 5, axes[5], width)
+        found = narrow.ik_all(narrow.fk(axes))
+        assert len(found) > 0
+        assert (np.abs(found.axes[:, 5] - axes[5]) <= 0.5 * width + 1e-6).all()
+        axes = np.array([*rng.uniform(-100.0, 100.0, 2), -100.0, 0.0, rng.uniform(-180.0, 180.0)])
+        narrow = narrowed(machine, 0, axes[0], width)
+        found = narrow.ik_all(narrow.fk(axes))
+        assert len(found) > 0
+        assert (np.abs(found.axes[:, 0] - axes[0]) <= 0.5 * width + 1e-6).all()
+
+
+@pytest.mark.parametrize("width", [0.2, 1.0])
+def test_sums_with_little_room_are_kept(width: float) -> None:
+    machine = Robot.load("ac_table_kin58")
+    for axes in ([50.2, 40.3, -100.0, 0.0, 200.0], [-80.0, 30.0, -100.0, 0.0, -150.0]):
+        total = axes[0] + axes[1]
+        limit = AxisConstraint("X+Y", AxisSum((1.0, 1.0, 0.0, 0.0, 0.0), 0.0), total - 0.4 * width, total + 0.6 * width)
+        robot = Robot(replace(machine.chain, constraints=(limit,)))
+        T = robot.fk(axes)
+        for branch in robot.ik_all(T):
+            assert robot.violated_limits(branch.axes) == ()
+        assert len(robot.ik_all(T)) > 0
+        assert robot.ik(T).success

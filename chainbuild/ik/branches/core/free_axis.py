@@ -84,7 +84,8 @@ class _Place(NamedTuple):
     Attributes:
         value: Of the free axis, in SI.
         x: (n_axes,) the solution, in SI; where there is none, the one it was looked for beside.
-        margins: How far inside each limit it is, negative outside; -inf where there is no solution.
+        margins: How far inside each limit it is, the lower and the upper one of each axis, sum and drive, negative
+            outside; -inf where there is no solution.
     """
 
     value: float
@@ -112,7 +113,8 @@ class _Motion:
         found = [x for x, free in self._solve(replace(self.query, x0=x0)) if self.n in free]
         if not found:
             limits = self.query.mechanism.limits
-            return _Place(value, near, np.full(len(near) + len(limits.sums) + len(limits.drives), -math.inf))
+            ends = len(near) + len(limits.sums) + (0 if limits.drive_map is None else len(limits.drives))
+            return _Place(value, near, np.full(2 * ends, -math.inf))
         x = min(found, key=lambda x: self._distance(x, near))
         return _Place(value, x, self._margins(x))
 
@@ -123,20 +125,26 @@ class _Motion:
 
     def _margins(self, x: Vector) -> Vector:
         shown, limits = self.query.shown(x), self.query.mechanism.limits
-        margins = [self._margin(n, value) for n, value in enumerate(x.tolist())]
-        margins += [limit.margin(shown) for limit in limits.sums]
+        margins = [margin for n, value in enumerate(x.tolist()) for margin in self._ends(n, value)]
+        for limit in limits.sums:
+            total = limit.sum.value(shown)
+            margins += [total - limit.lower, limit.upper - total]
         if limits.drive_map is not None:
             drives = limits.drive_map.drives(shown).tolist()
-            margins += [min(drives[one.axis] - one.lower, one.upper - drives[one.axis]) for one in limits.drives]
+            for one in limits.drives:
+                margins += [drives[one.axis] - one.lower, one.upper - drives[one.axis]]
         return np.array([-math.inf if math.isnan(margin) else margin for margin in margins])
 
-    def _margin(self, n: int, value: float) -> float:
-        """Return how far inside its limits an axis is, at the best of its whole turns."""
+    def _ends(self, n: int, value: float) -> tuple[float, float]:
+        """Return how far inside each of its limits an axis is, at the best of its whole turns.
+
+        The nearer one of both would have a kink between them, and samples may stand on either side of a narrow range.
+        """
         low, high = float(self.query.lower[n]), float(self.query.upper[n])
         if self.query.periodic[n] and math.isfinite(high - low):
             middle = 0.5 * (low + high)
             value = middle + math.remainder(value - middle, math.tau)
-        return min(value - low, high - value)
+        return value - low, high - value
 
     def samples(self, x: Vector) -> list[_Place]:
         """Return places within the limits of the free axis and two turns about its start, ascending.

@@ -40,6 +40,9 @@ def opw_constants(mechanism: Mechanism, *, limits: bool) -> Matrix | None:
     arm = opw_arm(serial)
     if arm is None or not query.periodic.all():
         return None
+    together = sorted(mechanism.limits.together)
+    if limits and (query.upper - query.lower >= math.tau)[together].any():
+        return None  # another whole turn of an axis may keep a limit on a sum
     joints = [screw.joint for screw in serial.screws]
     A, b, factors = axis_map.A[joints], axis_map.b[joints], axis_map.si_factors
     forearm = math.hypot(arm.parameters["a2"], arm.parameters["c3"])

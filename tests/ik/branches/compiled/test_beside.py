@@ -211,6 +211,24 @@ def test_a_curve_is_found_wherever_limits_leave_a_piece_of_it(width: float) -> N
         assert min(map(abs, off), default=math.inf) < 1e-6, lower
 
 
+@pytest.mark.parametrize("common", [0.1, 0.5, 3.0])
+def test_a_curve_is_found_where_two_ranges_have_a_corner_in_common(common: float) -> None:
+    """Axes 1 and 4 turn alike along the curve; their ranges overlap by tenths of a degree of it, next to the pose's."""
+    arm, (q, along) = arms()["crx"], folded()
+    first, fourth = np.degrees(q[[0, 3]])
+    ways = np.sign(along[[0, 3]])
+    chain = robot_of(arm).chain
+    axes = list(chain.axes)
+    for n, middle, way in ((0, first, ways[0]), (3, fourth, -ways[1])):
+        ends = sorted((middle - 5.0 * way, middle + common * way))
+        axes[n] = replace(axes[n], lower=ends[0], upper=ends[1], endless=False)
+    narrow = Robot(replace(chain, axes=tuple(axes)))
+    T = arm.pose(q)
+    for start in (None, np.degrees(q), np.zeros(6)):
+        found = narrow.ik_all(T, start=start)
+        assert any(len(branch.free_directions) for branch in found), start
+
+
 @pytest.mark.parametrize(("lower", "upper"), [(60.0, 90.0), (-95.0, -70.0), (150.0, 170.0), (-170.0, -160.0)])
 def test_of_a_curve_the_place_inside_the_limits_that_is_nearest_counts(lower: float, upper: float) -> None:
     """Of axis 1 a piece is left, whose end next to the start is nearest; the start itself is outside."""

@@ -39,8 +39,8 @@ _ALONG: Final = 0.8  # squared cosine of directions that are one where curves cr
 _NEARER: Final = 24  # steps along a curve to where it is nearest to the start, or as near as limits permit
 _STILL: Final = 1e-12  # rad or m of such a step that ends them
 _ASIDE: Final = 0.1  # share of a step by which a curve, which turns by _BENT at most, may leave the chord
-_PARTS: Final = 8  # of a step between two places outside the limits, where the curve may pass through these
-_MOST_PARTS: Final = 64  # the same where an axis has only a small part of the step
+_FINEST: Final = 5e-4  # rad or m: a piece of a curve inside the limits that is shorter may be passed over
+_HALVES: Final = 16  # halvings of the longest step to there, and to spare
 
 
 class Curves(NamedTuple):
@@ -237,35 +237,56 @@ def _distance(x, x0):
 
 
 @leaf
-def _parts(axes, start, end):
-    """Return in how many parts a step along a curve is looked at for places inside the limits; 0: it has none."""
-    size, parts = 0.0, float(_PARTS)
+def _may_pass(axes, start, end, size):
+    """Tell whether a step along a curve may have places inside all limits, a share that is every axis's."""
+    first, last = 0.0, 1.0
     for m in range(len(start)):
-        size = max(size, abs(end[m] - start[m]))
-    for m in range(len(start)):
-        lower, upper = axes.each[LOWER, m], axes.each[UPPER, m]
-        low, high = min(start[m], end[m]) - _ASIDE * size, max(start[m], end[m]) + _ASIDE * size
-        turns = 0.0
+        lower, upper = axes.each[LOWER, m] - _ASIDE * size, axes.each[UPPER, m] + _ASIDE * size
+        low, high, turns = min(start[m], end[m]), max(start[m], end[m]), 0.0
         if axes.each[PERIODIC, m] != 0.0 and lower > -math.inf and upper < math.inf:
             turns = TURN * np.ceil((lower - high) / TURN)
         if low + turns > upper or high + turns < lower:
-            return 0
-        if upper > lower:
-            parts = max(parts, 2.0 * abs(end[m] - start[m]) / (upper - lower))
-    return int(min(np.ceil(parts), float(_MOST_PARTS)))
+            return False
+        if high - low > _ASIDE * size:
+            one, other = (
+                (lower - turns - start[m]) / (end[m] - start[m]),
+                (upper - turns - start[m]) / (end[m] - start[m]),
+            )
+            first, last = max(first, min(one, other)), min(last, max(one, other))
+    return first <= last
 
 
 @leaf
-def _between(axes, room, target, x0, start, end, nearest, best):
-    """Look for places inside the limits between two of a curve that are outside; return how near the nearest one is."""
-    count = _parts(axes, start, end)
-    for k in range(1, count):
-        for m in range(len(start)):
-            room.x[m] = start[m] + k / count * (end[m] - start[m])
-        met = corrected(axes, room, target) < ARRIVED
-        if met and inside_by_turns(axes, room.x, x0) > 0 and _distance(room.x, x0) < nearest:
+def _between(axes, room, target, x0, stack, nearest, best):
+    """Look for places inside the limits between two of a curve that are outside; return how near the nearest one is.
+
+    Args:
+        axes: The machine's axes.
+        room: Scratch.
+        target: (4, 4) tool in the workpiece frame [m].
+        x0: (n,) start in SI.
+        stack: (·, 2, n) the two places, then scratch: steps that are still to be halved.
+        nearest: Squared distance to x0 of what is known,
+        best: (n,) in and out: and where it is.
+    """
+    n, count = len(x0), 1
+    while count > 0:
+        count -= 1
+        start, end, size = stack[count, 0], stack[count, 1], 0.0
+        for m in range(n):
+            size = max(size, abs(end[m] - start[m]))
+        if size < _FINEST or not _may_pass(axes, start, end, size) or count + 2 > len(stack):
+            continue
+        for m in range(n):
+            room.x[m] = 0.5 * (start[m] + end[m])
+        if not corrected(axes, room, target) < ARRIVED:
+            continue
+        for m in range(n):
+            stack[count + 1, 1, m], stack[count + 1, 0, m], end[m] = end[m], room.x[m], room.x[m]
+        count += 2
+        if inside_by_turns(axes, room.x, x0) > 0 and _distance(room.x, x0) < nearest:
             nearest = _distance(room.x, x0)
-            for m in range(len(start)):
+            for m in range(n):
                 best[m] = room.x[m]
     return nearest
 
@@ -284,7 +305,7 @@ def nearest_on_curve(axes, room, target, x0, curves, owner, best):
         best: (n,) out [SI].
     """
     nearest, spare, x = math.inf, np.empty((1, len(axes.free))), room.x
-    v, was_inside, share = spare[0], True, 1.0
+    v, was_inside, share, stack = spare[0], True, 1.0, np.empty((_HALVES, 2, len(x0)))
     for i in range(curves.known[POINTS]):
         if curves.owners[curves.pieces[i]] == owner:
             for m in range(len(x)):
@@ -295,7 +316,9 @@ def nearest_on_curve(axes, room, target, x0, curves, owner, best):
                 for m in range(len(x)):
                     best[m] = x[m]
             if not (was_inside or is_inside) and curves.pieces[i - 1] == curves.pieces[i]:
-                nearest = _between(axes, room, target, x0, curves.points[i - 1], curves.points[i], nearest, best)
+                for m in range(len(x)):
+                    stack[0, 0, m], stack[0, 1, m] = curves.points[i - 1, m], curves.points[i, m]
+                nearest = _between(axes, room, target, x0, stack, nearest, best)
             was_inside = is_inside
         else:
             was_inside = True
