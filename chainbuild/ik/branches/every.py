@@ -13,6 +13,7 @@ from chainbuild.ik.branches.compiled.quick import quick_branches
 from chainbuild.ik.branches.core.branches import Branches, Solutions, collect, named
 from chainbuild.ik.branches.core.families import with_families
 from chainbuild.ik.branches.core.free_axis import solutions_of, with_free_axes_inside
+from chainbuild.ik.branches.core.members import members_inside
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.direct import find_direct
 from chainbuild.ik.branches.multistart import multistart_branches
@@ -68,6 +69,9 @@ def every_branch(query: BranchQuery, known: Doubtful | None = None) -> Solutions
     """
     plan = plan_for(query)
     found = _every_solution(query, plan, known)
+    if not len(found.branches) and found.all_beyond:  # families go on, perhaps to the inside
+        members = [(x, ()) for x in members_inside(query, found.all_beyond)]
+        found = collect(query, members) if members else found
     branches = with_families(query, found)
     bits = status_turn_rows(query.mechanism, branches.axes) if has_status(query.mechanism) else None
     return replace(found, branches=named(branches, plan.name, bits))

@@ -164,3 +164,48 @@ def test_what_was_settled_is_put_onto_its_limits(monkeypatch: pytest.MonkeyPatch
     found = robot.ik_all(pose_by_hand(serial, np.radians(values)))
     assert np.abs(found.axes - values).max(axis=1).min() < 1e-4
     assert (found.axes[:, 1] <= values[1]).all()
+
+
+# A wrist over axis 1: axes 1, 4, 5 and 6 move against each other. With axis 1 at its start, axis 5 is beyond its limit.
+OVER = np.array([
+    -109.74257222508496, 116.58534812908952, 56.66892235871629, 140.30218386343705, -4.6797560049248546,
+    -16.286465310270728,
+])  # fmt: skip
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_family_is_found_inside_the_limits_from_its_members_outside(
+    monkeypatch: pytest.MonkeyPatch, compiled: bool
+) -> None:
+    if not compiled:
+        monkeypatch.setattr(packing, "available", lambda: False)
+    robot = chainbuild.Robot.load("irb2600")
+    rng = np.random.default_rng(6)
+    for n in range(12 if compiled else 4):
+        axes = OVER.copy()
+        if n:
+            axes[[0, 3, 4, 5]] = rng.uniform(-110.0, 110.0, 4)
+        T = robot.fk(axes)
+        for start in (None, np.zeros(6), np.full(6, 90.0)):
+            found = robot.ik_all(T, start)
+            assert len(found) > 0
+            assert any(len(branch.free_directions) for branch in found)
+            for row in found.axes:
+                assert robot.violated_limits(row) == ()
+                assert np.abs(robot.fk(row).homogeneous - T.homogeneous).max() < 1e-8
+
+
+@pytest.mark.parametrize("width", [30.0, 2.0])
+def test_a_family_is_found_in_a_small_range_of_one_of_its_axes(width: float) -> None:
+    robot = chainbuild.Robot.load("irb2600")
+    rng = np.random.default_rng(7)
+    for n in (0, 3, 4, 5):
+        axes = OVER.copy()
+        axes[[0, 3, 4, 5]] = rng.uniform(-100.0, 100.0, 4)
+        ends = list(robot.chain.axes)
+        ends[n] = replace(ends[n], lower=axes[n] - 0.3 * width, upper=axes[n] + 0.7 * width)
+        narrow = Robot(replace(robot.chain, axes=tuple(ends)))
+        T = narrow.fk(axes)
+        found = narrow.ik_all(T)
+        assert any(len(branch.free_directions) for branch in found), n
+        assert narrow.ik(T).success

@@ -212,6 +212,19 @@ class Beside:
 
     def _follow(self, x: Vector, direction: Vector, others: Sequence[Vector], found: set[int]) -> bool:
         """Follow a curve of solutions from x, and add which of the others it passes; return whether nothing is left."""
+        for at, ahead, is_closed in self.steps_along(x, direction):
+            found |= {n for n in self._near(at, ahead, others) if n not in found and self._passes(at, ahead, others[n])}
+            if len(found) == len(others) or is_closed:
+                return True
+        return False
+
+    def steps_along(self, x: Vector, direction: Vector) -> Iterator[tuple[Vector, Vector, bool]]:
+        """Yield the steps along a curve of solutions from x: its two places, and whether it is back at x with that.
+
+        Args:
+            x: (n_axes,) a settled solution.
+            direction: (n_axes,) one of `directions`, or the other way.
+        """
         at, tangent, length, passed, apart = x, direction[self.free], _FIRST_STEP, 0.0, math.inf
         for _ in range(_MOST):
             ahead, off = self._moved(at, length * tangent, on_curve=True)
@@ -224,22 +237,24 @@ class Beside:
             if bend > _BENT or float(np.linalg.norm(step - length * tangent)) > _BENT * length:
                 length /= 2.0
                 if length < _SHORTEST:
-                    return False
+                    return
                 continue
-            found |= {n for n in self._near(at, ahead, others) if n not in found and self._passes(at, ahead, others[n])}
             passed += length
-            closed = passed > 3.0 * length and self._near(at, ahead, [x]) and self._passes(at, ahead, x)
-            if len(found) == len(others) or closed:
-                return True
-            if self._is_beyond(ahead):
-                return False
+            is_closed = passed > 3.0 * length and bool(self._near(at, ahead, [x])) and self._passes(at, ahead, x)
+            yield at, ahead, is_closed
+            if is_closed or self._is_beyond(ahead):
+                return
             # Towards a crossing of curves the next singular value vanishes: another curve may pass close by instead.
             last, apart = apart, float(sizes[len(self.free) - len(null) - 1])
             crossing = 0.5 * length * apart / (last - apart) if apart < last < math.inf else math.inf
             most = _LARGEST if self._turns_any(turned) else _FARTHEST
             length = max(min(length * (2.0 if bend < 0.3 * _BENT else 1.0), most, crossing), _SHORTEST)
             at, tangent = ahead, turned
-        return False
+
+    def between(self, start: Vector, end: Vector) -> Vector | None:
+        """Return the solution in the middle of a step along a curve, or None."""
+        middle, off = self._moved(start, 0.5 * (end - start)[self.free], on_curve=True)
+        return middle if off < _MET else None
 
     def _turns_any(self, direction: Vector) -> bool:
         return bool(np.abs(direction[self.rotary]).max(initial=0.0) > _NOTHING)

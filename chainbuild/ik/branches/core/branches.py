@@ -190,12 +190,14 @@ class Solutions:
         branches: Solutions inside all limits, nearest first.
         beyond: The nearest solution outside them, or None.
         outside: Names of the violated limits if there is no branch inside.
+        all_beyond: (n_axes,) each [SI], all solutions outside the limits, nearest first.
         jacobians: (k, rows, n_axes) of the task in SI, of each branch.
     """
 
     branches: Branches
     beyond: Branch | None
     outside: tuple[str, ...]
+    all_beyond: tuple[Vector, ...]
     jacobians: NDArray[np.float64]
 
 
@@ -249,7 +251,10 @@ def collect(query: BranchQuery, candidates: Iterable[Candidate]) -> Solutions:
     branches = _as_arrays([row for _, row in inside], mechanism)
     first = None if nearest is None else nearest[1].branch(mechanism.task, mechanism.labels)
     jacobians = [row.jacobian for _, row in inside]
-    return Solutions(branches, first, outside, np.array(jacobians) if inside else np.empty((0, 0, len(factors))))
+    beyond.sort(key=lambda item: item[0])
+    others = tuple(row.axes * factors for _, row, _ in beyond)
+    J = np.array(jacobians) if inside else np.empty((0, 0, len(factors)))
+    return Solutions(branches, first, outside, others, J)
 
 
 def _is_known(query: BranchQuery, known: Sequence[Sequence[float]], reached: Sequence[float]) -> bool:
