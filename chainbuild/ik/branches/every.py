@@ -69,7 +69,8 @@ def every_branch(query: BranchQuery, known: Doubtful | None = None) -> Solutions
     """
     plan = plan_for(query)
     found = _every_solution(query, plan, known)
-    if not len(found.branches) and found.all_beyond:  # families go on, perhaps to the inside
+    is_determined = len(query.structure.free) <= TASK_ROWS[query.mechanism.task]
+    if is_determined and not len(found.branches) and found.all_beyond:  # families go on, perhaps to the inside
         members = [(x, ()) for x in members_inside(query, found.all_beyond)]
         found = collect(query, members) if members else found
     branches = with_families(query, found)

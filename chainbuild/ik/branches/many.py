@@ -16,7 +16,12 @@ from chainbuild.ik.branches.compiled.forms import quick_form
 from chainbuild.ik.branches.compiled.quick import write_branches_of
 from chainbuild.ik.branches.core.query import BranchQuery
 from chainbuild.ik.branches.every import every_branch
-from chainbuild.ik.branches.opw.batch import has_ortho_parallel_batch, ortho_parallel_batch
+from chainbuild.ik.branches.opw.batch import (
+    has_ortho_parallel_batch,
+    ortho_parallel_batch,
+    slots_over_first_axis,
+    wrists_over_first_axis,
+)
 from chainbuild.ik.branches.planar.batch import planar_batch
 from chainbuild.ik.branches.redundant import REDUNDANT_SAMPLES, Redundant, held_samples
 from chainbuild.ik.plan import plan_of
@@ -87,6 +92,10 @@ def ik_all_batch(
         axes = axes.reshape(len(targets), -1, len(robot.axes))
     elif held is None and has_ortho_parallel_batch(robot, limits=limits):
         axes = ortho_parallel_batch(robot, targets, limits=limits, compiled=compiled)
+        # Where axis 1 is free its start may be in the way.
+        for row in wrists_over_first_axis(robot, targets, axes).tolist() if limits else ():
+            found = every_branch(BranchQuery.of(IkRequest(robot, targets[row]))).branches.axes
+            axes[row, slots_over_first_axis(robot, found)] = found
     else:
         axes = _batch(robot, targets, limits, compiled, held, progress)
     return axes if units == "controller" else axes * factors

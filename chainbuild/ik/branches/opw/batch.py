@@ -21,7 +21,7 @@ from chainbuild.ik.branches.opw.formulas import (
     flipped,
     upper_branches,
 )
-from chainbuild.ik.branches.vectors.operands import BRANCHES, affine
+from chainbuild.ik.branches.vectors.operands import BRANCHES, affine, product
 from chainbuild.ik.request import IkRequest
 from chainbuild.ik.search.batch import at_row
 from chainbuild.ik.search.compiled import packing
@@ -132,6 +132,35 @@ def _place_straight_wrists(mechanism: Mechanism, targets: Array, axes: Array) ->
             turned = np.abs(np.remainder(branches[slots] - at_start + 180.0, 360.0) - 180.0).max(axis=1)
             if np.nanmin(turned, initial=np.inf) < _SAME_BRANCH:
                 axes[row, slots[int(np.nanargmin(turned))]] = inside
+
+
+def wrists_over_first_axis(mechanism: Mechanism, targets: Array, axes: Array) -> NDArray[np.intp]:
+    """Return which poses have no branch inside the limits with axis 1 at its start, but their wrist over that axis.
+
+    Args:
+        mechanism: One for which `has_ortho_parallel_batch` holds.
+        targets: (n, 4, 4) tool in the workpiece frame [m].
+        axes: (n, 8, 6) of `ortho_parallel_batch`, with limits.
+    """
+    constants, without = _constants(mechanism, True), np.flatnonzero(np.isnan(axes[:, :, 0]).all(axis=1))
+    if constants is None or not len(without):
+        return without[:0]
+    base, flange, *_ = constant_rows(constants)
+    M = product(product(base, targets[without, :3].reshape(-1, 12).T), flange)
+    over: NDArray[np.intp] = without[np.hypot(M[3], M[7]) < ON_AXIS]
+    return over
+
+
+def slots_over_first_axis(mechanism: Mechanism, values: Array) -> NDArray[np.intp]:
+    """Return the slots (k,) of branches (k, 6), mm and degrees, whose arm is in front of axis 1 and behind it."""
+    constants = _constants(mechanism, True)
+    if constants is None:
+        raise ChainbuildError("no ortho-parallel arm with a spherical wrist")
+    rows = constant_rows(constants)
+    theta = affine(values.T, rows[4])
+    is_flipped = np.sin(theta[4]) < 0.0
+    slots: NDArray[np.intp] = 4 * is_flipped + (np.sin(theta[2] + rows[2][1][0]) < 0.0)
+    return slots
 
 
 def _refuse_what_is_not_rigid(targets: Array, doubtful: NDArray[np.intp]) -> None:
