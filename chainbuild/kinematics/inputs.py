@@ -80,9 +80,8 @@ def as_pose(T: pin.SE3 | ArrayLike) -> pin.SE3:
             permitted=f"positions below {tolerances.HUGE_POSITION_M:.0e} m",
         )
     square = matrix[:3, :3].T @ matrix[:3, :3]
-    if (
-        np.abs(square - _IDENTITY).max() > tolerances.EXACT_ROTATION
-    ):  # of few digits, as in 32 bits: the nearest rotation is meant
+    if np.abs(square - _IDENTITY).max() > tolerances.EXACT_ROTATION:
+        # Of few digits, as in 32 bits: the nearest rotation is meant.
         matrix = matrix.copy()
         matrix[:3, :3] = matrix[:3, :3] @ (1.5 * _IDENTITY - 0.5 * square)  # Newton's step squares what it is off by
     return pin.SE3(np.ascontiguousarray(matrix))

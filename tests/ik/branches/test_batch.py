@@ -28,7 +28,7 @@ from chainbuild.ik.branches.opw import (
 )
 from chainbuild.ik.branches.opw.formulas import CONSTANTS, confirmed, constant_rows
 from chainbuild.ik.branches.opw.parameters import opw_arm
-from chainbuild.ik.branches.vectors import operands
+from chainbuild.ik.branches.vectors import operands, rows
 from chainbuild.ik.request import IkRequest
 from chainbuild.robot import Robot
 from tests.kit.kin_robots import poses
@@ -277,7 +277,7 @@ def test_chunks_do_not_change_the_answer(monkeypatch: pytest.MonkeyPatch, compil
     whole = ik_all_batch(robot, targets, compiled=compiled)
     one_by_one = np.concatenate([ik_all_batch(robot, target[None], compiled=compiled) for target in targets[:70]])
     np.testing.assert_allclose(one_by_one, whole[:70], rtol=0.0, atol=1e-9)
-    monkeypatch.setattr(batch, "_CHUNK", 7)
+    monkeypatch.setattr(rows, "_CHUNK", 7)
     np.testing.assert_allclose(ik_all_batch(robot, targets, compiled=compiled), whole, rtol=0.0, atol=1e-9)
     monkeypatch.undo()
     # Enough for all cores, the last block short.

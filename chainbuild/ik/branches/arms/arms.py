@@ -24,13 +24,7 @@ from chainbuild.ik.branches.arms.orientation import for_rotation, perpendicular
 from chainbuild.ik.branches.arms.positioner import MEETING, meeting_point, parallel, positioner, two_parallel_turns
 from chainbuild.ik.branches.arms.two_joints import reach_by_two
 from chainbuild.ik.branches.core.serial import ArmSolver, Screw, Serial, Solution, rotation_seen_from, transformed_point
-from chainbuild.ik.branches.core.subproblems import (
-    norm,
-    perpendicular_part,
-    rotate,
-    subproblem_1,
-    subproblem_4,
-)
+from chainbuild.ik.branches.core.subproblems import norm, perpendicular_part, rotate, subproblem_1, subproblem_4
 
 if TYPE_CHECKING:
     from chainbuild.ik.branches.arms.positioner import Reach

@@ -246,12 +246,12 @@ def collect(query: BranchQuery, candidates: Iterable[Candidate]) -> Solutions:
         inside.append((query.distance(reached), row))
         known.append(reached.tolist())
     inside.sort(key=lambda item: item[0])
-    nearest = min(beyond, key=lambda item: item[0], default=None)
+    beyond.sort(key=lambda item: item[0])
+    nearest = beyond[0] if beyond else None
     outside = () if nearest is None or inside else nearest[2]
     branches = _as_arrays([row for _, row in inside], mechanism)
     first = None if nearest is None else nearest[1].branch(mechanism.task, mechanism.labels)
     jacobians = [row.jacobian for _, row in inside]
-    beyond.sort(key=lambda item: item[0])
     others = tuple(row.axes * factors for _, row, _ in beyond)
     J = np.array(jacobians) if inside else np.empty((0, 0, len(factors)))
     return Solutions(branches, first, outside, others, J)

@@ -113,8 +113,7 @@ class _Motion:
         found = [x for x, free in self._solve(replace(self.query, x0=x0)) if self.n in free]
         if not found:
             limits = self.query.mechanism.limits
-            ends = len(near) + len(limits.sums) + (0 if limits.drive_map is None else len(limits.drives))
-            return _Place(value, near, np.full(2 * ends, -math.inf))
+            return _Place(value, near, np.full(2 * (len(near) + len(limits.sums) + len(limits.drives)), -math.inf))
         x = min(found, key=lambda x: self._distance(x, near))
         return _Place(value, x, self._margins(x))
 

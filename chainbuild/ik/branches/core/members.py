@@ -53,10 +53,10 @@ def _between(beside: Beside, start: Vector, end: Vector) -> Vector | None:
     middle = beside.between(start, end)
     if middle is None:
         return None
-    for candidate in (_inside(beside.query, middle), _between(beside, start, middle), _between(beside, middle, end)):
-        if candidate is not None:
-            return candidate
-    return None
+    found = _inside(beside.query, middle)
+    for one, other in ((start, middle), (middle, end)):
+        found = _between(beside, one, other) if found is None else found
+    return found
 
 
 def _inside(query: BranchQuery, x: Vector) -> Vector | None:
@@ -69,7 +69,7 @@ def _inside(query: BranchQuery, x: Vector) -> Vector | None:
 
 
 def _may_pass(query: BranchQuery, start: Vector, end: Vector, size: float) -> bool:
-    """Tell whether a step along a curve may have places inside all limits, a share that is every axis's."""
+    """Tell whether a step along a curve may have places inside all limits; the twin of `doubtful.curves._may_pass`."""
     first, last, aside = 0.0, 1.0, _ASIDE * size
     rows = zip(start.tolist(), end.tolist(), query.lower.tolist(), query.upper.tolist(), query.periodic, strict=True)
     for a, b, lower, upper, is_periodic in rows:

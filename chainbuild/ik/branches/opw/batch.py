@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chainbuild.errors import ChainbuildError
-from chainbuild.frames import rigid_rows
 from chainbuild.ik.branches.arms.arms import arm_solver
 from chainbuild.ik.branches.core.free_axis import placed_branches, solutions_of
 from chainbuild.ik.branches.core.query import BranchQuery
@@ -22,11 +20,9 @@ from chainbuild.ik.branches.opw.formulas import (
     upper_branches,
 )
 from chainbuild.ik.branches.vectors.operands import BRANCHES, affine, product
+from chainbuild.ik.branches.vectors.rows import chunks, has_other_last_row, on_cores, refuse_what_is_not_rigid
 from chainbuild.ik.request import IkRequest
-from chainbuild.ik.search.batch import at_row
 from chainbuild.ik.search.compiled import packing
-from chainbuild.ik.search.compiled.cores import on_all_cores
-from chainbuild.ik.search.solver import refusal
 from chainbuild.kinematics.mechanism import Mechanism
 from chainbuild.tolerances import LIMIT_SLACK
 
@@ -34,10 +30,6 @@ Array = NDArray[np.float64]
 
 _STRAIGHT: Final = 2.0 * ON_AXIS  # sine of θ5: what the formulas take for straight, and rounding
 _SAME_BRANCH: Final = 1e-3  # degrees: far above rounding, far below the distance of branches
-_PART: Final = 1024  # poses that one core takes at a time
-_ALONE: Final = 8192  # fewer poses are left to one core: waking another that is busy can take milliseconds
-_CHUNK: Final = 2048  # poses at a time: their data stay in the processor's cache
-_LAST_ROW: Final = (0.0, 0.0, 0.0, 1.0)  # of a rigid transform
 
 
 def has_ortho_parallel_batch(mechanism: Mechanism, *, limits: bool) -> bool:
@@ -65,16 +57,12 @@ def ortho_parallel_batch(mechanism: Mechanism, targets: Array, *, limits: bool, 
         from chainbuild.ik.branches.opw.compiled import write_branches
 
         flat = axes.reshape(-1, BRANCHES * 6)
-        on_all_cores(
-            lambda part: write_branches(targets[part], constants, flat[part], doubtful[part]),
-            len(targets),
-            _PART if len(targets) >= _ALONE else _ALONE,
-        )
+        on_cores(lambda part: write_branches(targets[part], constants, flat[part], doubtful[part]), len(targets))
     else:
         _write_branches(targets, constants, axes, doubtful)
-    _refuse_what_is_not_rigid(targets, np.flatnonzero(doubtful))
+    refuse_what_is_not_rigid(targets, np.flatnonzero(doubtful))
     if limits and mechanism.limits.sums:
-        for chunk in _chunks(len(targets)):
+        for chunk in chunks(len(targets)):
             _keep_sums(mechanism, constants, axes[chunk])
     _place_straight_wrists(mechanism, targets, axes)
     return axes
@@ -85,15 +73,10 @@ def _constants(mechanism: Mechanism, limits: bool) -> Array | None:
     return mechanism.prepared("OPW constants", lambda: opw_constants(mechanism, limits=limits), limits)
 
 
-def _chunks(count: int) -> Iterator[slice]:
-    for first in range(0, count, _CHUNK):
-        yield slice(first, first + _CHUNK)
-
-
 def _write_branches(targets: Array, constants: Array, axes: Array, doubtful: NDArray[np.bool_]) -> None:
     """Write the branches of poses by NumPy; see `compiled_opw.write_branches`."""
     rows = constant_rows(constants)
-    for chunk in _chunks(len(targets)):
+    for chunk in chunks(len(targets)):
         T = np.ascontiguousarray(targets[chunk, :3].transpose(1, 2, 0)).reshape(12, -1)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             M, *upper = upper_branches(T, rows)
@@ -101,7 +84,7 @@ def _write_branches(targets: Array, constants: Array, axes: Array, doubtful: NDA
             branches, straight = np.array([one[:6] for one in every]), np.array([one[6] for one in every])
             found = finished(branches.swapaxes(0, 1), straight, M, rows)  # six times (8, m)
         axes[chunk] = np.array(found).transpose(2, 1, 0)
-        doubtful[chunk] = ~np.isfinite(found[0]).any(axis=0) | (targets[chunk, 3] != _LAST_ROW).any(axis=1)
+        doubtful[chunk] = ~np.isfinite(found[0]).any(axis=0) | has_other_last_row(targets[chunk])
 
 
 def _keep_sums(mechanism: Mechanism, constants: Array, axes: Array) -> None:
@@ -161,14 +144,3 @@ def slots_over_first_axis(mechanism: Mechanism, values: Array) -> NDArray[np.int
     is_flipped = np.sin(theta[4]) < 0.0
     slots: NDArray[np.intp] = 4 * is_flipped + (np.sin(theta[2] + rows[2][1][0]) < 0.0)
     return slots
-
-
-def _refuse_what_is_not_rigid(targets: Array, doubtful: NDArray[np.intp]) -> None:
-    """Raise for the first pose that is not a rigid transform; only poses without a confirmed branch are checked."""
-    for first in range(0, len(doubtful), _CHUNK):
-        rows = doubtful[first : first + _CHUNK]
-        T = targets[rows]
-        good = rigid_rows(T)
-        if not good.all():
-            row = int(rows[np.argmin(good)])
-            raise at_row(refusal(targets[row]), row)

@@ -7,21 +7,14 @@ from typing import Final
 import numpy as np
 
 from chainbuild.arrays import Integers, Matrices, Matrix
-from chainbuild.frames import rigid_rows
 from chainbuild.ik.branches.planar.constants import planar_constants
 from chainbuild.ik.branches.planar.formulas import arm_rows, every_branch_of
 from chainbuild.ik.branches.vectors.axes import AXIS_ROWS
 from chainbuild.ik.branches.vectors.operands import BRANCHES
-from chainbuild.ik.search.batch import at_row
+from chainbuild.ik.branches.vectors.rows import chunks, has_other_last_row, on_cores, refuse_what_is_not_rigid
 from chainbuild.ik.search.compiled import packing
-from chainbuild.ik.search.compiled.cores import on_all_cores
-from chainbuild.ik.search.solver import refusal
 from chainbuild.kinematics.mechanism import Mechanism
 
-_PART: Final = 1024  # poses that one core takes at a time
-_ALONE: Final = 8192  # fewer poses are left to one core: waking another that is busy can take milliseconds
-_CHUNK: Final = 2048  # poses at a time: their data stay in the processor's cache
-_LAST_ROW: Final = (0.0, 0.0, 0.0, 1.0)  # of a rigid transform
 _WANTED: Final = AXIS_ROWS.index("wanted") - len(AXIS_ROWS)  # row of the constants, from behind
 
 
@@ -52,21 +45,15 @@ def planar_batch(
     if compiled and packing.available():
         from chainbuild.ik.branches.planar.compiled import write_planar_branches
 
-        on_all_cores(
+        on_cores(
             lambda part: write_planar_branches(targets[part], constants, constants[_WANTED], axes[part], counts[part]),
             len(targets),
-            _PART if len(targets) >= _ALONE else _ALONE,
         )
     else:
-        for first in range(0, len(targets), _CHUNK):
-            part = slice(first, first + _CHUNK)
+        for part in chunks(len(targets)):
             axes[part], counts[part] = _sorted_branches(targets[part], constants)
-    # Where a branch is confirmed the pose is rigid.
-    unconfirmed = np.flatnonzero((counts <= 0) | (targets[:, 3] != _LAST_ROW).any(axis=1))
-    rigid = rigid_rows(targets[unconfirmed])
-    if not rigid.all():
-        row = int(unconfirmed[np.argmin(rigid)])
-        raise at_row(refusal(targets[row]), row)
+    # Where a branch is confirmed the rotation is one.
+    refuse_what_is_not_rigid(targets, np.flatnonzero((counts <= 0) | has_other_last_row(targets)))
     return axes, counts
 
 

@@ -23,6 +23,7 @@ from chainbuild.ik.branches.vectors.operands import (
     Operand,
     affine,
     arctan2,
+    by_turns,
     product,
     root,
     rows_of_axes,
@@ -219,10 +220,8 @@ def completed(branch: Operand, M: Operand, rows: Operand) -> Operand:
 
 def among_limits(x: Operand, limits: Operand, n: int) -> Operand:
     """Return an axis value by whole turns near to the start, and whether its limits hold it for certain, perhaps."""
-    wanted, period, per_turn, lower, upper, slack = limits
-    near = x - period[n] * np.rint((x - wanted[n]) * per_turn[n])
-    low, high = lower[n] - slack[n], upper[n] + slack[n]
-    moved = near + where(near < low, period[n], 0.0) - where(near > high, period[n], 0.0)
+    _, _, _, lower, upper, slack = limits
+    moved, low, high = by_turns(x, limits, n)
     inside = (moved >= lower[n] + slack[n]) & (moved <= upper[n] - slack[n])
     return moved, inside, (moved >= low) & (moved <= high)
 

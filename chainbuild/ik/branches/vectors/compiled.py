@@ -29,7 +29,7 @@ def compile_formulas(module: Any, names: Sequence[str]) -> None:
         register_jitable(**IN_LOOP)(getattr(module, name))
 
 
-compile_formulas(operands, ("six", "rows_of_axes", "product", "inside"))
+compile_formulas(operands, ("six", "rows_of_axes", "product", "by_turns", "inside"))
 
 
 @overload(root, jit_options=IN_LOOP)

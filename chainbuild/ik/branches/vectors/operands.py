@@ -85,10 +85,16 @@ def affine(x: Operand, rows: Operand) -> Operand:
     return flat.reshape(stacked.shape)
 
 
-def inside(x: Operand, limits: Operand, n: int) -> Operand:
-    """Return an axis value moved by whole turns into its limits, near to the start, and whether it is inside."""
+def by_turns(x: Operand, limits: Operand, n: int) -> Operand:
+    """Return an axis value moved by whole turns into its limits, near to the start, and how far rounding may be."""
     wanted, period, per_turn, lower, upper, slack = limits
     near = x - period[n] * np.rint((x - wanted[n]) * per_turn[n])
     low, high = lower[n] - slack[n], upper[n] + slack[n]
-    moved = near + where(near < low, period[n], 0.0) - where(near > high, period[n], 0.0)
+    return near + where(near < low, period[n], 0.0) - where(near > high, period[n], 0.0), low, high
+
+
+def inside(x: Operand, limits: Operand, n: int) -> Operand:
+    """Return an axis value moved by whole turns into its limits, near to the start, and whether it is inside."""
+    _, _, _, lower, upper, _ = limits
+    moved, low, high = by_turns(x, limits, n)
     return np.minimum(np.maximum(moved, lower[n]), upper[n]), (moved >= low) & (moved <= high)

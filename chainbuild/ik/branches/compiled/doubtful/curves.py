@@ -229,10 +229,15 @@ def follow_curve(axes, room, target, curves, place, direction):
 
 
 @leaf
-def _distance(x, x0):
+def _nearer(x, x0, nearest, best):
+    """Return the squared distance of a place to the start if it is nearer, and write it, else that of the best one."""
     far = 0.0
     for m in range(len(x)):
         far += (x[m] - x0[m]) ** 2
+    if not far < nearest:
+        return nearest
+    for m in range(len(x)):
+        best[m] = x[m]
     return far
 
 
@@ -284,10 +289,8 @@ def _between(axes, room, target, x0, stack, nearest, best):
         for m in range(n):
             stack[count + 1, 1, m], stack[count + 1, 0, m], end[m] = end[m], room.x[m], room.x[m]
         count += 2
-        if inside_by_turns(axes, room.x, x0) > 0 and _distance(room.x, x0) < nearest:
-            nearest = _distance(room.x, x0)
-            for m in range(n):
-                best[m] = room.x[m]
+        if inside_by_turns(axes, room.x, x0) > 0:
+            nearest = _nearer(room.x, x0, nearest, best)
     return nearest
 
 
@@ -311,10 +314,8 @@ def nearest_on_curve(axes, room, target, x0, curves, owner, best):
             for m in range(len(x)):
                 x[m] = curves.points[i, m]
             is_inside = inside_by_turns(axes, x, x0) > 0
-            if is_inside and _distance(x, x0) < nearest:
-                nearest = _distance(x, x0)
-                for m in range(len(x)):
-                    best[m] = x[m]
+            if is_inside:
+                nearest = _nearer(x, x0, nearest, best)
             if not (was_inside or is_inside) and curves.pieces[i - 1] == curves.pieces[i]:
                 for m in range(len(x)):
                     stack[0, 0, m], stack[0, 1, m] = curves.points[i - 1, m], curves.points[i, m]
@@ -331,11 +332,9 @@ def nearest_on_curve(axes, room, target, x0, curves, owner, best):
         if abs(share * along) < _STILL:
             break
         put(axes, room, best, share * max(-_LARGEST, min(_LARGEST, along)), v)
-        met = corrected(axes, room, target) < ARRIVED
-        if met and inside_by_turns(axes, x, x0) > 0 and _distance(x, x0) < nearest:
-            nearest = _distance(x, x0)
-            for m in range(len(x)):
-                best[m] = x[m]
-        else:
+        before = nearest
+        if corrected(axes, room, target) < ARRIVED and inside_by_turns(axes, x, x0) > 0:
+            nearest = _nearer(x, x0, nearest, best)
+        if not nearest < before:
             share *= 0.5  # towards a limit
     return nearest < math.inf
