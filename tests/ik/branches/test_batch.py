@@ -96,6 +96,27 @@ def test_the_same_where_the_wrist_stands_on_the_first_axis(count: int, compiled:
     assert compare_with_single(robot, targets, found) > 100
 
 
+def test_branches_over_the_first_axis_stand_in_their_slots() -> None:
+    """With axis 1 at its start there is none; flip and elbow are those of the same axis values beside that axis."""
+    robot = machine("irb2600")
+    rng = np.random.default_rng(14)
+    told = set()
+    for middle in (-109.742572, 60.0, 110.0):
+        for _ in range(12):
+            axes = np.array([middle, 116.58534812908952, 56.66892235871629, 0.0, 0.0, 0.0])
+            axes[3:] = rng.uniform(-110.0, 110.0, 3)
+            found = ik_all_batch(robot, robot.fk(axes).homogeneous[None])[0]
+            for slot in np.flatnonzero(np.isfinite(found[:, 0])).tolist():
+                beside = found[slot] + [0.0, 0.3, 0.0, 0.0, 0.0, 0.0]
+                every = ik_all_batch(robot, robot.fk(beside).homogeneous[None], limits=False)[0]
+                off = np.abs(np.remainder(every - beside + 180.0, 360.0) - 180.0).max(axis=1)
+                other = int(np.nanargmin(off))
+                assert off[other] < 1e-6
+                assert (other // 4, other % 2) == (slot // 4, slot % 2)
+                told.add((slot // 4, slot % 2))
+    assert len(told) > 1
+
+
 def narrowed(robot: Robot, **limits: tuple[float, float]) -> Robot:
     """Return a robot with other limits of some axes."""
     ends = {axis.name: limits.get(axis.name, (axis.lower, axis.upper)) for axis in robot.axes}

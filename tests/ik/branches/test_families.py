@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -209,3 +210,17 @@ def test_a_family_is_found_in_a_small_range_of_one_of_its_axes(width: float) -> 
         found = narrow.ik_all(T)
         assert any(len(branch.free_directions) for branch in found), n
         assert narrow.ik(T).success
+
+
+@pytest.mark.parametrize("turn", [360.0, -360.0])
+def test_a_family_is_found_in_a_small_range_a_whole_turn_away(turn: float) -> None:
+    robot = chainbuild.Robot.load("irb2600")
+    for last in (20.0, 80.0):
+        axes = OVER.copy()
+        axes[5] = -math.copysign(last, turn)
+        ends = list(robot.chain.axes)
+        ends[5] = replace(ends[5], lower=axes[5] + turn - 0.6, upper=axes[5] + turn + 1.4)
+        narrow = Robot(replace(robot.chain, axes=tuple(ends)))
+        found = narrow.ik_all(robot.fk(axes))
+        assert any(len(branch.free_directions) for branch in found)
+        assert (np.abs(found.axes[:, 5] - axes[5] - turn) <= 1.4 + 1e-6).all()
